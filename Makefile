@@ -23,7 +23,7 @@ export ROS_HOME := $(WS)/ros_home
 
 # make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
 FIELD_DATA := $(wildcard ../shared/data/riseholme_compaction_0cm_kpa.csv)
-CSV ?= $(if $(MISSION),,$(FIELD_DATA))
+CSV ?= $(if $(MISSION)$(WORLD),,$(FIELD_DATA))
 # make study STUDY_FIELD=csv:/path/of/readings.csv (or meuse)
 STUDY_FIELD ?= $(if $(FIELD_DATA),csv:$(abspath $(FIELD_DATA)),synthetic)
 
@@ -43,10 +43,10 @@ deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 build: deps  ## build the catkin package in .ws/
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
 
-demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings
+demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings, WORLD=warehouse has orders
 	@$(ENTER) rosrun move_base_abstract demo \
 	  $(if $(CLOCK),--clock '$(CLOCK)') $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
-	  $(if $(ROUTES),--routes) \
+	  $(if $(ROUTES),--routes) $(if $(WORLD),--world '$(WORLD)') $(if $(POLICY),--policy '$(POLICY)') \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
 test: TESTS := tests

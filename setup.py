@@ -10,8 +10,8 @@ DATA = {'move_base_abstract': ['py.typed'],
         'move_base_abstract_replay': ['templates/*'],
         'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
         'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}
-PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_replay',
-         'move_base_abstract_worlds')  # without ROS
+PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_mapf',
+         'move_base_abstract_replay', 'move_base_abstract_worlds')  # without ROS
 
 
 def for_catkin():

@@ -13,7 +13,7 @@ import psutil
 from move_base_abstract_ros.loopback import find_executable
 
 FACTOR = 10  # trials of the large experiment for each of the small one
-PARTS = (0.1, 0.5, 1.0)  # of the trials, when memory is looked at
+PARTS = tuple(tenth / 10 for tenth in range(1, 11))  # of the trials, when memory is looked at
 _MODULE = """import random
 
 

@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 
-from move_base_abstract.config.settings import OWN_NAMES
+from move_base_abstract.config.robot_table import OWN_NAMES
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.geometry import Pose2D
 
@@ -30,6 +30,8 @@ _WORLD = {
     'places': {'places': [{'name': 'anywhere', 'duration': 5.0, 'reach': 1000.0}]},
 }
 PARTS = ('none', *(part for part, keys in _SETTINGS.items() if set(keys) <= set(OWN_NAMES)), *_WORLD, 'all')
+#: robots as recorded, by themselves and with encounters; their motion is another one, so they are no part of "all"
+CALIBRATED = ('calibrated', 'encounters')
 
 
 def make_map(cells=CELLS):
@@ -69,6 +71,9 @@ def make(robots, part):
     for one in chosen:
         scenario['defaults'].update(_SETTINGS.get(one, {}))
         scenario.update(_WORLD.get(one, {}))
+    if part in CALIBRATED:
+        scenario['defaults'] = {'calibration': 'move_base_dwa_stage'}
+        scenario['encounters'] = 'calibrated' if part == 'encounters' else 'none'
     return scenario, _MAP if 'routes' in chosen else None
 
 

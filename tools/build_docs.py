@@ -1,26 +1,20 @@
-"""Build the documentation site: stage the repository's pages, write reference pages, and run Sphinx.
+"""Build the documentation site: stage the repository's pages, write pages from sources and runs, and run Sphinx.
 
 usage: build_docs.py OUTPUT    (in the built environment: source .ws/setup.sh)
 
-The pages stay where they are, and readable as they are. What is generated comes of the sources: public names of Python
-from the rooms' own lists and their docstrings, messages, services and actions from their files. A warning is an error:
-a link to a page or a heading that is not there, a docstring that cannot be read.
+The pages stay where they are, and readable as they are. What is generated comes of the sources (public names and their
+docstrings, messages) and of runs that are made now (replays, reports). A warning is an error: a link to a page or a
+heading that is not there, a docstring that cannot be read; so is a link within the finished site that leads nowhere.
 """
-import ast
-import importlib
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+from docs_site import links, live, reference, staging
+
 ROOT = Path(__file__).resolve().parent.parent
 STAGED = ('docs', 'examples', 'config', 'README.md', 'CONTRIBUTING.md', 'CHANGELOG.rst', 'LICENSE', 'CITATION.cff')
-CORE = 'move_base_abstract'
-#: what users' nodes and tests import besides, {module: names of it; none: all that it has}
-FOR_NODES = {'move_base_abstract_ros.lockstep': ('join', 'is_lockstep', 'participant', 'Participant'),
-             'move_base_abstract_ros.goal_client': (), 'move_base_abstract_ros.time_master_client': (),
-             'move_base_abstract_testing.system_under_test': ()}
-INTERFACES = (('msg', 'Messages'), ('srv', 'Services'), ('action', 'Actions'))
 
 
 def main(words):
@@ -32,94 +26,26 @@ def main(words):
     source = output / 'source'
     if source.exists():
         shutil.rmtree(source)  # made here, by an earlier run
-    _stage(source)
-    _write(source / 'docs' / 'reference_interfaces.md', _interfaces())
-    _write(source / 'docs' / 'reference_python.md', _python())
+    staging.stage(ROOT, STAGED, source)
+    _write(source / 'docs' / 'reference_interfaces.md', reference.interfaces())
+    _write(source / 'docs' / 'reference_python.md', reference.python())
+    try:
+        _write(source / 'look.md', live.page(live.make(output / 'live', source / 'extra' / 'live')))
+    except live.LiveError as error:
+        print('docs: {}'.format(error), file=sys.stderr)
+        return 1
+    html = output / 'html'
     command = [sys.executable, '-m', 'sphinx', '-b', 'html', '-W', '--keep-going', '-q', '-j', 'auto', '-d',
-               str(output / 'doctrees'), str(source), str(output / 'html')]
+               str(output / 'doctrees'), str(source), str(html)]
     code = subprocess.run(command, check=False).returncode
-    print('the site: {}'.format(output / 'html' / 'index.html') if code == 0 else 'docs: there are errors, see above')
-    return code
-
-
-def _stage(source):
-    source.mkdir(parents=True)
-    for name in STAGED:
-        path = ROOT / name
-        if path.is_dir():
-            shutil.copytree(path, source / name, ignore=shutil.ignore_patterns('__pycache__', '*.pyc'))
-        else:
-            shutil.copy(path, source / name)
-    for name in ('conf.py', 'index.md'):
-        shutil.move(str(source / 'docs' / 'site' / name), str(source / name))
+    lost = links.lost(html) if code == 0 else []
+    print(*['docs: {}: {} leads nowhere'.format(*one) for one in lost], sep='\n', end='\n' if lost else '')
+    print('docs: there are errors, see above' if code or lost else 'the site: {}'.format(html / 'index.html'))
+    return code or int(bool(lost))
 
 
 def _write(path, text):
     path.write_text(text, encoding='utf-8')
-
-
-def _interfaces():
-    """Return the page of all messages, services and actions, from their files."""
-    lines = ['# Messages, services, actions', '', 'As their files have them, with units and frames.', '']
-    for folder, title in INTERFACES:
-        lines += ['## ' + title, '']
-        for path in sorted((ROOT / folder).glob('*.' + folder)):
-            lines += ['### ' + path.stem, '', '```', path.read_text(encoding='utf-8').rstrip(), '```', '']
-    return '\n'.join(lines)
-
-
-def _python():
-    """Return the page of the public names of Python, room by room."""
-    lines = ['# Python', '',
-             'Public names, from their docstrings. What each room is for: [architecture](architecture.md).', '',
-             '## Without ROS', '', 'Robots in plain Python, and the core of the nodes.', '']
-    shown = set()
-    for room, names in _rooms(CORE):
-        if room:
-            lines += ['### {}.{}'.format(CORE, room), '', importlib.import_module(CORE + '.' + room).__doc__ or '', '']
-        for name, home in names:
-            if (home, name) not in shown:
-                shown.add((home, name))
-                lines += _entry(_kind(home, name), '.'.join(part for part in (CORE, room, name) if part))
-    lines += ['## For nodes and tests', '']
-    for module, names in FOR_NODES.items():
-        lines += ['### ' + module, '']
-        lines += [] if names else _entry('automodule', module)
-        for name in names:
-            lines += _entry('autoclass' if name[0].isupper() else 'autofunction', module + '.' + name)
-    return '\n'.join(lines)
-
-
-def _entry(kind, name):
-    options = '\n    :members:' if kind in ('autoclass', 'automodule') else ''
-    return ['```{eval-rst}', '.. {}:: {}{}'.format(kind, name, options), '```', '']
-
-
-def _kind(home, name):
-    """Return what Sphinx is to show a name of a module as; from its source, for not everything can be imported."""
-    path = (ROOT / 'src').joinpath(*home.split('.'))
-    text = (path / '__init__.py' if path.is_dir() else path.with_suffix('.py')).read_text(encoding='utf-8')
-    found = {getattr(node, 'name', ''): node for node in ast.parse(text).body}.get(name)
-    return {ast.ClassDef: 'autoclass', ast.FunctionDef: 'autofunction'}.get(type(found), 'autodata')
-
-
-def _rooms(package):
-    """Yield (room, [(public name, its module)]), the package itself as ''."""
-    folder = ROOT / 'src' / package
-    for path in [folder / '__init__.py', *sorted(folder.glob('*/__init__.py'))]:
-        room = '' if path.parent == folder else path.parent.name
-        here = '.'.join(part for part in (package, room) if part)
-        names = [(name, here + '.' + module) for module, own in _handed_on(path).items() for name in own.split()]
-        if names:
-            yield room, names
-
-
-def _handed_on(path):
-    """Return the table of names that a package hands on, {module: names}, from its source."""
-    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
-        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'handed_on':
-            return ast.literal_eval(node.args[1])
-    return {}
 
 
 if __name__ == '__main__':

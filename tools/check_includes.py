@@ -46,7 +46,8 @@ ROOMS = {
     'src/roscpp_shim/tf2': (('roscpp_shim/machine/', 'roscpp_shim/interest.h', 'roscpp_shim/waits.h'), False),
     'src/python_shim': (('roscpp_shim/machine/byte_stream.h', 'roscpp_shim/machine/devices.h',
                          'roscpp_shim/machine/glibc_fields.h', 'roscpp_shim/machine/instants.h'), False),
-    'src/time_master': (('clock/', 'lockstep/', 'participant/local_address.h', 'participant/run_secret.h'), False),
+    'src/time_master': (('parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
+                         'participant/run_secret.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

@@ -9,6 +9,7 @@ Steps do not share a ROS master, a port or a folder, and none measures wall time
 import argparse
 import fcntl
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -27,6 +28,8 @@ WS = ROOT / '.ws'
 RESULTS = WS / 'test_results'
 VENV_PYTHON = WS / 'venv' / 'bin' / 'python'  # the same Python, with what the study needs from PyPI
 PLAIN_PYTHON = WS / 'plain' / 'bin' / 'python'  # likewise, with what processes in plain Python need
+INDEX = ROOT / 'docs' / 'site' / 'index.md'  # its first group are the tutorials
+TUTORIALS = ROOT / 'test' / 'tutorials' / 'test_tutorials.py'
 ROSTEST = '/usr/bin/rostest'
 # Wall seconds; it only ends a step that would never end. A busy machine may need 20 times what an idle one does.
 LIMIT_S = 1800.0
@@ -56,6 +59,9 @@ def all_steps():
     steps += [_pytest('plain', ROOT / 'test' / 'plain', PLAIN_PYTHON)]
     steps += [_pytest(name, ROOT / 'test' / name) for name in ('export', 'browser', 'plugin')]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
+    steps += [_pytest('tutorials', ROOT / 'test' / 'tutorials' / 'test_runner.py')]
+    steps += [_pytest(f'tutorial_{page}', f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]')
+              for page in re.findall(r'^docs/(\w+)$', INDEX.read_text().split(':caption: ')[1], re.MULTILINE)]
     return [*steps, _pytest('install', ROOT / 'test' / 'install')]
 
 

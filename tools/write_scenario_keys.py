@@ -17,9 +17,11 @@ from output_file import output_file  # noqa: E402
 
 from move_base_abstract import scenario  # noqa: E402
 from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
-from move_base_abstract.config import settings  # noqa: E402
+from move_base_abstract.config import robot_table  # noqa: E402
+from move_base_abstract.orders import order, order_arrivals  # noqa: E402
+from move_base_abstract.orders import settings as dispatch_settings  # noqa: E402
 from move_base_abstract.tasks import arrivals, places  # noqa: E402
-from move_base_abstract.traffic import zones  # noqa: E402
+from move_base_abstract.traffic import rules, zones  # noqa: E402
 
 HEAD = """# All keys of a scenario
 
@@ -32,6 +34,7 @@ UNIT = re.compile(r' \[([^\[\]_]*)\]')
 TEXTS = {
     'defaults': ('', 'a mapping of settings of every robot'), 'robots': ('', 'a list of robots'),
     'zones': ('', 'a list of zones'), 'places': ('', 'a list of places'), 'arrivals': ('', 'a list of arrivals'),
+    'orders': ('', 'a list of entries'), 'dispatcher': ('', 'a mapping'),
     'lanes': ('', 'the path of a file'), 'travel_matrix': ('', 'the path of a file'),
     'recovery_behaviors': ("upstream's four", 'a list of {name, type}'),
     'footprint': ('none', 'a list of 3 to 1000 points [x, y] [m, base frame]'),
@@ -47,7 +50,7 @@ def row(parameter, page):
     units = UNIT.findall(parameter.allowed)
     return '| `{}` | {} | {} | {} | [{}]({}) |'.format(
         parameter.name, units[-1] if units else '', shown(parameter.default), UNIT.sub('', parameter.allowed),
-        page[:-3].replace('_', ' '), page)
+        page[:-3].rpartition('/')[2].replace('_', ' '), page)
 
 
 def shown(value):
@@ -72,23 +75,28 @@ def as_parameters(names, known):
 
 def sections():
     """Return [(heading, Parameters, pages to look into first)]."""
-    of_robot = settings.TABLE + settings._LIMITS
+    of_robot = robot_table.TABLE + robot_table.LIMITS
     return [
-        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK, scenario._ENCOUNTERS]),
-         ('encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
+        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, *rules.TABLE, scenario._ENCOUNTERS]),
+         ('orders.md', 'encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
-        ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
-         ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'move_base.md')),
-        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER]), ('zones.md',)),
+        ('Settings: of `defaults` or of a robot', as_parameters(robot_table.OWN_NAMES, of_robot),
+         ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'nodes/move_base.md')),
+        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER, zones.GROUP]),
+         ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
         ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
         ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),
+        ('Orders', list(order_arrivals.ORDER_TABLE), ('orders.md',)),
+        ('A stop of an order', [*order_arrivals.DRAWN_STOP_TABLE[:2], *order.STOP_TABLE], ('orders.md',)),
+        ('The dispatcher', list(dispatch_settings.DISPATCHER_TABLE), ('orders.md',)),
     ]
 
 
 def page_of(key, first):
     """Return the page of the docs in which a table has a row for the key: of the ``first`` ones, else any."""
-    names = sorted(name for name in os.listdir(DOCS) if name.endswith('.md') and name != PAGE)
+    names = [*sorted(name for name in os.listdir(DOCS) if name.endswith('.md') and name != PAGE),
+             'nodes/fleet.md', 'nodes/task_source.md']
     pattern = re.compile(r'^\|[^|]*`~?{}`[^|]*\|'.format(re.escape(key)), re.MULTILINE)
     for name in (*first, *names):
         with open(os.path.join(DOCS, name), encoding='utf-8') as stream:

@@ -40,11 +40,14 @@ def make_schema():
     settings = of_table(tables['Settings'])
     robot = of_table([*tables['Settings'], *tables['A robot']], ['name'])
     parts = {'robots': robot, 'zones': of_table(tables['A zone'], ['name']),
-             'places': of_table(tables['A place'], ['name']), 'arrivals': of_table(tables['Arrivals'])}
+             'places': of_table(tables['A place'], ['name']), 'arrivals': of_table(tables['Arrivals']),
+             'orders': of_table(tables['Orders'], ['name'])}
+    parts['orders']['properties']['stops'].update(type='array', items=of_table(tables['A stop of an order']))
     schema = of_table(tables['Top level'])
     for key, part in parts.items():
         schema['properties'][key].update(type='array', items=part)
     schema['properties']['defaults'].update(settings)
+    schema['properties']['dispatcher'].update(of_table(tables['The dispatcher']))
     for key in ('lanes', 'travel_matrix'):
         schema['properties'][key]['type'] = 'string'
     return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'a scenario of move_base_abstract', **schema}

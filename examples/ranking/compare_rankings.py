@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Says what the ranking of coordinators in simulation is worth, held against the same missions on a real stack.
 
-    .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv
+    .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv [PICTURE.png]
+
+PICTURE.png: the distributions beside one another, quantile by quantile.
 
 Both are tables of missions with the columns map, robots, policy, tasks and mission_s [s]; the real one has ended, the
 simulated one level.
 A configuration is a map, a number of robots and a policy; its value is the mean makespan over its task sets.
 SRCC: Pearson's correlation of these values (Kadian and others, RA-L 2020). tau: Kendall's. The ceiling: the same
-between halves of the real missions. Intervals: 95 %, by drawing task sets anew.
+between halves of the real missions. Intervals: 95 %, by drawing task sets anew, of a single one the real missions.
 """
 import sys
 
@@ -36,13 +38,18 @@ def interval(values):
 
 
 def with_intervals(real, simulated, chance):
-    """Return [(SRCC, its interval), (tau, its interval)]."""
+    """Return [(SRCC, its interval), (tau, its interval)]; of one task set the real missions are drawn anew instead."""
     one, other = (table.to_numpy() for table in means(real).align(means(simulated), join='inner'))
     sets = one.shape[1]
-    chosen = [chance.integers(0, sets, sets) for _ in range(DRAWS if sets > 1 else 0)]
-    draws = [agreement(one[:, own], other[:, own]) for own in chosen]
-    return [(value, interval([draw[at] for draw in draws]) if draws else 'one task set')
-            for at, value in enumerate(agreement(one, other))]
+    if sets > 1:
+        chosen = [chance.integers(0, sets, sets) for _ in range(DRAWS)]
+        draws = [agreement(one[:, own], other[:, own]) for own in chosen]
+    else:
+        groups = real.groupby(KEYS + ['tasks'])
+        samples = [groups.sample(frac=1.0, replace=True, random_state=seed) for seed in range(DRAWS)]
+        draws = [agreement(*(table.to_numpy() for table in means(own).align(means(simulated), join='inner')))
+                 for own in samples]
+    return [(value, interval([draw[at] for draw in draws])) for at, value in enumerate(agreement(one, other))]
 
 
 def ceiling(real, chance):
@@ -94,14 +101,37 @@ def distributions(real, simulated):
     return np.mean(inside), np.mean(told_apart)
 
 
-def main(real_path, simulated_path):
-    """Print a table in Markdown."""
-    chance = np.random.default_rng(1)
+def quantile_plot(real, simulated, path):
+    """Draw each real makespan against the simulated one of the same rank in its configuration, a panel a level."""
+    import matplotlib
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+    levels = list(simulated.level.unique())
+    figure, axes = pyplot.subplots(1, len(levels), figsize=(3.0 * len(levels), 3.3), sharex=True, sharey=True)
+    cells = KEYS + ['tasks']
+    for level, axis in zip(levels, np.atleast_1d(axes)):
+        here = dict(list(simulated[simulated.level == level].groupby(cells)['mission_s']))
+        for (name, color) in zip(sorted(real.map.unique()), ('tab:blue', 'tab:orange', 'tab:green')):
+            pairs = [(value, np.quantile(here[key], (rank + 0.5) / len(own)))
+                     for key, own in real[real.map == name].groupby(cells)['mission_s'] if key in here
+                     for rank, value in enumerate(sorted(own))]
+            axis.plot(*zip(*pairs), '.', color=color, label=name)
+        axis.plot([20, 1000], [20, 1000], color='grey', linewidth=0.8)
+        axis.set(title=level, xscale='log', yscale='log', xlabel='real makespan [s]')
+    np.atleast_1d(axes)[0].set_ylabel('simulated, same quantile [s]')
+    np.atleast_1d(axes)[0].legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+
+
+def main(real_path, simulated_path, picture=None):
+    """Print a table in Markdown, and draw a picture if one is asked for."""
     real, simulated = pd.read_csv(real_path), pd.read_csv(simulated_path)
-    top = ceiling(real, chance)
+    top = ceiling(real, np.random.default_rng(1))
     print('| level | simulated / real | in 90 % of the seeds | told apart (KS, 5 %) | SRCC | tau | same sign |')
     print('|---|---|---|---|---|---|---|')
     for level, own in simulated.groupby('level', sort=False):
+        chance = np.random.default_rng(1)
         srcc, tau = with_intervals(real, own, chance)
         inside, apart = distributions(real, own)
         certain, same = pairs(real, own, chance)
@@ -109,6 +139,8 @@ def main(real_path, simulated_path):
         print('| {} | {:.3f} | {:.0f} % | {:.0f} % | {:.2f} ({}) | {:.2f} ({}) | {} of {} |'.format(
             level, np.nanmean(one) / np.nanmean(other), 100 * inside, 100 * apart, *srcc, *tau, same, certain))
     print('| halves of the real missions | | | | {:.2f} | {:.2f} | |'.format(*top))
+    if picture:
+        quantile_plot(real, simulated, picture)
     print('\n{} real missions, {} of them ended by the limit.'.format(len(real), int((real.ended == 0).sum())))
 
 

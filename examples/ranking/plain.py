@@ -14,14 +14,20 @@ LEVELS = {'straight': {'max_speed': 1.0},
           'routes': {'max_speed': 1.0, **_WAYS},
           'calibrated': {'calibration': 'move_base_dwa_stage', **_WAYS}}
 LEVELS['encounters'] = LEVELS['calibrated']  # and they meet
+_PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 _maps = {}
 
 
+def paths_of(name):
+    """Return where the map ``name`` may lie: an absolute path, in the package's maps/, or beside the recordings."""
+    file = name if name.endswith('.yaml') else name + '.yaml'
+    return [os.path.join(_PACKAGE, folder, file) for folder in ('maps', 'examples/reality/ranking')]
+
+
 def map_of(name):
-    """Return (map, its free places) by name: an absolute path, or one in the package's maps/; read once."""
+    """Return (map, its free places) by name; read once."""
     if name not in _maps:
-        path = name if os.path.isabs(name) else os.path.join(os.path.dirname(__file__), '..', '..', 'maps', name)
-        occupancy = load_map(read_description(path + ('' if path.endswith('.yaml') else '.yaml')))
+        occupancy = load_map(read_description(next(filter(os.path.exists, paths_of(name)), name)))
         _maps[name] = occupancy, free_places(occupancy)
     return _maps[name]
 
@@ -51,9 +57,10 @@ def run_mission(level, policy, robots, mission, occupancy, seed):
 
 
 def prepare(_args, factors):
-    """Load the maps before the first trial."""
+    """Load the maps before the first trial, and drive a mission on each: what its ways need is made once."""
     for name in factors['map']:
-        map_of(name)
+        occupancy, places = map_of(name)
+        run_mission('encounters', 'auction', 2, make_mission(places, 1), occupancy, 0)
 
 
 def run(trial):

@@ -8,4 +8,5 @@ from .common.handed_on import handed_on
 __path__ = extend_path(__path__, __name__)
 
 __getattr__ = handed_on(__name__, {
-    'fleet.fleet': 'Fleet', 'processes': 'Environment', 'scenario': 'Scenario make_scenario read_scenario'})
+    'fleet.dispatch': 'Dispatch', 'fleet.fleet': 'Fleet', 'processes': 'Environment',
+    'scenario': 'Scenario make_scenario read_scenario'})

@@ -1,4 +1,4 @@
-"""Missions: which robots there are, where they start and which places they visit, in which order.
+"""Missions: the robots, where they start, and the places that they visit, in their order.
 
 A mission comes from a YAML file (read_mission) or from a field's readings (read_field_points, mission_from_points).
 All places are in the map frame, in metres (x east, y north) and radians (yaw from x, counter-clockwise).

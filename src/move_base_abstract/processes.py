@@ -1,4 +1,4 @@
-"""Processes that send robots about: SimPy's generators on a fleet's own clock. Needs SimPy (3 or 4), no ROS.
+"""Processes that control robots: SimPy's generators on a fleet's own clock. Needs SimPy (3 or 4), but no ROS.
 
     env = Environment(make_scenario({'robots': [{'name': 'bot', 'max_speed': 2.0}]}))
 

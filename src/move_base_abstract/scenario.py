@@ -1,4 +1,4 @@
-"""Which robots there are: names and settings of a whole fleet, from a YAML file or a dictionary.
+"""Scenarios: names and settings of all robots of a fleet, from a YAML file or a dictionary.
 
     seed: 7
     defaults: {max_speed: 2.0}                     # settings of every robot
@@ -10,6 +10,8 @@
     zones: []                                      # see zones; likewise lanes and travel_matrix, paths of files
     places: [{name: dock, x: 12.0, y: 3.0}]        # see places
     arrivals: [{place: dock, rate_per_hour: 20.0, duration: 30.0}]    # of tasks, see arrivals
+    orders: [{name: picks, rate_per_hour: 20.0, stops: [{place: dock}]}]    # of several stops, see orders
+    dispatcher: {policy: nearest}                  # who does them, see orders
 
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
@@ -23,22 +25,29 @@ from .common.parameter_table import Parameter, checked, integer, number, one_of
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
 from .common.unknown_keys import check_keys
-from .config.settings import OWN_NAMES, RobotSettings, read_settings
+from .config.node_tables import MAX_ROBOTS
+from .config.robot_table import OWN_NAMES
+from .config.settings import RobotSettings, read_settings
+from .energy.battery import TABLE as BATTERY_TABLE
 from .motion.encounter_law import EncounterLaw
+from .orders import order_arrivals
+from .orders.settings import DispatchSettings, read_dispatcher, with_levels
 from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
+from .traffic.rules import KEYS as RULES
+from .traffic.rules import TrafficRules, read_rules
 from .traffic.zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', 'encounters', *_NETWORKS, 'places', 'arrivals')
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *RULES, 'encounters', *_NETWORKS, 'places', 'arrivals', 'orders',
+             'dispatcher')
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
-MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
-_DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'")
 _ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'), "'calibrated' or 'none'")
+_THRESHOLDS = next(one.default for one in BATTERY_TABLE if one.name == 'battery_thresholds')
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 
 
@@ -56,21 +65,29 @@ class Scenario:
     """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones.
 
     ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks;
-    ``encounters``: what happens when two robots come near each other (EncounterLaw), None: nothing.
+    ``traffic``: its rules (TrafficRules); ``encounters``: what happens when two robots come near each other
+    (EncounterLaw), None: nothing. ``order_sources``: of orders; ``dispatcher``: who does them (DispatchSettings), None
+    where the scenario says nothing of it.
     """
 
     robots: Tuple[RobotSpec, ...]
     defaults: dict = field(default_factory=dict)
     seed: int = 0
     zones: Tuple[Zone, ...] = ()
-    deadlock: str = 'wait'
+    traffic: TrafficRules = TrafficRules()
     places: Any = None
     arrivals: Tuple[Any, ...] = ()
     encounters: Optional[EncounterLaw] = None
+    order_sources: Tuple[Any, ...] = ()
+    dispatcher: Optional[DispatchSettings] = None
 
     def tasks(self, seed=None):
         """Yield the tasks (Task) that arrive, in order, of the scenario's seed or another one; they may be endless."""
         return merged(self.arrivals, self.seed if seed is None else seed)
+
+    def orders(self, seed=None):
+        """Yield the orders (Order) that arrive, likewise."""
+        return order_arrivals.merged(self.order_sources, self.seed if seed is None else seed)
 
 
 def read_scenario(path, overrides=None, base=None):
@@ -92,10 +109,10 @@ def _find_files(raw, folder):
         for key in _FILES if isinstance(setting, dict) else ():
             if isinstance(setting.get(key), str) and (key != 'calibration' or setting[key].endswith('.yaml')):
                 setting[key] = os.path.join(folder, setting[key])
-    arrivals = raw.get('arrivals')
-    for entry in arrivals if isinstance(arrivals, list) else []:
-        if isinstance(entry, dict) and isinstance(entry.get('file'), str):
-            entry['file'] = os.path.join(folder, entry['file'])
+    for key in ('arrivals', 'orders'):
+        for entry in raw[key] if isinstance(raw.get(key), list) else []:
+            if isinstance(entry, dict) and isinstance(entry.get('file'), str):
+                entry['file'] = os.path.join(folder, entry['file'])
 
 
 def make_scenario(raw, where='scenario', overrides=None, base=None):
@@ -118,14 +135,19 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
-    specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
+    dispatcher = None if raw.get('dispatcher') is None else read_dispatcher(raw['dispatcher'], where)
+    levels = () if dispatcher is None else dispatcher.levels
+    specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
     settings = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
     _check_different(specs, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
+    if places is None and raw.get('orders') is not None:
+        places = {}  # robots that do orders work
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
+    orders = () if raw.get('orders') is None else order_arrivals.read_orders(raw['orders'], places or {}, where)
     return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
-                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where), places, arrivals,
-                    _read_encounters(raw, settings, where))
+                    read_rules(raw, where), places, arrivals, _read_encounters(raw, settings, where), orders,
+                    dispatcher)
 
 
 def _read_encounters(raw, settings, where):
@@ -137,7 +159,7 @@ def _read_encounters(raw, settings, where):
         raise ConfigurationError(
             "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
             'encounters, the same for all robots'.format(where, (
-                'of which the calibration does not say it' if None in laws else 'of different laws')))
+                'whose calibration does not say it' if None in laws else 'of different laws')))
     return laws[0]
 
 
@@ -149,7 +171,7 @@ def check_one_process(scenario, parts, where):
     what = counted_places(scenario)
     if parts > 1 and what:
         raise ConfigurationError(
-            'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
+            'parameter {}/parts: got {} with {}; allowed: 1, because one process must count the robots in them'.format(
                 where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
 
 
@@ -175,13 +197,14 @@ def make_robot(name, parameters, where='robot'):
     return RobotSpec(name, dict(parameters), read_settings(parameters, where))
 
 
-def _expand(group, index, defaults, where):
-    """Return the robots of one entry of the list."""
+def _expand(group, index, defaults, levels, where):
+    """Return the robots of one entry of the list; ``levels``: states of charge of which they tell."""
     place = 'robots[{}]'.format(index)
     _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
     check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
     where = '{}: {}'.format(where, place)
-    parameters = dict(defaults, **{key: value for key, value in group.items() if key not in _GROUP_KEYS})
+    parameters = with_levels(dict(defaults, **{key: value for key, value in group.items() if key not in _GROUP_KEYS}),
+                             levels, _THRESHOLDS)
     if 'count' not in group:
         return [make_robot(group.get('name'), parameters, where)]
     count = checked(group['count'], 'count', _COUNT, where)

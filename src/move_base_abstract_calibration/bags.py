@@ -90,7 +90,7 @@ class _Action:
     def notes(self):
         """Return what is said of goals and results that are no legs."""
         return [self._name.format(count, what) + why for count, what, why in (
-            (self._strange, 'goals', ' are no poses in the plane, and are left out'),
+            (self._strange, 'goals', ' are not poses in the plane, and are left out'),
             (self._without_result, 'goals', ' have no result, and are left out: of a robot that hung there, success '
              'is said too high'),
             (self._without_goal, 'results', ' have no goal, and are left out'),

@@ -12,9 +12,9 @@ from .legs import FAR_STEP
 DOUBTS = {
     'clock_back': 'lie in times that the clock showed twice',
     'clock_leap': 'took another time by their stamps than by the recording: the clock leapt',
-    'overlap': 'began before the one before had ended: two robots under one name',
+    'overlap': 'began before the previous one had ended: two robots under one name',
     'twice': 'are there twice',
-    'teleport': 'have poses that jump: somebody moved the robot, or they are those of another one',
+    'teleport': 'have poses that jump: somebody moved the robot, or the poses are those of another robot',
     'rare': 'have poses further than {:g} m apart: too rare'.format(FAR_STEP),
     'elsewhere': 'ended far from their goal although they succeeded: poses from elsewhere',
     'short_way': 'have a way that is shorter than the straight line: poses of another frame than the plan',

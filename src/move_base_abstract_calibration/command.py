@@ -2,7 +2,7 @@
 
     rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
-    rosrun move_base_abstract calibrate FOLDER --encounters robot.yaml [-o robot_with_encounters.yaml]
+    rosrun move_base_abstract calibrate FOLDER... --encounters robot.yaml [-o robot_with_encounters.yaml]
 
 Exit codes: 0 written; 2 a file cannot be read or written, too few legs, or wrong arguments.
 """
@@ -42,7 +42,7 @@ def _parse(words):
                         'program made are replaced, no other file is')
     parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing; print how well this file (or '
                         'the name of one that ships) predicts the recordings')
-    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to one folder of '
+    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
                         'recordings of several robots, and add it to the values of this file (or of one that ships)')
     parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '
                         'on this map, not the recorded ones')
@@ -90,12 +90,9 @@ def _predict(options):
 
 def _encounters(options):
     from . import encounter_report, outputs  # these take a while to import
-    if len(options.recordings) > 1:
-        raise ConfigurationError('--encounters: got {} recordings; allowed: one folder'.format(
-            len(options.recordings)))
     outputs.check(options.output)
     name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
-    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings[0], name, options.radius)
+    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
     sections = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
     outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))
     for line in encounter_report.lines(fitted, scores):

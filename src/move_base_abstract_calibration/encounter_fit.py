@@ -2,8 +2,8 @@
 
 A leg takes what the calibration says of it alone, and with the chance that one of its encounters costs it anything as
 much longer as a lognormal, or for a block a gamma distribution says, and the time to get going again. A leg that was
-given up after an encounter was blocked. The priors lie where the values lie that were chosen by hand, so that what the
-recordings say nothing of stays there, and is said to.
+given up after an encounter was blocked; one that was cancelled would have taken longer. The priors lie where the values
+lie that were chosen by hand, so that what the recordings say nothing of stays there, and is said to.
 """
 import math
 from typing import NamedTuple
@@ -20,15 +20,19 @@ LEAST_MET = 20
 _STEP, _LONGEST = 0.5, 300.0  # s, of the delays that are looked at
 _DELAYS = np.arange(0.5 * _STEP, _LONGEST, _STEP)
 _STRANGE, _STRANGE_SECONDS = 1e-3, 20.0  # as of the fit of legs
-_NEAR, _FAR = -0.2, -0.85  # logits of the chances at 0 m and at the radius
+_NEAR, _FAR = -0.2, -1.5  # logits of the chances at 0 m and at the radius
 #: (name, usual value of what is fitted, its spread, from that to the value)
 _FITTED = (*((kind + end, usual, 1.0, special.expit) for kind in KINDS
              for end, usual in (('_near', _NEAR), ('_far', _FAR))),
            ('delay_mean', math.log(5.0), 0.7, np.exp), ('delay_cv', 0.0, 0.5, np.exp),
-           ('block_chance', special.logit(0.08), 1.0, special.expit), ('block_mean', math.log(90.0), 0.5, np.exp),
-           ('block_cv', math.log(0.4), 0.5, np.exp))
+           ('block_near', special.logit(0.2), 1.0, special.expit),
+           ('block_far', special.logit(0.05), 1.0, special.expit),
+           ('block_mean', math.log(90.0), 0.5, np.exp),
+           ('block_cv', math.log(0.4), 0.5, np.exp),
+           ('long_chance', special.logit(0.05), 1.0, special.expit), ('long_mean', math.log(400.0), 0.5, np.exp))
 _NAMES = [name for name, *_ in _FITTED]
 _PRIOR_HOLDS = 0.8  # of a prior's spread: what is left of it, from which on it holds a value
+_SURE = 1.0 - 1e-12  # the greatest chance whose complement has a logarithm
 _PLACES = 7  # of the tables of chances
 _BOTH_PRIOR, _ABORT_PRIOR = (1.0, 4.0), (1.0, 4.0)  # yes and no, as if seen
 
@@ -67,13 +71,15 @@ def fit_encounters(legs, calibration, radius):
         def cost(packed, both=both):
             return 0.5 * np.sum(((packed - usual) / widths) ** 2) - data.log_likelihood(packed, both).sum()
         found = optimize.minimize(cost, usual, method='L-BFGS-B',
-                                  bounds=list(zip(usual - 4.0 * widths, usual + 4.0 * widths)))
+                                  bounds=list(zip(usual - 3.0 * widths, usual + 3.0 * widths)))
         both = data.both_chance(legs, found.x, both)
-    spread = np.sqrt(np.diag(np.linalg.inv(_hessian(cost, found.x))))
+    variance = np.diag(np.linalg.inv(_hessian(cost, found.x)))
+    spread = np.sqrt(np.where(variance > 0.0, variance, widths ** 2))  # at an edge the prior is all that is known
     rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),
                      bool(spread[k] > _PRIOR_HOLDS * width)) for k, (name, _, width, back) in enumerate(_FITTED))
-    values = {row.name: row.value for row in rows[2 * len(KINDS):]}
-    values.update(radius=radius, both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
+    values = {row.name: row.value for row in rows[2 * len(KINDS):] if row.name not in ('block_near', 'block_far')}
+    values.update(block_chance=_table(found.x, 'block', radius), radius=radius,
+                  both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
                   narrow_weight=1.0, **{'chance_' + kind: _table(found.x, kind, radius) for kind in KINDS})
     counts = {kind: sum(one.kind == kind for leg in legs for one in leg.meetings) for kind in KINDS}
     return Fitted(values, rows, counts)
@@ -93,10 +99,19 @@ def log_likelihoods(legs, calibration, fitted, radius):
 
 
 def mean_seconds(leg, values, radius):
-    """Return how much longer a leg takes on average [s] for the encounters that it has, by a section's ``values``."""
-    mean = (1.0 - values['block_chance']) * values['delay_mean'] + values['block_chance'] * values['block_mean']
-    return mean * sum(_share(one, values['both_chance']) * np.interp(one.nearest, *np.transpose(
-        values['chance_' + one.kind])) for one in leg.meetings if one.may_yield)
+    """Return how much longer a leg that succeeds takes on average [s] for its encounters, by a section's ``values``.
+
+    Blocks that end in giving up, or are the long ones, are those of legs that do not succeed.
+    """
+    go_on = (1.0 - values['long_chance']) * (1.0 - values['abort_chance'])
+
+    def mean(one):
+        chance, block = (np.interp(one.nearest, *np.transpose(values[name])) for name in (
+            'chance_' + one.kind, 'block_chance'))
+        chance *= _share(one, values['both_chance'])
+        late = chance * ((1.0 - block) * values['delay_mean'] + block * go_on * values['block_mean'])
+        return late / (1.0 - chance * block * (1.0 - go_on))
+    return sum(mean(one) for one in leg.meetings if one.may_yield)
 
 
 def _inverse(back):
@@ -119,7 +134,6 @@ class _Data:
 
     def __init__(self, met, calibration, radius):
         self.met = met
-        self._radius = radius
         law = Durations(calibration, [leg.way for leg in met])
         times = np.array([leg.duration for leg in met])
         again = calibration['max_speed'] / (2.0 * calibration['acceleration'])  # s, to get going
@@ -127,34 +141,51 @@ class _Data:
         self._alone = law.density(times)
         with np.errstate(over='ignore', invalid='ignore'):
             self._late = np.nan_to_num(np.array([law.density(times - again - delay) for delay in _DELAYS]).T)
-        self._succeeded = np.array([leg.succeeded for leg in met])
+        flat = [(number, one) for number, leg in enumerate(met) for one in leg.meetings if one.may_yield]
+        self._of = np.array([number for number, _ in flat])
+        self._kinds = np.array([_NAMES.index(one.kind + '_near') for _, one in flat])
+        self._far = np.array([min(1.0, one.nearest / radius) for _, one in flat])
+        self._yields_both = np.array([_share(one, 0.0) < 1.0 for _, one in flat])
+        self._succeeded, self._cut = (np.array([getattr(leg, name) for leg in met]) for name in ('succeeded', 'cut'))
+        self._alone_later, self._over = 1.0 - law.share_below(times), np.maximum(0.0, times - again - law.least)
         first = np.array([min(one.after for one in leg.meetings if one.may_yield) for leg in met])
         self._until_end = np.maximum(_STEP, times - first)
 
     def _chances(self, packed, both):
-        """Return the chance of each leg that one of its encounters costs it anything."""
-        def chance(one):
-            near, far = (packed[_NAMES.index(one.kind + end)] for end in ('_near', '_far'))
-            return _share(one, both) * special.expit(near + min(1.0, one.nearest / self._radius) * (far - near))
-        return np.array([1.0 - math.prod(1.0 - chance(one) for one in leg.meetings if one.may_yield)
-                         for leg in self.met])
+        """Return the chances of each leg that one of its encounters costs it anything, and that one blocks it."""
+        def at(places):
+            return special.expit(packed[places] + self._far * (packed[places + 1] - packed[places]))
+        costs = np.where(self._yields_both, 0.5 * (1.0 + both), 1.0) * at(self._kinds)
+        blocks = costs * at(np.full(len(costs), _NAMES.index('block_near')))
+        return tuple(1.0 - np.exp(np.bincount(self._of, np.log1p(-np.minimum(one, _SURE)), len(self.met)))
+                     for one in (costs, blocks))
 
     def _parts(self, packed, both):
-        """Return the densities of each leg: not delayed, delayed, blocked, each times its chance."""
+        """Return the densities of each leg: not delayed, delayed, blocked, each times its chance.
+
+        Of those that were cut, the chances that they take longer.
+        """
         value = {name: float(back(packed[k])) for k, (name, *_, back) in enumerate(_FITTED)}
-        chances, block = self._chances(packed, both), value['block_chance']
+        chances, blocked = self._chances(packed, both)
         variance = math.log1p(value['delay_cv'] ** 2)
-        delays = stats.lognorm.pdf(_DELAYS, math.sqrt(variance), scale=value['delay_mean'] * math.exp(-0.5 * variance))
+        delays = stats.lognorm(math.sqrt(variance), scale=value['delay_mean'] * math.exp(-0.5 * variance))
         shape = 1.0 / value['block_cv'] ** 2
-        blocks = stats.gamma(shape, scale=value['block_mean'] / shape)
-        given_up = chances * block * blocks.pdf(self._until_end)
-        return ((1.0 - chances) * self._alone * self._succeeded,
-                chances * (1.0 - block) * (self._late @ delays) * _STEP * self._succeeded,
-                np.where(self._succeeded, chances * block * (self._late @ blocks.pdf(_DELAYS)) * _STEP, given_up))
+        blocks, longer = stats.gamma(shape, scale=value['block_mean'] / shape), stats.expon(scale=value['long_mean'])
+        share = value['long_chance']
+
+        def density(late):
+            return (1.0 - share) * blocks.pdf(late) + share * longer.pdf(late)
+        ended = ((1.0 - chances) * self._alone, (chances - blocked) * (self._late @ delays.pdf(_DELAYS)) * _STEP,
+                 blocked * (self._late @ density(_DELAYS)) * _STEP)
+        cut = ((1.0 - chances) * self._alone_later, (chances - blocked) * delays.sf(self._over),
+               blocked * ((1.0 - share) * blocks.sf(self._over) + share * longer.sf(self._over)))
+        given_up = (0.0, 0.0, blocked * (1.0 - share) * blocks.pdf(self._until_end))
+        return tuple(np.where(self._succeeded, one, np.where(self._cut, other, third))
+                     for one, other, third in zip(ended, cut, given_up))
 
     def log_likelihood(self, packed, both):
         """Return the logarithm of each leg's density, of which a little is left for what nothing explains."""
-        return np.log((1.0 - _STRANGE) * sum(self._parts(packed, both)) + _STRANGE * self._strange)
+        return np.log((1.0 - _STRANGE) * np.nan_to_num(sum(self._parts(packed, both))) + _STRANGE * self._strange)
 
     def _affected(self, packed, both):
         alone, delayed, blocked = self._parts(packed, both)
@@ -178,7 +209,7 @@ class _Data:
     def abort_chance(self, packed, both):
         """Return the chance that a block ends in giving up."""
         _, blocked = self._affected(packed, both)
-        ended = float(np.sum(~self._succeeded))
+        ended = float(np.sum(~self._succeeded & ~self._cut))
         return (ended + _ABORT_PRIOR[0]) / (float(blocked.sum()) + sum(_ABORT_PRIOR))
 
 

@@ -28,17 +28,19 @@ class MapScore(NamedTuple):
     ratio_without: float
 
 
-def calibrate_encounters(folder, name, robot_radius):
+def calibrate_encounters(folders, name, robot_radius):
     """Return (values of the calibration ``name`` with the section, the Fitted, [MapScore], legs).
 
-    ``folder`` has the recordings, ``robot_radius`` [m] is how far ways stay off what is occupied.
+    ``folders`` have the recordings, ``robot_radius`` [m] is how far ways stay off what is occupied.
 
     :raises ConfigurationError: if one of them cannot be read, or there are too few legs that met.
     """
     calibration = read_calibration(name, 'calibrate')
     raw = load_yaml_file(calibration_file(name, 'calibrate'))
     radius = RADIUS if calibration.encounters is None else calibration.encounters.radius
-    legs = met_legs(read_recordings(folder), folder, calibration, radius, robot_radius)
+    legs = []
+    for folder in folders:
+        legs += _numbered_from(len(legs), met_legs(read_recordings(folder), folder, calibration, radius, robot_radius))
     fitted = fit_encounters(legs, raw, radius)
     values = {key: value for key, value in raw.items() if key not in ('format', 'source')}
     values[ENCOUNTERS] = {**fitted.values, 'source': _source(legs, fitted)}
@@ -69,6 +71,12 @@ def map_scores(legs, calibration, radius):
             more = sum(mean_seconds(leg, fitted.values, radius) for leg in asked)
             found.append(MapScore(name, len(asked), with_them - without, measured / (alone + more), measured / alone))
     return found
+
+
+def _numbered_from(first, legs):
+    """Return ``legs`` with the others that they met by their numbers in a list in which they begin at ``first``."""
+    return [leg._replace(meetings=tuple(one._replace(other=None if one.other is None else first + one.other)
+                                        for one in leg.meetings)) for leg in legs]
 
 
 def _renumbered(chosen, legs):

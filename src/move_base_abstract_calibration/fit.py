@@ -24,7 +24,8 @@ _FITTED = (('max_speed', None, 0.7), ('acceleration', 0.5, 0.7), ('braking_gain'
            ('braking_offset', 0.1, 0.7), ('turning_speed', 1.0, 0.7), ('turning_gain', 1.0, 0.7),
            ('turning_offset', 0.2, 0.7), ('start_turn_linear', 0.5, 1.5), ('start_turn_square', 0.1, 1.5),
            ('bow_length', 1.0, 1.0), ('start_delay', 0.5, 2.0), ('spread', 0.3, 1.0), ('delay_share', 0.025, 1.0),
-           ('tail_rate', 0.0025, 1.5), ('tail_mean', 10.0, 1.0), ('tail_cv', 0.8, 0.5))
+           ('tail_rate', 0.0025, 1.5), ('tail_mean', 10.0, 1.0), ('tail_cv', 0.8, 0.5),
+           ('tail_most', 5.0, 0.5))
 #: the chance of a tail by the start turn: the logistic function of a + b (turn - 3 pi / 4); (usual value, its spread)
 _LOGISTIC = ((-1.0, 2.0), (2.0, 4.0))
 _NAMES = [name for name, *_ in _FITTED]

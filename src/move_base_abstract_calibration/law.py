@@ -4,6 +4,9 @@ import math
 import numpy as np
 from scipy import special, stats
 
+from move_base_abstract.motion.calibration import LEAST_MOST
+
+_SHARES = (np.arange(200) + 0.5) / 200  # of a tail, for its mean
 
 def approach_seconds(distance, speed, acceleration, gain, offset):
     """Return how long each of ``distance`` [m] takes [s]: the ``seconds`` of the core's ApproachProfile."""
@@ -42,7 +45,8 @@ class Durations:
     """The distributions of the durations [s] of legs along ``ways`` (rows of length, start turn, end turn).
 
     Each is ``values['start_delay']`` and the motion, and then with the chance ``tail`` a gamma distributed rest, else a
-    normal one and an exponential one together.
+    normal one and an exponential one together. The rest x of a tail for the turn is x m / (x + m), m being
+    ``values['tail_most']`` times the length.
     """
 
     def __init__(self, values, ways):
@@ -51,14 +55,18 @@ class Durations:
         self.least = values['start_delay'] + motion
         self._spread = max(values['spread'], 1e-6)
         self._delay = np.maximum(values['delay_share'] * motion, 1e-6)
-        by_turn = np.interp(np.abs(ways[:, 1]), *np.transpose(values['tail_chance_by_turn']))
-        self.tail = 1.0 - np.exp(-values['tail_rate'] * motion) * (1.0 - by_turn)
+        self._for_turn = np.interp(np.abs(ways[:, 1]), *np.transpose(values['tail_chance_by_turn']))
+        self.tail = 1.0 - np.exp(-values['tail_rate'] * motion) * (1.0 - self._for_turn)
+        self._most = np.maximum(LEAST_MOST, values.get('tail_most', math.inf) * np.maximum(ways[:, 0], 1e-9))
         self._shape = 1.0 / values['tail_cv'] ** 2
         self._tail_mean = values['tail_mean']
 
     def mean(self):
         """Return the mean duration of each leg [s]."""
-        return self.least + self.tail * self._tail_mean + (1.0 - self.tail) * self._delay
+        late = special.gammaincinv(self._shape, _SHARES) * self._tail_mean / self._shape
+        for_turn = np.mean(late / (1.0 + late / self._most[:, None]), axis=1)
+        return (self.least + self._for_turn * for_turn + (self.tail - self._for_turn) * self._tail_mean
+                + (1.0 - self.tail) * self._delay)
 
     def density(self, durations):
         """Return the density [1/s] of each leg at ``durations`` [s]."""
@@ -66,8 +74,12 @@ class Durations:
         spread, delay = self._spread, self._delay
         usual = np.exp(0.5 * (spread / delay) ** 2 - excess / delay
                        + special.log_ndtr(excess / spread - spread / delay)) / delay
-        tail = stats.gamma.pdf(excess, self._shape, scale=self._tail_mean / self._shape)
-        return (1.0 - self.tail) * usual + self.tail * tail
+        tail, scale = stats.gamma.pdf, self._tail_mean / self._shape
+        left = self._left(excess)
+        for_turn = np.where(left > 0.0, tail(excess / np.maximum(left, 1e-9), self._shape, scale=scale)
+                            / np.maximum(left, 1e-9) ** 2, 0.0)
+        return ((1.0 - self.tail) * usual + self._for_turn * for_turn
+                + (self.tail - self._for_turn) * tail(excess, self._shape, scale=scale))
 
     def share_below(self, durations):
         """Return the chance of each leg that it takes no longer than ``durations`` [s]."""
@@ -75,8 +87,14 @@ class Durations:
         spread, delay = self._spread, self._delay
         usual = special.ndtr(excess / spread) - np.exp(0.5 * (spread / delay) ** 2 - excess / delay
                                                        + special.log_ndtr(excess / spread - spread / delay))
-        tail = special.gammainc(self._shape, np.maximum(0.0, excess) * self._shape / self._tail_mean)
-        return (1.0 - self.tail) * usual + self.tail * tail
+        late = np.maximum(0.0, excess) * self._shape / self._tail_mean
+        tail = special.gammainc(self._shape, late)
+        for_turn = special.gammainc(self._shape, late / np.maximum(self._left(excess), 1e-12))
+        return (1.0 - self.tail) * usual + self._for_turn * for_turn + (self.tail - self._for_turn) * tail
+
+    def _left(self, excess):
+        """Return what is left of the most that a tail for the turn can be: a share, at most 1."""
+        return np.minimum(1.0, 1.0 - excess / self._most)
 
     def quantile(self, share):
         """Return the quantile of each leg's duration [s] at ``share``: found by bisection."""

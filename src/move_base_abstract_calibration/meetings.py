@@ -22,7 +22,8 @@ from move_base_abstract.motion.phased_route import PhasedRoute
 
 from .legs import Way, way_along
 
-_SUCCEEDED, _ABORTED = '3', '4'  # of actionlib_msgs/GoalStatus
+_PREEMPTED, _SUCCEEDED, _ABORTED = '2', '3', '4'  # of actionlib_msgs/GoalStatus
+LEAST_CLEARANCE = 0.3  # m, of the plan: what is narrower costs by itself
 _MAPS = Path(__file__).resolve().parents[2] / 'maps'
 
 
@@ -41,13 +42,17 @@ class Meeting(NamedTuple):
 
 
 class MetLeg(NamedTuple):
-    """A recorded leg with its :class:`Meeting` objects; ``map``: a name, ``way``: of the planner, ``duration`` [s]."""
+    """A recorded leg with its :class:`Meeting` objects; ``map``: a name, ``way``: of the planner, ``duration`` [s].
+
+    ``cut``: it was cancelled after that, and would have taken longer.
+    """
 
     map: str
     way: Way
     duration: float
     succeeded: bool
     meetings: Tuple[Meeting, ...]
+    cut: bool = False
 
 
 def met_legs(recordings, folder, calibration, radius, robot_radius):
@@ -113,12 +118,14 @@ def _of_mission(name, motions, radius, first):
     numbers = {id(one): first + number for number, (_, one) in enumerate(counted)}
     return [MetLeg(name, one.way, float(one.row['duration_s']), one.row['state'] == _SUCCEEDED, tuple(
         meeting for other in motions if other != robot for theirs in motions[other]
-        for meeting in _meetings(one, theirs, radius, numbers))) for robot, one in counted]
+        for meeting in _meetings(one, theirs, radius, numbers)), one.row['state'] == _PREEMPTED)
+        for robot, one in counted]
 
 
 def _counts(row):
-    return row['state'] in (_SUCCEEDED, _ABORTED) and not any(
-        float(row.get(name) or 0.0) for name in ('rescued', 'stuck_start', 'cancelled'))
+    return row['state'] in (_PREEMPTED, _SUCCEEDED, _ABORTED) and not any(
+        float(row.get(name) or 0.0) for name in ('rescued', 'stuck_start')) and not (
+            float(row.get('plan_clearance_m') or LEAST_CLEARANCE) < LEAST_CLEARANCE)
 
 
 def _meetings(own, theirs, radius, numbers):

@@ -13,6 +13,7 @@ from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
 _DIGITS = 5
+MOST = 'tail_most'
 _UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in (*TABLE, *OF_ENCOUNTERS)
           if parameter.allowed.endswith(']')}
 
@@ -41,6 +42,7 @@ def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None
     make_calibration({'format': FORMAT, **rounded, **sections}, 'calibrate')
     lines = ['{}: what each value means stands in docs/calibrate.md'.format(_FIRST_YAML), 'format: {}'.format(FORMAT),
              *_rows(TABLE, rounded, '')]
+    lines += ['{0}: {1}  # s per m of the way'.format(MOST, rounded[MOST])] if MOST in rounded else []
     for name, comment in (('recorded', 'of the legs that were fitted'), ('tail_motion', 'm/s and rad/s'),
                           ('intervals', how)):
         if name in sections:

@@ -88,6 +88,7 @@ class Result(Numbered):
     verified: Optional[str] = None
     difference: Optional[str] = None
     robots: Dict[str, Any] = field(default_factory=dict)
+    waits: Dict[str, Any] = field(default_factory=dict)  # {where robots waited for room: s}; written where they did
     ended_by: Optional[str] = None
     open_goals: Optional[int] = None
     crashes: List[str] = field(default_factory=list)
@@ -106,7 +107,7 @@ class Result(Numbered):
     @property
     def written(self) -> Dict[str, Any]:
         """What the file says."""
-        return {'format': FORMAT, **vars(self)}
+        return {'format': FORMAT, **{name: value for name, value in vars(self).items() if name != 'waits' or value}}
 
     def fail(self, problem: str) -> None:
         """It has failed after all."""

@@ -43,11 +43,12 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
         check(experiment, chosen)
     with outputs.OutputFolder(output) as out:
         planned = plan.describe(experiment, chosen, text)
-        missing = resumption.missing(chosen, out, planned, keep_old, stream)
+        missing, count = resumption.missing(chosen, out, planned, keep_old, stream), len(chosen)
+        del chosen  # of a trial that has ended nothing stays but its entry of the plan
         out.write('experiment.yaml', text)
         out.write_pieces('plan.json', tables.plan_text(planned))
         try:
-            _run_missing(chosen, missing, out, (workers, scheduler, has_dashboard), stream)
+            _run_missing(count, missing, out, (workers, scheduler, has_dashboard), stream)
         finally:
             summary = tables.write(out, planned)
         return _tell(out, summary, stream)
@@ -135,9 +136,10 @@ def _check_launch(trial: Trial) -> None:
                 raise kinds.unknown(f'{key}: the node', name, names)
 
 
-def _run_missing(chosen: List[Trial], missing: List[Trial], folder: outputs.OutputFolder,
+def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,
                  where: Tuple[int, Optional[str], bool], stream: TextIO) -> None:
-    progress = Progress(stream, len(chosen), len(chosen) - len(missing))
+    """Run the trials of a list, of so many that are planned; it is empty then."""
+    progress = Progress(stream, count, count - len(missing))
     if not missing:
         return
 
@@ -153,8 +155,9 @@ def _run_missing(chosen: List[Trial], missing: List[Trial], folder: outputs.Outp
             progress.look(runner)
             tell(watch.known)
         common = jobs.common_of(missing[0].experiment)
+        missing.reverse()
         cluster.Runner(client, watch, done, again, look, folder.together).run(
-            (jobs.make_job(one, common) for one in missing), len(missing))
+            (jobs.make_job(missing.pop(), common) for _ in range(len(missing))), len(missing))
 
 
 def _taken(folder: outputs.OutputFolder, job: Job, worker: str, content: Optional[bytes], problem: Optional[str],

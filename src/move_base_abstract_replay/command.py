@@ -37,6 +37,8 @@ def _parse(words):
     parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); give two to compare '
                         'them')
     parser.add_argument('--map', metavar='MAP.yaml', help='the map behind the robots: a YAML file as for map_server')
+    parser.add_argument('--scenario', metavar='FILE', help='the scenario of the run, whose zones, lanes and places are '
+                        'shown (default: scenario.yaml beside the log, if it is there and of the same robots)')
     parser.add_argument('-o', '--output', metavar='PAGE',
                         help='the page (default: {}, unless --mcap or --bag is given). A page that this program '
                         'made is '
@@ -60,7 +62,7 @@ def _write(options):
     """Write the files that are asked for; return an iterator over their names, each when it is there."""
     if options.output is not None:
         from .page import write_page  # each of them takes a while to import
-        for note in write_page(options.logs, options.output, options.map):
+        for note in write_page(options.logs, options.output, options.map, options.scenario):
             print('replay: note: {}'.format(note), file=sys.stderr)
         yield options.output
     if options.mcap or options.bag:

@@ -1,6 +1,7 @@
 """When the links of a radio were up, of the rows `link` and `host` of a log."""
 import json
-import math
+
+from .recording import is_number
 
 
 def find_links(recording, robots):
@@ -15,8 +16,7 @@ def find_links(recording, robots):
         if kind not in ('link', 'host'):
             continue
         values = json.loads(text)
-        if kind == 'host' and len(values) == 2 and all(type(one) in (int, float) and math.isfinite(one)
-                                                       for one in values):
+        if kind == 'host' and len(values) == 2 and all(map(is_number, values)):
             places[name] = {'name': name, 'x': values[0], 'y': values[1]}
         elif kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
             times, states = links.setdefault(tuple(values[:2]), ([], []))

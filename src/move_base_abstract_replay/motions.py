@@ -14,7 +14,9 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
 from move_base_abstract.motion.route import CornerLaw, Route
 
+from .charges import Charges
 from .constant_speed import even_pieces
+from .world import World
 
 #: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
 PLACED, EVEN, LIMITED = 0, 1, 2
@@ -54,16 +56,23 @@ class Track:
 class Motions:
     """The tracks of all robots of a log: ``tracks`` {name: Track}, ``limits`` the different ones, and what was missing.
 
-    ``limits`` are (max_speed, acceleration, turn_rate, xy tolerance, yaw tolerance), 0 where there is no limit.
+    ``limits`` are (max_speed, acceleration, turn_rate, xy tolerance, yaw tolerance), 0 where there is no limit. A
+    ``world`` (World) says where robots stand at first, and by which limits they travel if the log does not; ``charges``
+    (Charges) is told of legs and rows as they come.
     """
 
-    def __init__(self, recording):
+    def __init__(self, recording, world=World(), charges=None):
         self.tracks = {}
         self.limits = []
         self.even = 0  # legs of which the log says no limits
         self.astray = 0  # legs that end elsewhere than their limits say
         self.startless = 0  # legs of which nobody says where they began
         self._numbers = {}
+        self._charges = charges or Charges(World(), 0)
+        for name, start in world.starts.items():
+            track = self.tracks[name] = Track(name)
+            self._set_limits(track, start.limits)
+            self._place(track, recording.begin_ns, start.pose)
         handlers = {'motion': self._motion, 'departed': self._departed, 'route': self._route, 'stands': self._stands}
         for time_ns, name, kind, values in recording:
             handler = handlers.get(kind)
@@ -73,18 +82,22 @@ class Motions:
                 if track is None:
                     track = self.tracks[name] = Track(name)
                 handler(track, time_ns, numbers)
+            self._charges.take(time_ns, name, kind, values)
         for track in self.tracks.values():
             self._close(track, recording.end_ns, None)
+        self._charges.close(recording.end_ns)
 
     def _motion(self, track, time_ns, numbers):
         if not (numbers[3] > 0.0 and min(numbers[4:]) >= 0.0):
             return
-        limits = numbers[3:]
+        self._set_limits(track, numbers[3:])
+        if track._departed is None and track._pose != numbers[:3]:
+            self._place(track, time_ns, numbers[:3])
+
+    def _set_limits(self, track, limits):
         track._limits = self._numbers.setdefault(limits, len(self._numbers))
         if track._limits == len(self.limits):
             self.limits.append(limits)
-        if track._departed is None and track._pose != numbers[:3]:
-            self._place(track, time_ns, numbers[:3])
 
     def _departed(self, track, time_ns, goal):
         self._close(track, time_ns, None)
@@ -118,10 +131,12 @@ class Motions:
             return self._close_route(track, time_ns, pose, (begin_ns, start, goal, self.limits[limits]))
         law = EVEN
         if limits is not None:
-            end = make_leg(start, goal, self.limits[limits], begin_ns).pose_at(time_ns)
-            if pose is None or _is_close(end, pose):
+            leg = make_leg(start, goal, self.limits[limits], begin_ns)
+            end = leg.pose_at(time_ns)
+            if pose is None or (time_ns <= leg.arrive_ns and _is_close(end, pose)):
                 law = LIMITED + limits
                 pose = (end.x, end.y, end.yaw)
+                self._charges.drive(track.name, leg, time_ns)
             else:
                 self.astray += 1
         else:
@@ -130,14 +145,17 @@ class Motions:
                 return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         if pose is None:
             return False  # under way at the end of the log, nobody knows how far
+        if law == EVEN:
+            self._charges.drive_evenly(track.name, time_ns, math.dist(start[:2], pose[:2]))
         track.motions.append(Motion(begin_ns, time_ns, law, start, goal if law >= LIMITED else pose))
         track._pose = pose
         return True
 
-    @staticmethod
-    def _draw_evenly(track, time_ns, pose, trip):
+    def _draw_evenly(self, track, time_ns, pose, trip):
         begin_ns, start, goal = trip
-        for one_ns, other_ns, one, other in even_pieces(begin_ns, time_ns, [start, *track._corners, goal], pose):
+        pieces = even_pieces(begin_ns, time_ns, [start, *track._corners, goal], pose)
+        self._charges.drive_evenly(track.name, time_ns, sum(math.dist(one[:2], other[:2]) for *_, one, other in pieces))
+        for one_ns, other_ns, one, other in pieces:
             track.motions.append(Motion(one_ns, other_ns, EVEN, one, other, other_ns == time_ns))
         track._pose = pose
         return True
@@ -153,6 +171,7 @@ class Motions:
             self.astray += 1
             return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         track._law = law
+        self._charges.drive(track.name, route, time_ns)
         instants = [instant for instant in route.even_instants_ns(_RAMP_PIECES) if instant < time_ns] + [time_ns]
         for one_ns, other_ns in zip(instants, instants[1:]):
             begin, end = route.pose_at(one_ns), route.pose_at(other_ns)

@@ -9,32 +9,38 @@ from move_base_abstract.runs import run_difference
 from move_base_abstract.runs.run_difference import told_lines
 
 from .map_data import packed_map
+from .packed import Packer
 from .page_data import Run
 from .recording import ReplayError, read_recording
 from .states import IDLE, NAMES
+from .world import World, find_world
 
 _TEMPLATES = Path(__file__).with_name('templates')
-_SCRIPTS = ('motion', 'data', 'words', 'canvas', 'map_view', 'timeline', 'event_list', 'player')
+_SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view',
+            'timeline', 'event_list', 'player')
 _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2
 _LEGEND = ('moving', 'waiting', 'task', 'charging', 'failed', IDLE)
 
 
-def write_page(logs, output, map_file=None):
+def write_page(logs, output, map_file=None, scenario=None):
     """Write the page ``output`` of one or two event logs (paths), with the map of a YAML file if one is given.
 
-    A page that this program made is replaced, nothing else is. Returns notes for the user, as texts.
+    ``scenario``: the world that is shown (a path, or a Scenario), None: ``scenario.yaml`` beside the first log, if it
+    is there. A page that this program made is replaced, nothing else is. Returns notes for the user, as texts.
 
-    :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if the map cannot be, or something else
-        than a page of ours is in the way. :raises OutputError: if the page cannot be written.
+    :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if map or scenario cannot be, or
+        something else than a page of ours is in the way. :raises OutputError: if the page cannot be written.
     """
     logs = [str(log) for log in logs]
     if not 1 <= len(logs) <= _MOST_LOGS:
         raise ReplayError('replay: got {} logs; allowed: one, or two to be compared'.format(len(logs)))
     own_files.check_file(str(output), lambda line: line.startswith(_FIRST_LINE))
     recordings = [read_recording(log) for log in logs]
+    world = find_world(scenario, recordings)
+    map_file = map_file or world.map_file
     ground = packed_map(map_file) if map_file else None
-    text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None)
+    text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None, world)
     # A log may hold bytes that are no text.
     with own_files.whole_file(output, 'w', encoding='utf-8', errors='backslashreplace') as stream:
         stream.write(text)
@@ -50,9 +56,12 @@ def find_difference(recordings):
     return compared.difference, compared.events + compared.messages
 
 
-def render(recordings, ground=None, difference=None):
-    """Return the page of some Recordings; ``ground``: as of packed_map(); ``difference``: as of find_difference()."""
-    runs = [Run(recording) for recording in recordings]
+def render(recordings, ground=None, difference=None, world=World()):
+    """Return the page of some Recordings in a World.
+
+    ``ground``: as of packed_map(); ``difference``: as of find_difference().
+    """
+    runs = [Run(recording, world) for recording in recordings]
     notes = ['{}: {}'.format(run.name, note) if len(runs) > 1 else note for run in runs for note in run.notes]
     box = _union([run.box for run in runs if run.box])
     if box and ground:
@@ -66,8 +75,20 @@ def render(recordings, ground=None, difference=None):
         runs=[{'name': run.name, 'facts': run.facts, 'text': run.packed()} for run in runs],
         notes=notes, box=box, states=_legend(runs), difference=first and _told(first),
         marked=any(line.failures for run in runs for line in run.timelines),
-        packed_map=ground and ground[0], about=json.dumps(about), style=_file('replay.css'),
+        packed_map=ground and ground[0], world=_packed_world(world),
+        signs=_signs(runs, world), about=json.dumps(about), style=_file('replay.css'),
         script='\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
+
+
+def _signs(runs, world):
+    """Return which signs on the map have to be explained."""
+    return {'counts': any(thing['capacity'] is not None for thing in world.things),
+            'charge': any(start.battery is not None for start in world.starts.values()),
+            'orders': any(run.orders.phases for run in runs)}
+
+
+def _packed_world(world):
+    return Packer().text({'things': world.things, 'nodes': world.nodes})
 
 
 def _file(name):

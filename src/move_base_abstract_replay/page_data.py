@@ -3,24 +3,33 @@ import os
 
 from move_base_abstract.common.shown import shown_text
 
+from .charges import Charges
 from .links import find_links
 from .motions import Motions
+from .orders import Orders
 from .packed import Packer
 from .states import NAMES, find_timelines
+from .stays import find_stays
+from .world import World
 
+NOBODY = 2 ** 32 - 1  # in the place of a robot's number
 _MOTION_COLUMNS = ('x', 'y', 'yaw', 'goal_x', 'goal_y', 'goal_yaw')
 
 
 class Run:
     """One log as the page has it: packed for the script, ``facts`` and ``notes`` for people, ``box`` [m]."""
 
-    def __init__(self, recording):
+    def __init__(self, recording, world=World()):
         self.name = shown_text(os.path.basename(recording.path))
         self.recording = recording
-        self.motions = Motions(recording)
+        self.world = world
+        self._charges = Charges(world, recording.begin_ns)
+        self.motions = Motions(recording, world, self._charges)
+        self.stays = find_stays(recording, world)
+        self.orders = Orders(recording)
         self.timelines = find_timelines(recording, list(self.motions.tracks))
         self.links = find_links(recording, [line.name for line in self.timelines if line.is_robot])
-        self.box = _box(self.motions, self.links)
+        self.box = _box(self.motions, self.links, world)
 
     @property
     def facts(self):
@@ -66,9 +75,13 @@ class Run:
         packer.add('event_values', 'text', recording.values)
         self._pack_motions(packer)
         self._pack_timelines(packer)
+        self._pack_stays(packer)
+        self._pack_charges(packer)
+        self._pack_orders(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
             'links': self.links, 'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
+            'orders': list({phase.order: None for phase in self.orders.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
     def _pack_motions(self, packer):
@@ -94,6 +107,48 @@ class Run:
             packer.add(name + '_time', 'f8', (time_ns for times in values for time_ns in times))
 
 
+    def _pack_stays(self, packer):
+        numbers = self._numbers
+        stays = [stay for stay in self.stays if stay.robot in numbers]
+        _pack_spans(packer, 'stay', stays)
+        packer.add('stay_robot', 'u4', (numbers[stay.robot] for stay in stays))
+        packer.add('stay_thing', 'u4', (stay.thing for stay in stays))
+        packer.add('stay_kind', 'u1', (stay.kind for stay in stays))
+
+    def _pack_charges(self, packer):
+        knots = [self._charges.knots.get(name, []) for name in self._numbers]
+        packer.add('charge_first', 'u4', _firsts(knots))
+        packer.add('charge_time', 'f8', (time_ns for own in knots for time_ns, _ in own))
+        packer.add('charge_share', 'f8', (share for own in knots for _, share in own))
+
+    def _pack_orders(self, packer):
+        phases, numbers = self.orders.phases, self._numbers
+        names = {name: number for number, name in enumerate({phase.order: None for phase in phases})}
+        _pack_spans(packer, 'phase', phases)
+        packer.add('phase_order', 'u4', (names[phase.order] for phase in phases))
+        packer.add('phase_robot', 'u4', (numbers.get(phase.robot, NOBODY) for phase in phases))
+        for name in ('kind', 'stop', 'stops'):
+            packer.add('phase_' + name, 'u4', (getattr(phase, name) for phase in phases))
+        for name in ('x', 'y'):
+            packer.add('phase_' + name, 'f8', (getattr(phase, name) for phase in phases))
+        packer.add('count_time', 'f8', (row[0] for row in self.orders.counts))
+        packer.add('count', 'u4', (value for row in self.orders.counts for value in row[1:]))
+
+    @property
+    def _numbers(self):
+        """{robot: its number in the page}."""
+        return {timeline.name: number for number, timeline in enumerate(self.timelines) if timeline.is_robot}
+
+
+def _pack_spans(packer, name, spans):
+    """Pack when spans begin and end, and as one row of changes: at which time which of them begins (1) or ends (0)."""
+    changes = sorted([(span.end_ns, 0, number) for number, span in enumerate(spans)]
+                     + [(span.begin_ns, 1, number) for number, span in enumerate(spans)])
+    packer.add(name + '_change_time', 'f8', (time_ns for time_ns, _, _ in changes))
+    packer.add(name + '_change_is_begin', 'u1', (is_begin for _, is_begin, _ in changes))
+    packer.add(name + '_change_of', 'u4', (number for _, _, number in changes))
+
+
 def _firsts(groups):
     """Return where each group begins in all of them behind one another, and where the last one ends."""
     firsts = [0]
@@ -102,10 +157,11 @@ def _firsts(groups):
     return firsts
 
 
-def _box(motions, links):
-    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, and of fixed hosts of a radio; or None."""
+def _box(motions, links, world):
+    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, a world, and a radio's fixed hosts; or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
               for place in (motion.start, motion.goal)]
+    places += world.points
     if not places:
         return None
     places += [(end['x'], end['y']) for link in links for end in link['ends'] if 'x' in end]

@@ -74,6 +74,11 @@ def read_recording(path, most=MOST_EVENTS):
     return recording
 
 
+def is_number(value):
+    """Return whether a value of a row is a number that a page can hold: anybody may write rows."""
+    return type(value) in (int, float) and -1e300 < value < 1e300
+
+
 def _check_time(event, recording):
     if not recording.end_ns <= event.time_ns <= LAST_NS:
         raise ReplayError('{}:{}: got the time {} ns; allowed: {} (that of the line before) to {} ns'.format(

@@ -80,7 +80,9 @@ class Lockstep:
             raise SimulatorError('lockstep: one test has one run, and it has been started')
         self._settings = settings_of(given, self._base)
         if self.chaos_seed is not None:
-            self._settings.time_master = {**self._settings.time_master, 'chaos_seed': self.chaos_seed}
+            asked = self._settings.time_master  # seed 0 is the stated order, in which nothing is late
+            kept = {name: value for name, value in asked.items() if self.chaos_seed or not name.startswith('chaos_')}
+            self._settings.time_master = {**kept, 'chaos_seed': self.chaos_seed}
         try:
             self._system = System(self._settings, self.folder)
             rospy_start.prepare()
@@ -123,7 +125,7 @@ class Lockstep:
         if robot not in self._clients:
             client = self._clients[robot] = actionlib.ActionClient('/{}/move_base'.format(robot), MoveBaseAction)
             if not client.wait_for_server(rospy.Duration(60.0)):
-                raise AssertionError("there is no robot '{}': nobody serves /{}/move_base".format(robot, robot))
+                raise AssertionError("there is no robot '{}': no node serves /{}/move_base".format(robot, robot))
         target, goal = MoveBaseGoal(), Goal(self, robot)
         target.target_pose.header.frame_id = frame
         target.target_pose.header.stamp = rospy.Time.now()
@@ -171,7 +173,7 @@ class Lockstep:
         """The run's event log as objects; the run is ended for it."""
         self.finish()
         if self._system is None:
-            raise SimulatorError('lockstep: nothing has been started, so that there is no log')
+            raise SimulatorError('lockstep: nothing was started, so there is no log')
         return RunLog(self._system.log)
 
 

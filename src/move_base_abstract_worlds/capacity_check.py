@@ -14,6 +14,7 @@ from move_base_abstract.maps.lane_planner import NEAR
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
 from move_base_abstract.traffic.outline import BORDER
+from move_base_abstract.traffic.rules import DeadlockPolicy
 from move_base_abstract.traffic.way import ZoneIndex, stays_on_lanes
 
 from .findings import Finding
@@ -25,10 +26,15 @@ _SLACK = 0.01  # m, by which boxes are larger than what they hold
 
 def check_capacities(world):
     """Yield one :class:`.Finding` for each set of areas that hang together by circles: the least of these."""
+    groups = [zone.name for zone in world.scenario.zones if zone.group is not None] + [
+        edge.begin for net in world.nets.values() for edge in net.edges if edge.group is not None]
+    if groups and world.scenario.traffic.policy is not DeadlockPolicy.AVOID:
+        yield Finding('not_checked', 'capacities', 'groups share places, which is not looked at: circles through them '
+                      'may lock', os.path.basename(world.path), 'deadlock: avoid, with which no circle closes')
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
-    for drivers in world.drivers if world.scenario.deadlock != 'avoid' and areas.touch() else ():
+    for drivers in world.drivers if world.scenario.traffic.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
         if drivers.planner is None:
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.zones)))
@@ -188,7 +194,8 @@ def _least_circle(world, areas, arrows, part):
         'the next. It is the least of the circles among {} zones and lanes'.format(
             best, ' -> '.join(shown), names[0], len(part)),
         areas.where(circle[0]), 'more room on one of them, one-way lanes, a zone around all of them with capacity {}, '
-        'or a coordinator that sends fewer robots there'.format(best - 1), (), tuple(areas.way(one) for one in circle))
+        'deadlock: avoid, or a coordinator that sends fewer robots there'.format(best - 1), (),
+        tuple(areas.way(one) for one in circle))
 
 
 def _sum(areas, circle):

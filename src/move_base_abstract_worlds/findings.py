@@ -9,7 +9,7 @@ KINDS = (
     ('node_in_wall', 'nodes and lanes in walls'),
     ('off_net', 'places, chargers and goals off the net of lanes'),
     ('dead_end', 'dead ends of the net of lanes'),
-    ('unreachable', 'what nobody, or not everybody, can get to'),
+    ('unreachable', 'places that no robot, or not every robot, can reach'),
     ('out_of_charge', 'chargers and charge'),
     ('can_lock', 'capacities that can lock'),
     ('beyond_calibration', 'goals beyond what a calibration was fitted to'),

@@ -9,6 +9,9 @@ from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
 
 FOLDER = own_files.FolderKind('scenario', ['scenario.yaml', 'lanes.yaml', 'map.yaml', 'map.pgm', 'orders.csv'])
+#: who does the orders of a site
+DISPATCHER = {'policy': 'nearest', 'charge_below': 0.3, 'charge_until': 0.9, 'charge_when_idle': 0.6}
+_DEADLINE = 600.0  # s, from the arrival of an order
 _MOST_CELLS = 4_000  # of a side of the map
 _FREE, _OCCUPIED = 254, 0
 
@@ -25,7 +28,7 @@ class Site:
     zones: list = field(default_factory=list)
     starts: list = field(default_factory=list)  # (x, y) where robots may start, the first ones first
     walls: list = field(default_factory=list)
-    orders: list = field(default_factory=list)  # (s, name of a place)
+    orders: list = field(default_factory=list)  # (s, name of a place), or (s, names of two: from where to where)
 
     def lane(self, begin, end, one_way=True, capacity=None):
         """Add a lane from node to node."""
@@ -43,10 +46,21 @@ class Site:
         self.zones.append({'name': name, 'rectangle': [x - half, y - half, x + half, y + half], 'capacity': 1,
                            'charger': True})
 
-    def draw_orders(self, count, seconds, names, dice):
-        """Have ``count`` orders arrive within ``seconds``, each at one of the places ``names``; ``dice``: a Random."""
+    @property
+    def goes_to_and_fro(self):
+        """Whether its orders have two stops, so that a dispatcher does them."""
+        return bool(self.orders) and not isinstance(self.orders[0][1], str)
+
+    def draw_orders(self, count, seconds, names, ends, dice):
+        """Have ``count`` orders arrive within ``seconds``, each at one of the places ``names``; ``dice``: a Random.
+
+        ``ends``: to which of them goods are brought from there; none: work is done there, and that is all.
+        """
         instants = sorted(round(dice.uniform(0.0, seconds), 3) for _ in range(count))
-        self.orders = [(instant, dice.choice(names)) for instant in instants]
+        places = [dice.choice(names) for _ in instants]
+        targets = [dice.choice(ends) if ends else None for _ in instants]
+        self.orders = [(instant, (place, target) if target else place)
+                       for instant, place, target in zip(instants, places, targets)]
 
 
 def write_site(site, robots, defaults, words, folder):
@@ -64,14 +78,20 @@ def write_site(site, robots, defaults, words, folder):
         _write(folder, 'lanes.yaml', head + _yaml({
             'nodes': [{'name': name, 'x': x, 'y': y} for name, (x, y) in site.nodes.items()], 'edges': site.edges}))
         _write_map(folder, head, site)
-        if site.orders:
+        if site.goes_to_and_fro:
+            _write(folder, 'orders.csv', 'time,stops,deadline\n' + ''.join(
+                '{},load {}; unload {},{:g}\n'.format(instant, *stops, _DEADLINE) for instant, stops in site.orders))
+        elif site.orders:
             _write(folder, 'orders.csv', 'time,place\n' + ''.join('{},{}\n'.format(*order) for order in site.orders))
         _write(folder, 'scenario.yaml', head + _yaml({
             'lanes': 'lanes.yaml', 'defaults': {'routes': 'lanes', **defaults},
             'robots': [{'name': 'robot_{}'.format(number), 'start_x': x, 'start_y': y}
                        for number, (x, y) in enumerate(site.starts[:robots])],
             'zones': site.zones, 'places': site.places,
-            **({'arrivals': [{'name': 'orders', 'file': 'orders.csv'}]} if site.orders else {})}))
+            **({'deadlock': 'avoid'} if any('capacity' in edge for edge in site.edges) else {}),
+            **({'orders' if site.goes_to_and_fro else 'arrivals': [{'name': 'orders', 'file': 'orders.csv'}]}
+               if site.orders else {}),
+            **({'dispatcher': DISPATCHER} if site.goes_to_and_fro else {})}))
     finally:
         os.close(marker)
 

@@ -41,8 +41,8 @@ def _dead_ends(net, graph):
              if not parts.out_degree(part) and parts.in_degree(part)]
     for names in sorted(sinks, key=lambda names: order[names[0]]):
         points = tuple((net.nodes[name].x, net.nodes[name].y) for name in names)
-        what = ('no lane leads away from it: who comes there stays' if len(names) == 1 else
-                'who comes to these {} nodes never gets out of them again'.format(len(names)))
+        what = ('no lane leads away from it: a robot that comes there stays there' if len(names) == 1 else
+                'a robot that comes to these {} nodes never leaves them again'.format(len(names)))
         yield Finding('dead_end', 'node{} {}'.format('s' * (len(names) > 1), listed(names)), what,
                       node_place(net, names[0]), 'add a lane that leads away, or make one of those that lead there '
                       'two-way', points)

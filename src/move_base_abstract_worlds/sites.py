@@ -40,7 +40,8 @@ KINDS = {
 def make_site(kind, sizes):
     """Return the :class:`.Site` of a ``kind`` (of KINDS) by ``sizes``, {name: number}."""
     site, names = {'warehouse': _warehouse, 'field': _field, 'ward': _ward}[kind](sizes)
-    site.draw_orders(sizes['orders'], 3600.0, names, random.Random(sizes['seed']))
+    ends = [place['name'] for place in site.places if place['name'].startswith('station')]
+    site.draw_orders(sizes['orders'], 3600.0, names, ends, random.Random(sizes['seed']))
     return site
 
 

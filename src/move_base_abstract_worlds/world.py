@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.fleet.dispatch_world import chargers_of
 from move_base_abstract.fleet.robot_parts import make_planner
 from move_base_abstract.maps.lane_map import LaneMap
 from move_base_abstract.maps.map_check import MapCheck
@@ -135,26 +136,11 @@ def _targets(path, scenario):
     name = os.path.basename(path)
     places = [Target('place', place.name, place.pose, '{}: places[{}]'.format(name, index))
               for index, place in enumerate((scenario.places or {}).values())]
-    nodes = [(pose.x, pose.y) for net in {id(spec.settings.network): spec.settings.network for spec in scenario.robots
-                                          if isinstance(spec.settings.network, LaneMap)}.values()
-             for pose in net.nodes.values()]
-    chargers = []
-    for index, zone in enumerate(scenario.zones):
-        if zone.charger is not None:
-            inside = [xy for xy in [target.xy for target in places] + nodes if zone.contains(*xy)]
-            xy = inside[0] if inside else _inner_point(zone.outline)
-            chargers.append(Target('charger', zone.name, Pose2D(*xy), '{}: zones[{}]'.format(name, index)))
+    index_of = {zone.name: index for index, zone in enumerate(scenario.zones)}
+    chargers = [Target('charger', charger.name, charger.pose, '{}: zones[{}]'.format(name, index_of[charger.name]))
+                for charger in chargers_of(scenario)]
     goals = [Target('goal', task.task_id, task.pose, '{}: arrivals[{}], row {}'.format(name, index, number))
              for index, arrivals in enumerate(scenario.arrivals) if isinstance(arrivals, Listed)
              for number, task, _ in arrivals.rows if not task.place]
     return places + chargers + goals[:_MOST_GOALS]
 
-
-def _inner_point(outline):
-    """Return a place (x, y) [m] in an Outline: the middle of its box, or of the first piece of that line."""
-    left, low, right, high = outline.box
-    x, y = (left + right) / 2.0, (low + high) / 2.0
-    if outline.contains(x, y):
-        return x, y
-    pieces = outline.pieces_inside(((left - 1.0, y), (right + 1.0, y)))
-    return ((left - 1.0 + sum(pieces[0]) / 2.0) if pieces else x), y

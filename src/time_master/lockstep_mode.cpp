@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "chaos_parameters.h"
 #include "clock/shown_text.h"
+#include "parameters/chaos_parameters.h"
 
 namespace move_base_abstract {
 namespace {

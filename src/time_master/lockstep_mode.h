@@ -16,7 +16,7 @@
 #include "lockstep_server.h"
 #include "message_bytes.h"
 #include "parameter_keeper.h"
-#include "parameters.h"
+#include "parameters/parameters.h"
 #include "radio_publisher.h"
 #include "ros_master_watch.h"
 #include "time_mode.h"

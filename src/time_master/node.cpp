@@ -28,7 +28,7 @@
 #include "lockstep_mode.h"
 #include "master_call_guard.h"
 #include "own_address.h"
-#include "parameters.h"
+#include "parameters/parameters.h"
 #include "ros_master_watch.h"
 #include "scaled_mode.h"
 

@@ -143,7 +143,7 @@ def test_goals_and_poses_that_are_none_are_left_out(tmp_path):
         bag.write('/bot/odom', odometry, end)
     legs, notes = read_legs(tmp_path / 'run.bag')
     assert [leg.duration for leg in legs] == pytest.approx(durations)
-    assert notes == ['{}: 2 goals of /bot are no poses in the plane, and are left out'.format(tmp_path / 'run.bag')]
+    assert notes == ['{}: 2 goals of /bot are not poses in the plane, and are left out'.format(tmp_path / 'run.bag')]
 
 
 def test_poses_that_were_recorded_late_count_by_their_stamps(tmp_path):

@@ -146,7 +146,7 @@ class StageBackend(unittest.TestCase):
         go(self.simple, pose_stamped(20.0, 6.0))
         text = self.warning('robot_0', 'Stage does not follow').msg
         self.assertIn('16.00 m', text)
-        self.assertNotIn('nobody subscribes', text)
+        self.assertNotIn('no node subscribes', text)
         time.sleep(3.0)
         told = [entry for entry in self.log.messages if 'does not follow' in entry.msg]
         self.assertEqual(len(told), 1, told)

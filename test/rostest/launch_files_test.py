@@ -159,10 +159,14 @@ class LaunchFiles(unittest.TestCase):
         ours = {node.get('type') for path in FILES for node in ElementTree.parse(path).getroot().iter('node')
                 if node.get('pkg') == 'move_base_abstract'}
         arguments = {'map_server': [os.path.join(LAUNCH, '..', 'maps', 'farm_yard.yaml')], 'fleet': [],
-                     'time_master': [], 'task_server': ['_robots:=[a]'], 'move_base': [], 'soil_coordinator': []}
+                     'time_master': [], 'task_server': ['_robots:=[a]'], 'move_base': [], 'soil_coordinator': [],
+                     'task_source': [], 'dispatcher': []}
         self.assertEqual(ours | set(arguments), set(arguments))
         with Loopback() as ros:
-            ros.set_param('/fleet/robots', [{'name': 'a'}])
+            for node in ('fleet', 'dispatcher'):
+                ros.set_param('/{}/robots'.format(node), [{'name': 'a'}])
+            ros.set_param('/task_source/places', [{'name': 'here', 'duration': 1.0}])
+            ros.set_param('/task_source/arrivals', [{'place': 'here', 'rate': 1.0}])
             for name, given in sorted(arguments.items()):
                 command = ['/usr/bin/env', '-u', 'ROS_IP', find_executable(name), *given, '__name:=' + name]
                 child = ros.spawn('/' + name, command)

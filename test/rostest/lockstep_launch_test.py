@@ -115,9 +115,9 @@ CRASHES = {
     '/timer': r'at 3\.50+ s: KeyError in a callback of rospy.Timer, fates.py, line \d+',
     '/thread': r'at 4\.0+ s: KeyError in a thread, fates.py, line \d+',
     '/daemon': r'at 4\.0+ s: KeyError in thread pump, fates.py, line \d+',
-    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 13 more\)',
+    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome was never asked for, fates.py, line \d+ \(and 13 more\)',
     '/derived': r'at 3\.0+ s: Stop in a callback, fates.py, line \d+ \(and 3 more\)',
-    '/items': r'at 1\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 1 more\)',
+    '/items': r'at 1\.0+ s: KeyError in a job whose outcome was never asked for, fates.py, line \d+ \(and 1 more\)',
     '/saves': r'at 3\.0+ s: exit code 1',
     '/odd': r'at 2\.0+ s: TypeError in a callback of /ticks, an unknown place \(and \d+ more\)',
     '/unsaved': r'at 3\.0+ s: KeyError in a function of rospy.on_shutdown, fates.py, line \d+',
@@ -249,7 +249,7 @@ class LaunchTest(unittest.TestCase):
                          '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /both, /wrapped, /records')
         for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
                           ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
-                          ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports rospy'),
+                          ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports import rospy'),
                           ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)

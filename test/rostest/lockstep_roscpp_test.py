@@ -228,7 +228,7 @@ class OutsideTest(unittest.TestCase):
         with Loopback() as ros:
             self.start(ros, '/none')
             told = self.launch(ros, '/bin/ls')
-            self.assertIn("'/bin/ls' is no roscpp program: it needs ", told)
+            self.assertIn("'/bin/ls' is not a roscpp program: it needs ", told)
             self.assertIn('but not libroscpp.so', told)
             folder = tempfile.mkdtemp()
             self.addCleanup(shutil.rmtree, folder)

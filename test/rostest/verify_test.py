@@ -103,7 +103,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertEqual(code, 1, said)
         self.assertIn('first difference: at 13.000000000 s, event', said)
         self.assertEqual(said.count('message /chosen from /chance to /quiet'), 2, said)
-        self.assertIn('what /chance had been told before, in both runs:', said)
+        self.assertIn('what /chance had heard before, in both runs:', said)
         told = said.partition('what /chance')[2].partition('likely causes')[0]
         self.assertEqual(told.count('message /ticks from /ticks to /chance'), 10, said)
         self.assertRegex(said, r'its fields, plain / again:\n  data: [0-9.]+ / [0-9.]+\n')

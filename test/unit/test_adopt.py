@@ -227,7 +227,7 @@ def test_what_cannot_start_here_is_left_out_and_told(package):
     assert 'it is a program for shell_of_nobody, which is not here' in text
     assert 'it is not written for this Python (old.py, line 2' in text
     assert 'it imports of_a_stranger.msg (line 3), which is not here' in text
-    assert '/cpp (of_a_stranger/not_built) is left out: there is no such program here; build its package' in text
+    assert '/cpp (of_a_stranger/not_built) is left out: this program is not installed here; build its package' in text
 
 
 def test_places_that_nobody_says_and_robots_at_one_place_are_told(package):

@@ -92,7 +92,7 @@ def test_a_navigation_that_is_not_here_is_known_however_its_name_is_written(pack
 @pytest.mark.parametrize('name', ['r 1', 'a-b', '../x', '--record', 'r$x', 'rö'])
 def test_names_that_ros_does_not_take_are_told(package, name):
     made = adopt(package('one.launch', '<launch><group ns="{}">{}</group></launch>'.format(name, ROBOT)))
-    assert len(made.problems) == 1 and 'is no name that ROS takes' in made.problems[0]
+    assert len(made.problems) == 1 and 'is not a name that ROS accepts' in made.problems[0]
     assert 'one.launch:1' in made.problems[0]
 
 

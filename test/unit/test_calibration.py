@@ -53,7 +53,7 @@ def test_a_goal_takes_the_delay_the_phases_and_what_is_drawn():
 
 
 def test_a_goal_of_the_tail_stands_first():
-    raw = dict(copy.deepcopy(RAW), tail_chance_by_turn=[[0.0, 0.0], [3.0, 1.0]], tail_rate=0.0)
+    raw = dict(copy.deepcopy(RAW), tail_chance_by_turn=[[0.0, 0.0], [3.0, 1.0]], tail_rate=0.0, tail_most=1000.0)
     durations = make_calibration(raw, 'x').durations
     leg = PhasedRoute(Pose2D(0.0, 0.0, 3.0), Pose2D(9.0, 0.0), (), make_calibration(raw, 'x').limits,
                       make_calibration(raw, 'x').phases)
@@ -62,7 +62,21 @@ def test_a_goal_of_the_tail_stands_first():
              for goal in range(1, 2001)]
     assert {factor for _, factor in drawn} == {1.0}
     late = [delay - raw['start_delay'] for delay, _ in drawn]
-    assert sum(late) / len(late) == pytest.approx(raw['tail_mean'], rel=0.06)
+    assert sum(late) / len(late) == pytest.approx(raw['tail_mean'], rel=0.07)
+
+
+def test_the_tail_of_a_turn_is_no_longer_than_its_way_lets_it_be():
+    raw = dict(copy.deepcopy(RAW), tail_chance_by_turn=[[0.0, 0.0], [3.0, 1.0]], tail_rate=0.0, tail_most=4.0)
+    found = make_calibration(raw, 'x')
+    free = make_calibration({key: value for key, value in raw.items() if key != 'tail_most'}, 'x').durations
+    chance = Chance(1, 'a')
+    for length in (0.5, 2.0, 20.0):
+        leg = PhasedRoute(Pose2D(0.0, 0.0, 3.0), Pose2D(length, 0.0), (), found.limits, found.phases)
+        for goal in range(1, 300):
+            late, as_long = (durations.draw(leg, lambda purpose, place, goal=goal: chance.uniform(
+                goal, purpose, place))[0] - raw['start_delay'] for durations in (found.durations, free))
+            most = 4.0 * leg.distance
+            assert late == pytest.approx(as_long * most / (as_long + most)) and late < most
 
 
 def test_robots_with_and_without_a_calibration_live_in_one_fleet():

@@ -13,6 +13,7 @@ from move_base_abstract.scenario import read_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md')),
+         *sorted((ROOT / 'docs' / 'nodes').glob('*.md')),
          *sorted((ROOT / 'src').rglob('*.md'))]
 LINK = re.compile(r'!?\[[^\]]*\]\(([^()\s]+)\)')
 FENCE = re.compile(r'^```.*?^```', re.DOTALL | re.MULTILINE)
@@ -76,7 +77,28 @@ def test_every_page_is_reached_from_the_readme():
             seen.add(page)
             targets = [(page.parent / link.partition('#')[0]).resolve() for link in links(page)]
             waiting += [target for target in targets if target.suffix == '.md' and target.is_file()]
-    assert set((ROOT / 'docs').glob('*.md')) - seen == set()
+    assert {page for page in PAGES if (ROOT / 'docs') in page.parents} - seen == set()
+
+
+def kinds():
+    """Return the kinds of pages and their pages, {kind: [names]}: the groups of the site's navigation."""
+    trees = re.findall(r'^```{toctree}\n:caption: ([^\n]*)\n(.*?)^```', text_of(ROOT / 'docs' / 'site' / 'index.md'),
+                       re.DOTALL | re.MULTILINE)
+    return {kind: [line for line in body.split() if not line.startswith(':')] for kind, body in trees}
+
+
+def test_each_page_is_of_one_kind():
+    named = [page for pages in kinds().values() for page in pages]
+    generated = ['docs/reference_python', 'docs/reference_interfaces', 'docs/nodes/*', 'look']
+    there = [name(path)[:-len('.md')] for path in (ROOT / 'docs').glob('*.md')]
+    assert sorted(named) == sorted([*there, *generated, 'README', 'CONTRIBUTING', 'CHANGELOG'])
+    assert list(kinds()) == ['Tutorials', 'How to', 'Explanation', 'Reference', 'Reference of the nodes',
+                             'Reference for those who change it']
+
+
+def test_the_page_to_begin_with_names_each_tutorial():
+    page = text_of(ROOT / 'docs' / 'start.md')
+    assert [each for each in kinds()['Tutorials'] if each != 'look' and f'(../{each}.md)' not in page] == []
 
 
 def test_every_picture_is_shown():

@@ -207,7 +207,7 @@ def test_the_means_of_what_is_drawn_are_those_of_the_law(tmp_path):
     chance = law.chance('crossing', 1.0)
     assert chance == pytest.approx(0.4)
     count = 20_000
-    costs = [law.draw(chance, (0, 1), lambda purpose, place, n=n: draws.uniform(n, purpose, place))
+    costs = [law.draw(chance, (0, 1), lambda purpose, place, n=n: draws.uniform(n, purpose, place), 1.0)
              for n in range(count)]
     affected = [cost for cost in costs if any(cost.seconds)]
     assert len(affected) / count == pytest.approx(0.4, abs=0.015)
@@ -217,6 +217,24 @@ def test_the_means_of_what_is_drawn_are_those_of_the_law(tmp_path):
     assert sum(lost) / len(lost) == pytest.approx(0.9 * 4.0 + 0.1 * 60.0, rel=0.06)
     firsts = sum(cost.seconds[0] > 0.0 for cost in affected if not all(cost.seconds))
     assert firsts / sum(not all(cost.seconds) for cost in affected) == pytest.approx(0.5, abs=0.03)
+
+
+def test_how_often_robots_are_blocked_goes_by_how_near_they_come_and_some_blocks_are_long(tmp_path):
+    law = read_calibration(calibration(tmp_path, {
+        **FREE, 'block_chance': [[0.0, 0.8], [2.0, 0.2]], 'long_chance': 0.25, 'long_mean': 1000.0,
+        'abort_chance': 0.5}), 'test').encounters
+    draws, count = Chance(2, 'a b'), 10_000
+    for nearest, expected in ((0.0, 0.8), (1.0, 0.5), (3.0, 0.2)):
+        costs = [law.draw(1.0, (0,), lambda purpose, place, n=n: draws.uniform(n, purpose, place), nearest)
+                 for n in range(count)]
+        long_ones = [cost.seconds[0] for cost in costs if abs(cost.seconds[0] - 4.0) > 1.0 and (
+            abs(cost.seconds[0] - 60.0) > 5.0)]
+        blocked = len(long_ones) + sum(abs(cost.seconds[0] - 60.0) <= 5.0 for cost in costs)
+        assert blocked / count == pytest.approx(expected, abs=0.02)
+        assert len(long_ones) / blocked == pytest.approx(0.25, abs=0.03)  # a few are as long as others by chance
+        assert sum(long_ones) / len(long_ones) == pytest.approx(1000.0, rel=0.1)
+        assert sum(cost.aborts for cost in costs) / blocked == pytest.approx(0.75 * 0.5, abs=0.03)
+        assert not any(cost.aborts for cost in costs if cost.seconds[0] > 70.0)
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------
@@ -258,7 +276,7 @@ def test_a_law_that_cannot_be_is_refused(tmp_path, change, words):
         read_calibration(calibration(tmp_path, {**FREE, **change}), 'test')
 
 
-@pytest.mark.parametrize('name', [parameter.name for parameter in TABLE])
+@pytest.mark.parametrize('name', [parameter.name for parameter in TABLE if not parameter.name.startswith('long')])
 def test_a_law_that_lacks_something_is_refused(tmp_path, name):
     law = {key: value for key, value in FREE.items() if key != name}
     with pytest.raises(ConfigurationError, match="missing: '{}'".format(name)):

@@ -1,7 +1,12 @@
 """Batches of short trials: how many go together, and that each stays one by itself, whatever becomes of its worker."""
+import asyncio
 import collections
 import contextlib
+import copy
 import dataclasses
+import gc
+import io
+import json
 import os
 import pickle
 from types import SimpleNamespace
@@ -9,7 +14,9 @@ from types import SimpleNamespace
 import pytest
 
 from experiment_jobs import job_of
+from move_base_abstract_experiments import sweep
 from move_base_abstract_experiments.carrying import batches, cluster, jobs, spool
+from move_base_abstract_experiments.description.trial import Trial
 from move_base_abstract_experiments.trials import run_folders
 
 
@@ -175,6 +182,68 @@ def test_what_workers_give_back_runs_later(ran, monkeypatch):
     _, done = run(monkeypatch, 60)
     assert collections.Counter(ran) == dict.fromkeys(range(60), 1)
     assert sorted(done) == list(range(60))
+
+
+def test_nothing_is_kept_of_trials_that_have_ended(ran):
+    runner = cluster.Runner(Dask(), SimpleNamespace(spool=None, look=lambda: 1), lambda *_: None, lambda *_: None,
+                            lambda _runner: None)
+
+    def kept_after(count):
+        """Return how many objects there are after so many trials more."""
+        runner.run((dataclasses.replace(job_of(), modules=str(number)) for number in range(count)), count)
+        gc.collect()
+        return len(gc.get_objects())
+    kept_after(10)
+    first, second = kept_after(200), kept_after(400)
+    assert len(ran) == 610
+    assert second - first < 20
+
+
+def test_nothing_is_kept_of_trials_that_have_ended_but_what_the_plan_says(monkeypatch, tmp_path):
+    (tmp_path / 'model.py').write_text('def run(trial):\n    return {}\n')
+    document = tmp_path / 'x.yaml'
+    document.write_text('{experiment: x, function: model:run, replications: 50}')
+    alive = []
+
+    @contextlib.contextmanager
+    def connected(*_):
+        yield SimpleNamespace(scheduler_info=dict), SimpleNamespace(known=())
+
+    class Runner:
+        def __init__(self, _client, _watch, done, *_):
+            self._done = done
+
+        def run(self, all_jobs, _count):
+            for job in all_jobs:
+                self._done(job, 'w', None, 'it is not run', 1)
+                alive.append(sum(isinstance(one, Trial) for one in gc.get_objects()))
+    monkeypatch.setattr(sweep.cluster, 'connected', connected)
+    monkeypatch.setattr(sweep.cluster, 'Runner', Runner)
+    sweep.run(str(document), str(tmp_path / 'out'), 1, 'tcp://nobody', io.StringIO())
+    assert len(alive) == 50
+    assert alive[0] - alive[-1] == 49
+    assert [one['id'][:4] for one in json.loads((tmp_path / 'out' / 'plan.json').read_text())['trials']] == [
+        f'{number:04d}' for number in range(1, 51)]
+
+
+@pytest.mark.parametrize('has_dashboard', [True, False])
+def test_workers_keep_profiles_only_for_the_page_that_shows_them(tmp_path, has_dashboard):
+    import dask
+    from distributed import Worker
+    before = copy.deepcopy(dask.config.config)
+
+    async def often_called():
+        worker = Worker('tcp://127.0.0.1:9', local_directory=str(tmp_path), nthreads=1)  # which connects to nobody
+        return {name for name, one in worker.periodic_callbacks.items() if one.callback_time < 10e3}
+    try:
+        cluster._configure(dask, has_dashboard)
+        found = asyncio.run(often_called())
+    finally:
+        dask.config.config.clear()
+        dask.config.config.update(before)
+    assert {'profile', 'profile-cycle', 'monitor'} & found == ({'profile', 'profile-cycle', 'monitor'}
+                                                               if has_dashboard else set())
+    assert 'heartbeat' in found
 
 
 def test_a_folder_that_is_as_a_new_one_serves_the_next_trial_and_no_other_does(tmp_path):

@@ -90,7 +90,7 @@ def test_what_the_report_compares_by_is_in_the_plan_and_makes_no_trial_another_o
 
 
 def test_a_command_names_who_takes_part():
-    with pytest.raises(ConfigurationError, match='name the nodes'):
+    with pytest.raises(ConfigurationError, match='name them'):
         spec.checked({'experiment': 'x', 'command': ['run']}, '/folder')
     assert spec.checked({'experiment': 'x', 'command': ['run', '{seed}'], 'participants': ['a']},
                         '/').participants == ('/a',)

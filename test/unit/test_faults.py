@@ -17,10 +17,10 @@ CORE = os.path.dirname(os.path.dirname(fleet_module.__file__)) + os.sep
 #: the machine that runs events and calls; what goes wrong there is for who called it
 MACHINE = {'event_queue.py', 'simulation.py', 'guard.py', 'arguments.py', 'units.py', 'fleet.py', 'chance.py',
            'shown.py', 'alarm.py', 'handed_on.py', 'stream.py'}
-ENTRIES = {('navigator.py', 'receive'), ('navigator.py', 'release'), ('place_tasks.py', 'give_back'),
+ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'give_back'),
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
-           ('place_tasks.py', 'take'), ('place_tasks.py', '_admit'),
-           ('place_tasks.py', '_look'), ('place_tasks.py', '_changed'), ('timed_task.py', 'shut_down'),
+           ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
+           ('room.py', '_look'), ('room.py', '_changed'), ('timed_task.py', 'shut_down'),
            ('control.py', '_happen'), ('failing.py', '_no'), ('failing.py', 'repair'), ('failing.py', '_forget'),
            ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
            ('geometry.py', 'quaternion_of_yaw')}

@@ -77,8 +77,8 @@ def test_the_lanes_of_the_yard_ship():
     ({'nodes': NODES, 'edges': [{**EDGE, 'capacity': 0.5}]}, ['edges[0]', 'capacity: got 0.5']),
     ({'nodes': NODES, 'edges': [{**EDGE, 'points': [[0, 0]]}]}, ['edges[0]', 'the same place twice']),
     ({'nodes': NODES, 'edges': [EDGE, {'from': 'b', 'to': 'a', 'one_way': True}]}, ['edges[1]', 'edges[0] leads']),
-    (topological(nodes=[{'node': {'name': 'A'}}]), ['nodes[0]', 'no node of a tmap2', 'pose']),
-    (topological(nodes=[*topological()['nodes'], {'node': 3}]), ['nodes[2]', 'no node of a tmap2']),
+    (topological(nodes=[{'node': {'name': 'A'}}]), ['nodes[0]', 'not a node of a tmap2', 'pose']),
+    (topological(nodes=[*topological()['nodes'], {'node': 3}]), ['nodes[2]', 'not a node of a tmap2']),
     (topological(nodes=topological()['nodes'][:1]), ['edges[0]', "to: got 'B'"]),
 ])
 def test_lanes_that_cannot_be_are_refused_in_words(raw, words):

@@ -93,3 +93,11 @@ def test_package_xml_names_what_launch_files_start():
 @pytest.mark.parametrize('name', ['python3-matplotlib', 'python3-scipy', 'rosbag', 'rosbash', 'roslaunch', 'rosmaster'])
 def test_package_xml_names_programs_that_are_started_by_name_and_what_debian_has_of_the_study(name):
     assert name in declared()
+
+
+def test_the_version_is_the_same_everywhere():
+    version = ElementTree.parse(ROOT / 'package.xml').getroot().find('version').text
+    assert re.findall(r'^version: (.*)$', (ROOT / 'CITATION.cff').read_text(), re.MULTILINE) == [version]
+    released = re.findall(r'^(\d+\.\d+\.\d+) \((.*)\)\n-+$', (ROOT / 'CHANGELOG.rst').read_text(), re.MULTILINE)
+    assert released[0][0] == version
+    assert f'date-released: {released[0][1]}\n' in (ROOT / 'CITATION.cff').read_text()

@@ -10,8 +10,9 @@ from move_base_abstract.goals.outcome import NODE_KILLED
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task
-from move_base_abstract.tasks.place_tasks import PlaceTaskRunner, Rooms
+from move_base_abstract.tasks.place_tasks import PlaceTaskRunner
 from move_base_abstract.tasks.places import read_places
+from move_base_abstract.tasks.room import Rooms
 
 S = 1_000_000_000
 DOCK = {'name': 'dock', 'x': 1.0, 'capacity': 1, 'duration': 10.0}

@@ -1,4 +1,6 @@
 """What tools/record_reality makes of plans, seeds and busy programs; without ROS, Stage or a recording."""
+import csv
+import gzip
 import math
 import subprocess
 import sys
@@ -136,3 +138,28 @@ def _seconds(pid):
     """Return the time that a process has had of a core."""
     fields = Path('/proc/{}/stat'.format(pid)).read_text().rsplit(') ', 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / 100.0
+
+
+def test_all_missions_of_the_ranking_come_once_before_any_comes_again():
+    import record_ranking
+    rows = list(record_ranking.plan())
+    keys = [(row['map'], row['robots'], row['policy']) for row in rows]
+    assert len(set(keys[:20])) == 20 and all(keys[at] == keys[at % 20] for at in range(len(keys)))
+    assert [row['repetition'] for row in rows[::20]] == list(range(1, len(rows) // 20 + 1))
+    assert len({row['run'] for row in rows}) == len(rows)
+
+
+def test_the_packed_missions_of_the_ranking_are_whole():
+    from collections import Counter
+    folder = TOOL.parents[1] / 'examples' / 'reality' / 'ranking'
+    with open(folder / 'missions.csv', newline='') as stream:
+        missions = list(csv.DictReader(stream))
+    with gzip.open(folder / 'legs.csv.gz', 'rt', newline='') as stream:
+        legs = Counter(leg['run'] for leg in csv.DictReader(stream))
+    assert set(legs) == {mission['run'] for mission in missions}
+    cells = Counter((mission['map'], mission['robots'], mission['policy']) for mission in missions)
+    assert len(cells) == 20 and len(set(cells.values())) == 1  # all as often
+    for mission in missions:
+        assert int(mission['missed_loops']) == 0
+        assert (float(mission['mission_s']) == 900.0) == (mission['ended'] == '0')
+        assert mission['ended'] == '0' or int(mission['done']) + int(mission['failed']) == 12

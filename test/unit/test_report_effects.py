@@ -164,6 +164,15 @@ def test_designs_with_gaps_compare_what_can_be_compared(tmp_path):
     assert effects.interactions(rest) == []
 
 
+def test_what_many_trials_share_takes_room_once(tmp_path):
+    found = experiment(tmp_path, FACTORS, lambda c, k: {'status': 'complete', 'metrics': {'makespan_s': 1.0},
+                                                        'ended_by': 'by itself', 'labels': ['one', 'an other']}, 9)
+    assert len({id(each['configuration']) for each in found.plan['trials']}) == len(found.configurations) == 4
+    assert len({id(word) for each in found.trials for word in (each.ended_by, *each.labels)}) == 3
+    assert [each['configuration'] for each in found.plan['trials']] == [
+        each['configuration'] for each in json.loads((tmp_path / 'plan.json').read_text())['trials']]
+
+
 def test_configurations_without_a_common_factor_are_compared_as_wholes(tmp_path):
     plan = write(tmp_path, FACTORS, 6, two_by_two)
     content = outcome.read(plan).plan

@@ -19,9 +19,10 @@ MAY_IMPORT = {
         'maps': 'motion', 'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
-        'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',
+        'orders': 'engine motion goals tasks',
+        'config': 'motion maps goals faults energy sensing', 'scenario': 'config energy motion traffic tasks orders',
         'mission': 'motion', 'radio': 'motion maps',
-        'fleet': 'scenario config sensing tasks traffic encounters energy faults goals maps motion engine runs',
+        'fleet': 'scenario config sensing tasks orders traffic encounters energy faults goals maps motion engine runs',
         'processes': 'fleet scenario goals runs'},
     'move_base_abstract_ros': {
         'replacing': '', 'loopback': '', 'time_master_client': '', 'process': 'replacing',
@@ -45,7 +46,7 @@ MAY_IMPORT = {
         'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
         'command': 'description trials results report sweep rerun ending', '__main__': 'command',
-        'chaos': 'records description trials carrying results ending'},
+        'chaos': 'records description trials carrying results ending', 'fleet_report': ''},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

@@ -16,11 +16,11 @@ def test_the_page_is_up_to_date():
 
 def test_every_key_that_a_scenario_may_have_is_on_it():
     from move_base_abstract import scenario
-    from move_base_abstract.config import settings
+    from move_base_abstract.config import robot_table
     from move_base_abstract.tasks import arrivals, places
     from move_base_abstract.traffic import zones
     page = write_scenario_keys.make_page()
-    named = [*scenario._TOP_KEYS, *scenario._GROUP_KEYS, *settings.OWN_NAMES, *zones.KEYS,
+    named = [*scenario._TOP_KEYS, *scenario._GROUP_KEYS, *robot_table.OWN_NAMES, *zones.KEYS,
              *(parameter.name for parameter in places.PLACE_TABLE + arrivals.ARRIVAL_TABLE)]
     assert [name for name in named if f'| `{name}` |' not in page] == []
 
@@ -37,4 +37,4 @@ def test_a_key_of_which_no_page_tells_is_refused():
 def test_a_key_is_told_on_the_page_of_what_it_sets():
     page = (ROOT / 'docs' / 'scenario_keys.md').read_text(encoding='utf-8')
     for key in ('start_x', 'start_y', 'start_yaw'):  # columns of a table bear these names on another page
-        assert re.search(r'^\| `{}` .*\[move base\]\(move_base\.md\) \|$'.format(key), page, re.MULTILINE)
+        assert re.search(r'^\| `{}` .*\[move base\]\(nodes/move_base\.md\) \|$'.format(key), page, re.MULTILINE)

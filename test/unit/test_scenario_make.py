@@ -30,7 +30,11 @@ def test_the_warehouse_of_the_default_sizes(tmp_path):
     assert (len(world.starts), len(net.nodes)) == (50, 84)
     assert [sum(name.startswith(kind) for name in net.nodes) for kind in ('station', 'charger')] == [4, 7]
     assert all(edge.one_way for edge in net.edges if edge.begin != 'gate')
-    assert len(list(world.scenario.tasks())) == 200
+    orders = list(world.scenario.orders())
+    assert len(orders) == 200
+    for order in orders:
+        assert [stop.action for stop in order.stops] == ['load', 'unload'] and order.deadline_ns == 600 * 10 ** 9
+        assert order.stops[0].place.startswith('bay') and order.stops[1].place.startswith('station')
     assert world.occupancy is not None and findings_of(world) == []
 
 
@@ -44,11 +48,14 @@ def test_nothing_is_wrong_with_what_is_made(tmp_path, kind, words):
     assert findings_of(read_world(tmp_path / 'scenario.yaml')) == []
 
 
-def test_lanes_with_a_capacity_can_lock_as_they_were_asked_to(tmp_path):
+def test_lanes_with_a_capacity_can_lock_without_avoid(tmp_path):
     assert make(tmp_path, 'warehouse', *SMALL['warehouse'], '--lane-capacity', 1) == 0
     assert [one.kind for one in findings_of(read_world(tmp_path / 'scenario.yaml'))] == []  # 6 robots are too few
     more = [*SMALL['warehouse'][:-1], 17, '--lane-capacity', 1]
     assert make(tmp_path, 'warehouse', *more) == 0  # in the place of its own
+    path = tmp_path / 'scenario.yaml'
+    assert findings_of(read_world(path)) == []
+    path.write_text(path.read_text().replace('deadlock: avoid\n', ''))
     lock, = findings_of(read_world(tmp_path / 'scenario.yaml'))
     assert lock.kind == 'can_lock' and lock.what.startswith('8 robots')  # 3 up, 1 east, 3 down, 1 west
 

@@ -7,7 +7,8 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, checked, integer, name, number, unknown_names
 from move_base_abstract.common.shown import shown
-from move_base_abstract.config.settings import OWN_NAMES, read_settings
+from move_base_abstract.config.robot_table import OWN_NAMES
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract.config.upstream import plugin_namespace
 from move_base_abstract.goals.navigator import BadFramePolicy
 from move_base_abstract.goals.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior

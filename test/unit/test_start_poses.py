@@ -81,5 +81,5 @@ def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial
 
 def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
     path = package('none.launch', '<launch/>')
-    with pytest.raises(ConfigurationError, match='adopt: there is no robot in this file'):
+    with pytest.raises(ConfigurationError, match='adopt: this file has no robot'):
         launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.Wishes(parameters={}))

@@ -26,6 +26,15 @@ class Pace:
         self._used, self._before = {}, {}  # ticks of a core by path: now, at the begin of the step
         self._busy, self._left = set(), set()  # paths of threads left behind: in the step before, in the last look
 
+    def watch(self, pid):
+        """Watch one more process."""
+        self._pids += (pid,)
+        self.look_anew()
+
+    def look_anew(self):
+        """Look for threads that have begun since, at the next wait."""
+        self._waits = 0
+
     def wait(self, limit=300.0):
         """Return whether all threads are done within ``limit`` [wall s]: in several looks in a row."""
         if self._waits % _LIST_EVERY == 0:

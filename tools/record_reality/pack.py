@@ -12,9 +12,11 @@ import os
 import sys
 from pathlib import Path
 
+from legs import COLUMNS
 from places import place
 
 _MOST_MISSED = 0.02
+_DURATION = COLUMNS.index('duration_s')  # 0: the goal was sent in the last step
 
 
 def _rows(path):
@@ -45,7 +47,8 @@ def main():
             continue
         maps.add(named['map'])
         for name, table in tables.items():
-            table.extend(_rows(folder / (name + '.csv'))[1 if table else 0:])
+            rows = _rows(folder / (name + '.csv'))[1 if table else 0:]
+            table.extend(row for row in rows if name != 'legs' or row[_DURATION] != '0.0')
     for name, table in tables.items():
         _write(target / ('missions.csv' if name == 'mission' else name + '.csv.gz'), table)
     for name in sorted(maps - {'farm_yard'}):  # that one lies in maps

@@ -36,105 +36,118 @@ _PATIENCE = 300.0  # wall s to start
 class Recording:
     """One mission, from its programs' start to its files."""
 
+    columns = MISSION
+
     def __init__(self, row, folder):
-        self._row, self._folder = row, folder
-        self._place, self._count = place(row['map']), int(row['robots'])
-        self._programs = Programs(folder)
+        self.row, self.folder = row, folder
+        self.place, self.count = place(row['map']), int(row['robots'])
+        self.programs = Programs(folder)
         self._now, self._poses = 0.0, []
         self._is_cut = False
-        self._stage = self._pace = self._robots = None
+        self._stage = self.pace = self.robots = None
 
     def run(self):
         """Record it; returns its (legs, poses, mission)."""
         try:
             self._start()
             begin, wall, load = self._now, time.monotonic(), os.getloadavg()[0]
-            self._drive(begin + float(self._row['simulated_s']))
+            self.drive(begin)
+            for robot in self.robots:
+                robot.cut(self._now)
             return self._result(self._now - begin, time.monotonic() - wall, (load + os.getloadavg()[0]) / 2.0)
         finally:
-            self._programs.stop()
+            self.programs.stop()
 
     def cut(self, *_):
         """End it at the next step, as if its time were over."""
         self._is_cut = True
 
     def _start(self):
-        programs = self._programs
-        map_file = self._place.write(self._folder)
-        world = write_world(self._folder, self._place, starts(self._place, self._count, self._row['seed']))
+        programs = self.programs
+        map_file = self.place.write(self.folder)
+        world = write_world(self.folder, self.place, self.starts())
         programs.start_master()
         os.environ.update(programs.environment)
         import rospy  # it reads the environment
-        from robots import Robot, watch_log
+        from robots import watch_log
         _wait_for(lambda: _master_answers(rospy))
-        for name, value in parameters(self._count).items():
+        for name, value in parameters(self.count).items():
             rospy.set_param(name, value)
         rospy.init_node('recorder', disable_signals=True)
         self._stage = Stage(programs.start, world)
-        others = programs.start_robots(map_file, self._count)
-        self._robots = [Robot(number, self._place, self._row['run']) for number in range(self._count)]
-        self._log = watch_log(self._robots)
+        others = programs.start_robots(map_file, self.count)
+        self.robots = [self.robot(number) for number in range(self.count)]
+        self._log = watch_log(self.robots)
         self._wait_until_ready(rospy)
-        self._pace = Pace([self._stage.process.pid] + [process.pid for process in others])
+        self.pace = Pace([self._stage.process.pid] + [process.pid for process in others])
         for _ in range(round(_READY / STEP)):
-            self._step()
+            self.step()
 
     def _wait_until_ready(self, rospy):
         """Let Stage do its steps at 1x until each move_base has its costmaps and is subscribed to goals."""
         def ready():
             self._stage.step()
             self._now = round(self._now + STEP, 1)
-            return all(robot.is_heard() for robot in self._robots) and all(
+            return all(robot.is_heard() for robot in self.robots) and all(
                 rospy.has_param('/{}/move_base/aggressive_reset/reset_distance'.format(robot.name))
-                for robot in self._robots)
+                for robot in self.robots)
         _wait_for(ready)
         self._now = round(rospy.get_time(), 1)
 
-    def _step(self):
+    def step(self):
+        """Do a step of Stage, and take what the robots tell of it."""
         self._stage.step()
         self._now = round(self._now + STEP, 1)
-        if not self._pace.wait():
+        if not self.pace.wait():
             raise RuntimeError('the programs did not come to rest')
-        for robot in self._robots:
+        for robot in self.robots:
             robot.take(self._now)
         self._look_around()
 
     def _look_around(self):
-        for one, other in itertools.permutations(self._robots, 2):
+        for one, other in itertools.permutations(self.robots, 2):
             if one.leg is not None:
                 one.leg.near(math.dist(one.pose[:2], other.pose[:2]), other.number, self._now)
         if round(self._now / STEP) % 5 == 0:
-            for robot in self._robots:
+            for robot in self.robots:
                 self._poses.append((
-                    self._row['run'], robot.number, '{:.1f}'.format(self._now), *('{:.2f}'.format(value) for value in (
+                    self.row['run'], robot.number, '{:.1f}'.format(self._now), *('{:.2f}'.format(value) for value in (
                         *robot.pose, robot.v, robot.w)), robot.leg.number if robot.leg else 0))
 
-    def _drive(self, end):
-        goals = mission(self._row['kind'], self._place, self._count, self._row['seed'])
+    def starts(self):
+        """Return where the robots start, (x, y, yaw in degrees) each."""
+        return starts(self.place, self.count, self.row['seed'])
+
+    def robot(self, number):
+        """Return one of the robots."""
+        from robots import Robot
+        return Robot(number, self.place, self.row['run'])
+
+    def drive(self, begin):
+        """Send goals until the time is over; ``begin``: simulated s."""
+        end = begin + float(self.row['simulated_s'])
+        goals = mission(self.row['kind'], self.place, self.count, self.row['seed'])
         while self._now < end and not self._is_cut:
-            self._step()
-            for robot in self._robots:
+            self.step()
+            for robot in self.robots:
                 if robot.put_elsewhere_if_stuck():
-                    self._pace.wait()
-                    self._step()
+                    self.pace.wait()
+                    self.step()
                     robot.clear_costmaps()
                 if robot.leg is not None and self._now - robot.leg.sent >= _LIMIT:
                     robot.cancel(1)
-            idle = [robot.number for robot in self._robots if robot.leg is None]
-            for number, kind, goal in goals.goals(idle, [robot.pose for robot in self._robots], self._now):
-                self._robots[number].send(kind, goal, self._now)
-                self._pace.wait()  # a goal is there before the next step, as it is on a machine with time to spare
-                self._robots[number].take(self._now)
-        for robot in self._robots:
-            robot.cut(self._now)
-
+            idle = [robot.number for robot in self.robots if robot.leg is None]
+            for number, kind, goal in goals.goals(idle, [robot.pose for robot in self.robots], self._now):
+                self.robots[number].send(kind, goal, self._now)
+                self.pace.wait()  # a goal is there before the next step, as it is on a machine with time to spare
+                self.robots[number].take(self._now)
     def _result(self, simulated, wall, load):
-        rows = sorted((row for robot in self._robots for row in robot.rows),
+        rows = sorted((row for robot in self.robots for row in robot.rows),
                       key=lambda row: (float(row['result_s']), row['robot']))
         missed = sum(int(row['missed_loops']) for row in rows)
         cycles = round(sum(float(row['duration_s']) for row in rows) / STEP)
-        values = dict(self._row, simulated_s='{:.1f}'.format(simulated), wall_s='{:.0f}'.format(wall), legs=len(rows),
-                      cycles=cycles, missed_loops=missed, moved=sum(robot.moved for robot in self._robots),
+        values = dict(self.row, simulated_s='{:.1f}'.format(simulated), wall_s='{:.0f}'.format(wall), legs=len(rows),
+                      cycles=cycles, missed_loops=missed, moved=sum(robot.moved for robot in self.robots),
                       load='{:.1f}'.format(load))
         return rows, sorted(self._poses, key=lambda pose: pose[1]), values
 
@@ -155,27 +168,27 @@ def _wait_for(happens):
         time.sleep(STEP)
 
 
-def _write(folder, result):
+def _write(folder, result, columns):
     """Write the files of a mission, the last one when all are whole."""
     legs, poses, values = result
-    for name, columns, rows in (('legs', COLUMNS, [[row[column] for column in COLUMNS] for row in legs]),
-                                ('poses', POSES, poses), ('mission', MISSION, [[values[name] for name in MISSION]])):
+    for name, head, rows in (('legs', COLUMNS, [[row[column] for column in COLUMNS] for row in legs]),
+                             ('poses', POSES, poses), ('mission', columns, [[values[name] for name in columns]])):
         path = folder / (name + '.csv')
         with open(str(path) + '.part', 'w', newline='') as stream:
-            csv.writer(stream, lineterminator='\n').writerows([columns, *rows])
+            csv.writer(stream, lineterminator='\n').writerows([head, *rows])
         os.replace(str(path) + '.part', str(path))
 
 
-def _record(row, results):
+def record(kind, row, results):
     """Record one mission in this process; SIGTERM cuts it, so that what there is counts."""
     folder = Path(tempfile.mkdtemp(prefix='recording_'))
     try:
-        recording = Recording(row, folder)
+        recording = kind(row, folder)
         signal.signal(signal.SIGTERM, recording.cut)
         result = recording.run()
         target = results / row['run']
         target.mkdir(parents=True, exist_ok=True)
-        _write(target, result)
+        _write(target, result, kind.columns)
         print('{run}: {legs} legs, {simulated_s} s in {wall_s} s, {missed_loops} of {cycles} cycles missed'.format(
             **result[2]), flush=True)
     except BaseException:
@@ -194,7 +207,7 @@ def main():
     with open(sys.argv[1], newline='') as stream:
         rows = list(csv.DictReader(stream))
     if len(rows) == 1:
-        _record(rows[0], results)
+        record(Recording, rows[0], results)
         return
     for row in rows[job - 1::jobs]:
         if not (results / row['run'] / 'mission.csv').exists():

@@ -122,6 +122,58 @@ class Robot:
         return caller
 
 
+class WatchedRobot(Robot):
+    """A robot that gets its goals from somebody else."""
+
+    def __init__(self, number, place, run):
+        super().__init__(number, place, run)
+        self._sent = None  # the goal that came last, if its leg has not begun
+        self._id_of_leg = ''
+        self._plans = []
+        rospy.Subscriber('/{}/move_base/goal'.format(self.name), MoveBaseActionGoal, self._mail.append, queue_size=100)
+
+    def _tell(self, message, now):
+        if isinstance(message, MoveBaseActionGoal):
+            self._sent = message
+        elif isinstance(message, Path) and not _leads_to(message, self.leg.goal):
+            self._plans.append(message)
+        else:
+            super()._tell(message, now)
+
+    def take(self, now):
+        """Take what has come since the step before; a goal begins its leg when the one before is over."""
+        if self.leg is None:
+            for message in list(self._mail):
+                if isinstance(message, MoveBaseActionGoal):
+                    self._sent = message
+                elif isinstance(message, Path):
+                    self._plans.append(message)
+        super().take(now)
+        if self._sent is not None and self.leg is None:
+            self._begin(now)
+
+    def _begin(self, now):
+        pose, self._sent, self._id_of_leg = self._sent.goal.target_pose.pose, None, self._sent.goal_id.id
+        self._goals += 1
+        goal = (pose.position.x, pose.position.y, 2.0 * math.atan2(pose.orientation.z, pose.orientation.w))
+        self.leg = Leg(self._goals, 'ranking', self.pose, goal, now)
+        plans, self._plans = self._plans, []
+        for plan in plans:
+            if _leads_to(plan, goal):
+                super()._tell(plan, now)
+
+    def _id(self):
+        return self._id_of_leg
+
+
+def _leads_to(plan, goal):
+    """Return whether a plan ends at a goal; an empty one leads to any."""
+    if not plan.poses:
+        return True
+    end = plan.poses[-1].pose.position
+    return math.hypot(end.x - goal[0], end.y - goal[1]) < 0.3
+
+
 def watch_log(robots):
     """Hand each robot the lines of the log of its move_base."""
     by_name = {'/{}/move_base'.format(robot.name): robot for robot in robots}

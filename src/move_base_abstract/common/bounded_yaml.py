@@ -1,4 +1,4 @@
-"""YAML that anybody may have written: plain data only, bounded in every direction, no key twice.
+"""YAML files of users: plain data only, bounded in size and depth, without duplicate keys.
 
 A few hundred bytes of YAML can stand for more than any machine holds (aliases of aliases), and a few kilobytes can
 exhaust the reader (nesting, long numbers). Here each of these is an error that says what was got, what is allowed, and
@@ -30,7 +30,7 @@ _CONSTRUCTION_ERRORS = (ValueError, TypeError, KeyError, IndexError, AttributeEr
 
 
 class Bounds(NamedTuple):
-    """How much a document may be. What lies behind an alias counts each time the alias is used."""
+    """The bounds of a document. The value of an alias counts each time the alias is used."""
 
     size: int  # bytes of its text
     values: int
@@ -52,7 +52,7 @@ def load_yaml_file(path: StrPath) -> Any:
 
 
 def file_version(path: StrPath, where: str) -> Tuple[int, int]:
-    """Return (time of its last change [ns], bytes) of a file, by which what was read of it is known to be of today.
+    """Return (time of the last change [ns], size [bytes]) of a file, to know whether it has changed since it was read.
 
     :raises ConfigurationError: if it cannot be looked at; the text begins with ``where``.
     """
@@ -136,7 +136,7 @@ class _Loader(yaml.SafeLoader):
         except ConfigurationError:
             raise
         except _CONSTRUCTION_ERRORS:
-            raise _error(node, 'got {}; this is no value of the kind {}'.format(
+            raise _error(node, 'got {}; this is not a value of the kind {}'.format(
                 shown(getattr(node, 'value', None) if isinstance(node, yaml.ScalarNode) else node.id),
                 shown_text(node.tag.rsplit(':', 1)[-1]))) from None
 

@@ -1,4 +1,4 @@
-"""Tables that anybody may have written: opened only if they are files, and of a bounded size; also packed by gzip."""
+"""CSV tables of users, also compressed by gzip: only regular files of a bounded size are opened."""
 from __future__ import annotations
 
 import contextlib
@@ -21,7 +21,7 @@ MAX_BYTES = 64 * 1024 * 1024
 
 @contextlib.contextmanager
 def open_csv(path: StrPath, error_type: Type[ConfigurationError] = ConfigurationError) -> Iterator[IO[str]]:
-    """Open a CSV file as text; what its reader complains of in the with block becomes an error that names the file.
+    """Open a CSV file as text. Errors of its reader in the with block become errors that name the file.
 
     A file whose name ends with .gz is unpacked, to at most MAX_BYTES.
 
@@ -46,7 +46,7 @@ def _unpacked(stream: IO[bytes], path: StrPath, error_type: Type[ConfigurationEr
 
 
 def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str, str]]]:
-    """Yield (where, {column: cell}) of the rows of a table whose first line names the columns; empty lines are none.
+    """Yield (where, {column: cell}) for each row of a table whose first line has the columns. Empty lines are skipped.
 
     ``lines``: an iterable of text lines that may have the number of the last one as ``number``.
 

@@ -17,4 +17,4 @@ class FrameError(SimulatorError):
 
 
 class TimeError(SimulatorError, ValueError):
-    """A point in time that lies where it must not lie: before the present, say."""
+    """An instant that is not allowed, for example one before the present."""

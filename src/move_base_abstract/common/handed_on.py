@@ -1,4 +1,4 @@
-"""The public names of a room, each imported when somebody asks for it: who uses one of them does not wait for all."""
+"""The public names of a room. Each is imported when it is first used, so that using one does not import all."""
 from __future__ import annotations
 
 import importlib

@@ -1,4 +1,4 @@
-"""The one gate for files that somebody names: regular files of a bounded size, and nothing else.
+"""The only way to open files that users name: regular files of a bounded size.
 
 A pipe would be waited for, for ever if nobody writes; a device may never end. Symbolic links are followed.
 """

@@ -1,4 +1,4 @@
-"""JSON files that anybody may have written: opened only if they are files, and of a bounded size."""
+"""JSON files of users: only regular files of a bounded size are opened."""
 from __future__ import annotations
 
 import json

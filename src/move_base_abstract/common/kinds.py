@@ -1,4 +1,4 @@
-"""Options that are written once: what their values may be, as a check, as JSON Schema and as words of a command line.
+"""Options that are written once: their values as a check, as JSON Schema and as arguments of a command line.
 
 An Option is a field of a dataclass. Files are read, schemas made, pages of the docs written and command lines parsed by
 it. An error says where, what was got, and what is allowed.

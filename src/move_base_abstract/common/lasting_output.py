@@ -1,4 +1,4 @@
-"""Output of a program that looks after others: it goes on where nobody reads any more what it says."""
+"""Output of a program that manages other processes: it goes on when nobody reads its output any more."""
 import os
 import sys
 from typing import Any, TextIO, cast

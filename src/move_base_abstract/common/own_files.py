@@ -1,4 +1,4 @@
-"""What this package writes: complete or not there, and never in the place of what it did not make.
+"""Files that this package writes: they are complete or absent, and never replace files that it did not make.
 
 A folder that it makes holds the file MARKER. Only such a folder, or an empty one, is ever replaced, and only if nothing
 is in it but what this package puts there; anything else is an error that names it. Folders are emptied file by file,
@@ -25,7 +25,7 @@ _TEXT = 'This folder was made by move_base_abstract, as a {}. The program replac
 
 
 class OutputError(SimulatorError):
-    """A file or folder that cannot be written, because the disk is full, say; the text names it and says why."""
+    """A file or folder that cannot be written, for example because the disk is full. The text names it and says why."""
 
 
 class FolderKind:

@@ -23,6 +23,8 @@ class Parameter:
     default: Any
     convert: Callable[[Any], Any]
     allowed: str
+    #: what it is for, one sentence in Markdown; empty where no page lists it
+    what: str = ''
 
 
 def number(low: float = -math.inf, high: float = math.inf, above: Optional[float] = None) -> Callable[[object], float]:
@@ -78,7 +80,7 @@ def name(value: object) -> str:
 
 
 def topic(value: object) -> str:
-    """Return ``value`` if it is a string that is more than slashes; a leading slash stays."""
+    """Return ``value`` if it is a string with more than slashes. A leading slash stays."""
     if not isinstance(value, str) or not value.strip('/'):
         raise ValueError
     return value

@@ -41,12 +41,12 @@ def assert_one_thread() -> None:
 
 
 def adopt_orphans() -> None:
-    """Have processes whose parent has gone become children of this one, so that none is left at the end."""
+    """Adopt processes whose parent has ended, so that none is left at the end."""
     _LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def keep_memory() -> None:
-    """Have this process, and those that it forks, keep freed memory instead of giving it back each time.
+    """Make this process, and its forks, keep freed memory instead of returning it each time.
 
     For processes that end soon: numpy's temporary arrays else cost a page fault for each of their pages, again and
     again, which is a third of the CPU time of a short trial. glibc's; another C library goes on as it likes.
@@ -58,7 +58,7 @@ def keep_memory() -> None:
 
 @contextlib.contextmanager
 def importing() -> Iterator[None]:
-    """Search for no garbage meanwhile, nor later in what there is then: what is imported stays."""
+    """Do not collect garbage meanwhile, nor later in the objects that exist then: imported objects stay."""
     gc.disable()
     try:
         yield
@@ -68,7 +68,7 @@ def importing() -> Iterator[None]:
 
 
 def die_with(parent: int) -> None:
-    """Have the kernel end this process when its parent ends."""
+    """Make the kernel end this process when its parent ends."""
     _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)
@@ -125,7 +125,7 @@ def execute(words: List[str], environment: Mapping[str, str], output: str, cwd: 
 
 
 class Forked:
-    """What subprocess.Popen says of a process, of a child that was forked or adopted."""
+    """A forked or adopted child, with the attributes of subprocess.Popen."""
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
@@ -155,7 +155,7 @@ class Forked:
 
 
 def show_name(name: str, *words: str) -> None:
-    """Have this process shown by this name and these words (`ps`, /proc), as far as there is room for them."""
+    """Set the name and arguments that `ps` and /proc show for this process, as far as there is room."""
     _LIBC.prctl(PR_SET_NAME, os.fsencode(name)[:15], 0, 0, 0)
     with open('/proc/self/stat', 'rb') as stream:
         begin, end = map(int, stream.read().rpartition(b')')[2].split()[_ARGUMENTS])
@@ -166,7 +166,7 @@ def show_name(name: str, *words: str) -> None:
 
 
 def renew_outputs(environment: Mapping[str, str]) -> None:
-    """Make sys.stdout and sys.stderr anew for where they lead to now, as Python does at its start."""
+    """Create sys.stdout and sys.stderr again for their present targets, as Python does at its start."""
     is_buffered = not environment.get('PYTHONUNBUFFERED')
     for number, name in enumerate(('stdout', 'stderr'), 1):
         new = _output(getattr(sys, name), number, is_buffered)
@@ -234,7 +234,7 @@ def await_child(seconds: float) -> None:
 
 
 def block_child_signal() -> None:
-    """Have SIGCHLD wait until it is asked for."""
+    """Block SIGCHLD until it is asked for."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
 
 
@@ -300,7 +300,7 @@ def _take_defaults() -> None:
 
 
 def redirect(output: str) -> None:
-    """Have what this process prints go to the end of a file, and nothing be there to read."""
+    """Append the output of this process to a file, and make its standard input empty."""
     descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
     nothing = os.open(os.devnull, os.O_RDONLY)
     for target, source in ((0, nothing), (1, descriptor), (2, descriptor)):

@@ -1,4 +1,4 @@
-"""Which texts are names in the ROS graph. The rule stands here once, for scenarios, missions and parameters.
+"""Which strings are names in the ROS graph: the one rule for scenarios, missions and parameters.
 
 http://wiki.ros.org/Names: a letter first, then letters, digits and '_'; '/' between the parts of a longer name.
 """

@@ -1,4 +1,4 @@
-"""Values in error texts: what anybody may have written, shortened without making the whole of it first."""
+"""Values in error texts, shortened without first building the whole text."""
 from __future__ import annotations
 
 import math

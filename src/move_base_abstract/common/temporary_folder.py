@@ -1,4 +1,4 @@
-"""A folder for the temporary files of one run, so that what one run leaves does not change the next one.
+"""A folder for the temporary files of one run, so that files of one run do not change the next one.
 
 Names of temporary files are functions of the seed, so that the files of an earlier run have the names that the next
 one would take. The folder has the same path in each run, since programs may show it; runs beside each other have one

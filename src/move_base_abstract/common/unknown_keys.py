@@ -1,4 +1,4 @@
-"""Keys that nobody knows, in files that people write: refused with the key that they are most like."""
+"""Unknown keys in users' files: refused, with the most similar known key."""
 from __future__ import annotations
 
 import difflib

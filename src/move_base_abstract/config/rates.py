@@ -1,4 +1,4 @@
-"""What the robots of a process tell at rates of simulated time, and to whom, in words: for `why` and the state."""
+"""What the robots of a process publish at rates of simulated time, and to whom, in words: for `why` and the state."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ _SHOWN = 5  # names
 
 @dataclass(frozen=True)
 class Told:
-    """Something that one robot tells again and again."""
+    """Something that one robot publishes at a rate."""
 
     what: str
     #: Hz of simulated time

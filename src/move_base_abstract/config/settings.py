@@ -7,26 +7,10 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import (
-    Parameter,
-    boolean,
-    checked,
-    integer,
-    name,
-    number,
-    numbers,
-    one_of,
-    read_table,
-    text,
-    topic,
-    unknown_names,
-)
+from ..common.parameter_table import Parameter, checked, name, read_table, unknown_names
 from ..common.shown import shown
-from ..energy.battery import TABLE as BATTERY
 from ..energy.battery import BatterySettings, read_battery
-from ..faults.buggify import TABLE as BUGGIFY
 from ..faults.buggify import Buggify, read_buggify
-from ..faults.failures import TABLE as FAILURES
 from ..faults.failures import Failures, read_failures
 from ..goals.navigator import BadFramePolicy
 from ..goals.recovery import (
@@ -48,96 +32,22 @@ from ..motion.durations import Durations, read_durations
 from ..motion.encounter_law import EncounterLaw
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
-from ..motion.original import POSE_RATES, PROFILES, RASBERRY, OriginalLaw
-from ..sensing.laser import TABLE as LASER
+from ..motion.original import POSE_RATES, RASBERRY, OriginalLaw
 from ..sensing.laser import LaserSettings, read_laser
 from . import upstream
 from .local_planner import ACCELERATION as ACCELERATION_LIMIT
 from .local_planner import XY_TOLERANCE as XY_LIMIT
 from .local_planner import YAW_TOLERANCE as YAW_LIMIT
 from .local_planner import Found, PlannerGroup, leaves
+from .robot_table import ACCELERATION, LIMITS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
 
-DEFAULT_SPEED = 0.5
-
-#: how a robot finds its way
-ROUTES = ('none', 'grid', 'lanes', 'matrix')
-
-_POSITIVE = 'a finite number > 0'
-_NOT_NEGATIVE = 'a finite number >= 0'
-_FINITE = 'a finite number'
-
-SPEED = Parameter('max_speed', DEFAULT_SPEED, number(above=0.0), _POSITIVE + ' [m/s]')
-ACCELERATION = Parameter('acceleration', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m/s^2], 0 = unlimited')
-XY_TOLERANCE = Parameter('xy_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m]')
-YAW_TOLERANCE = Parameter('yaw_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad]')
-
-TABLE = (
-    Parameter('turn_rate', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad/s], 0 = turning takes no time'),
-    Parameter('start_x', 0.0, number(), _FINITE + ' [m, global frame]'),
-    Parameter('start_y', 0.0, number(), _FINITE + ' [m, global frame]'),
-    Parameter('start_yaw', 0.0, number(), _FINITE + ' [rad, global frame]'),
-    Parameter('global_frame', None, name, 'a frame name'),
-    Parameter('odom_frame', None, name, 'a frame name'),
-    Parameter('robot_base_frame', None, name, 'a frame name'),
-    Parameter('tf_prefix', None, text, 'a string'),
-    Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
-    Parameter('max_feedback_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
-    Parameter('pose_update_freq', 10.0, number(0.0, 1000.0),
-              'a number in 0..1000 [Hz, simulated], 0 = at departure and arrival only'),
-    Parameter('odom_rate_at_rest', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
-    Parameter('max_pose_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
-    Parameter('tf_heartbeat_freq', 10.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
-    Parameter('backend', 'builtin', text, 'the name of a backend'),
-    Parameter('marker_topic', 'move_base_abstract/markers', name, 'a topic name'),
-    Parameter('marker_size', 1.0, number(above=0.0), _POSITIVE + " [m], the length of a robot's arrow"),
-    Parameter('stage_offset_x', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),
-    Parameter('stage_offset_y', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),
-    Parameter('stage_offset_yaw', 0.0, number(), _FINITE + " [rad], the global frame's x axis in Stage's world"),
-    Parameter('stage_world_frame', None, name, 'a frame name'),
-    Parameter('gazebo_model', None, name, "the name of one of Gazebo's models"),
-    Parameter('gazebo_reference_frame', 'world', name, "the name of a frame of Gazebo's"),
-    Parameter('gazebo_z', 0.0, number(), _FINITE + " [m], height of the model's origin"),
-    Parameter('log_motion', False, boolean, 'true or false'),
-    Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'), "'abort' or 'wait'"),
-    Parameter('frame_timeout', 1.0, number(0.0, 60.0), 'a number in 0..60 [s, wall]'),
-    Parameter('abort_policy', 'fast', one_of('fast', 'upstream'), "'fast' or 'upstream'"),
-    Parameter('status_list_timeout', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
-    Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
-    Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
-    Parameter('use_map', False, boolean, 'true or false'),
-    Parameter('map_topic', None, topic, 'a topic name'),
-    Parameter('allow_unknown', True, boolean, 'true or false'),
-    Parameter('allow_occupied_goals', False, boolean, 'true or false'),
-    Parameter('routes', 'none', one_of(*ROUTES), "'none', 'grid', 'lanes' or 'matrix'"),
-    Parameter('lanes', None, text, 'the path of a file'),
-    Parameter('travel_matrix', None, text, 'the path of a file'),
-    Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'"),
-    Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
-    Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
-    Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1'),
-    Parameter('recovery_behavior_enabled', True, boolean, 'true or false'),
-    Parameter('clearing_rotation_allowed', True, boolean, 'true or false'),
-    Parameter('make_plan_add_unreachable_goal', True, boolean, 'true or false'),
-    Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin'),
-    Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
-    Parameter('seed', 0, integer(0), 'a whole number >= 0'),
-    *DURATIONS,
-    *FAILURES,
-    *BUGGIFY,
-    *BATTERY,
-    *LASER,
-    Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
-    Parameter('compatible_with', None, one_of(*PROFILES), "'{}' or '{}'".format(*PROFILES)),
-)
 _ODOM = 'odom'
 #: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
-_LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
-OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')
 #: what a calibration says
-_CALIBRATED = tuple(parameter.name for parameter in _LIMITS + DURATIONS) + ('turn_rate',)
+_CALIBRATED = tuple(parameter.name for parameter in LIMITS + DURATIONS) + ('turn_rate',)
 #: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
 #: would be an event more that time has to stop for
 EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}

@@ -1,4 +1,4 @@
-"""The parameter names that existing move_base set-ups carry. Known here so that they can be told from mistakes."""
+"""The parameter names of existing move_base set-ups, known here to distinguish them from mistakes."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field

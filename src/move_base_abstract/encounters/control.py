@@ -1,4 +1,4 @@
-"""Encounters: robots of one process that come near one another on their ways, and what becomes of it.
+"""Encounters: robots of one process that come near each other on their ways, and the consequences.
 
 The first instant at which two robots come within the law's radius is an event. There the law says who has to stand,
 and for how long: drawn by (seed, the names of both in order, the numbers of their goals), so that neither the order in
@@ -109,7 +109,7 @@ class Encounters:
         draws = Chance(self._seed, '{} {}'.format(first.name, second.name))
         place = second.goal_number * _GOALS
         cost = self.law.draw(chance, yields, lambda purpose, number: draws.uniform(
-            first.goal_number, purpose, place + number))
+            first.goal_number, purpose, place + number), stay.nearest)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
             own.note(their, kind, stay.nearest, seconds, now_ns)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):

@@ -1,4 +1,4 @@
-"""What a robot will do as far as it is known: drive its leg, and stand. As times of smooth motion."""
+"""What a robot will do, as far as it is known: drive its leg, and stand. As spans of smooth motion."""
 from __future__ import annotations
 
 from typing import Any, List, NamedTuple, Tuple
@@ -25,7 +25,7 @@ class Span(NamedTuple):
 
 
 class Track:
-    """Where a robot is from ``now_ns`` [ns] on, if nobody interferes.
+    """Where a robot is from ``now_ns`` [ns] on, if nothing interferes.
 
     ``leg``: the one under way, or None of one that stands at ``pose`` (Pose2D). ``spans`` (Span, ...) follow one
     another up to the end of simulated time; none leads further than ``reach`` [m], but where there would be too many.

@@ -16,7 +16,19 @@ from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
-from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET, ChargePassed, Charging, LoadChanged
+from ..goals.events import (
+    ABOVE,
+    BELOW,
+    CHARGED,
+    EMPTY,
+    FULL,
+    SET,
+    USED,
+    ChargePassed,
+    ChargeRead,
+    Charging,
+    LoadChanged,
+)
 from ..goals.outcome import BATTERY_EMPTY
 from .consumption import LegEnergy, Mechanics
 
@@ -42,18 +54,29 @@ def _thresholds(value: Any) -> Any:
 
 #: the defaults are those of a small robot of the demos of rmf
 TABLE = (
-    Parameter('battery_capacity', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [Ah], 0 = no battery'),
-    Parameter('nominal_voltage', 12.0, _POSITIVE, 'a number > 0, <= 1e9 [V]'),
-    Parameter('charging_current', 5.0, _POSITIVE, 'a number > 0, <= 1e9 [A]'),
-    Parameter('mass', 70.0, _POSITIVE, 'a number > 0, <= 1e9 [kg]'),
-    Parameter('moment_of_inertia', 40.0, _POSITIVE, 'a number > 0, <= 1e9 [kg m^2]'),
-    Parameter('friction_coefficient', 0.22, _NOT_NEGATIVE, 'a number in 0..1e9'),
-    Parameter('ambient_power', 20.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]'),
-    Parameter('tool_power', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]'),
-    Parameter('battery_start', 1.0, _SHARE, 'a number in 0..1'),
-    Parameter('battery_thresholds', (0.2,), _thresholds, 'a list of different numbers > 0, < 1'),
+    Parameter('battery_capacity', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [Ah], 0 = no battery',
+              'Charge of the full battery.'),
+    Parameter('nominal_voltage', 12.0, _POSITIVE, 'a number > 0, <= 1e9 [V]',
+              'Capacity times voltage is the energy that the battery holds.'),
+    Parameter('charging_current', 5.0, _POSITIVE, 'a number > 0, <= 1e9 [A]',
+              'Current at a charger that gives no current of its own.'),
+    Parameter('mass', 70.0, _POSITIVE, 'a number > 0, <= 1e9 [kg]',
+              'Mass of the robot.'),
+    Parameter('moment_of_inertia', 40.0, _POSITIVE, 'a number > 0, <= 1e9 [kg m^2]',
+              'Moment of inertia about the vertical axis.'),
+    Parameter('friction_coefficient', 0.22, _NOT_NEGATIVE, 'a number in 0..1e9',
+              'Rolling resistance divided by weight.'),
+    Parameter('ambient_power', 20.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]',
+              'What computers and sensors take, always.'),
+    Parameter('tool_power', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]',
+              'What the tool takes while it works.'),
+    Parameter('battery_start', 1.0, _SHARE, 'a number in 0..1',
+              'State of charge at the start and after a reset.'),
+    Parameter('battery_thresholds', (0.2,), _thresholds, 'a list of different numbers > 0, < 1',
+              'States of charge of which the robot tells when it passes them.'),
     Parameter('battery_state_freq', 0.0, number(0.0, 1000.0),
-              'a number in 0..1000 [Hz, simulated], 0 = at changes only'),
+              'a number in 0..1000 [Hz, simulated], 0 = at changes only',
+              'How often the state of the battery is repeated.'),
 )
 
 
@@ -147,6 +170,7 @@ class Battery:
         self._motion_changed(now_ns)
         self._soc = soc
         self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
@@ -187,6 +211,7 @@ class Battery:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._motion_changed(now_ns)
 
     def _settle(self, now_ns: int) -> None:
@@ -208,6 +233,8 @@ class Battery:
         if charger is not self.charger:
             before, self.charger = self.charger, charger
             self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
+            self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy,
+                                         USED if before is None else CHARGED))
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
             energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)

@@ -1,4 +1,4 @@
-"""What a robot has ahead of it, any number of things, which may all be given up at once."""
+"""Any number of future events of one robot, which can all be cancelled at once."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Callable, List

@@ -1,4 +1,4 @@
-"""One thing that a robot has ahead of it, which may be put off."""
+"""One future event of a robot, which can be postponed."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Callable, Optional

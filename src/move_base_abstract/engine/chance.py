@@ -1,4 +1,4 @@
-"""Numbers by chance of which each follows from a robot, its goal and their purpose alone.
+"""Random numbers, each of which follows only from a robot, its goal and a purpose.
 
 The generator counts: Philox 4x64-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3. SC 2011)
 gives for each key and counter the same bits, whatever was drawn before. So no robot's numbers depend on another's, nor
@@ -41,6 +41,7 @@ class Purpose(IntEnum):
     TASK_X = 42
     TASK_Y = 43
     TASK_DURATION = 44
+    ORDER_STOP = 45
     SCAN = 61
 
 

@@ -1,4 +1,4 @@
-"""Errors that nobody expected, in the midst of a goal: they end that goal, and nothing else.
+"""Unexpected errors while a robot works on a goal: they end that goal and nothing else.
 
 An object whose methods are :func:`guarded` has ``break_off(error)``. It puts things in order step by step
 (:func:`attempt_each`), so that what is broken keeps nothing else from being put in order.

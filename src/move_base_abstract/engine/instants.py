@@ -1,4 +1,4 @@
-"""The instant at which something that never takes itself back comes to be, to the nanosecond."""
+"""The instant at which a condition becomes true that then stays true, to the nanosecond."""
 from __future__ import annotations
 
 from typing import Callable, Optional, Tuple

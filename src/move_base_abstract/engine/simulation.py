@@ -1,4 +1,4 @@
-"""The present of a simulation: one event queue and the time up to which all has happened."""
+"""The present of a simulation: one event queue, and the time up to which everything has happened."""
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
 from .event_queue import EventQueue, Series
@@ -6,7 +6,7 @@ from .guard import log_fault
 
 
 class Simulation:
-    """Keeps the time of some robots and lets their events happen. Not thread-safe: the caller holds one lock."""
+    """Keeps the time of some robots and runs their events. Not thread-safe: the caller holds one lock."""
 
     def __init__(self, now_ns=0, on_fault=log_fault):
         """``on_fault(who, error)`` is told of errors that nobody expected, and that ended a goal."""

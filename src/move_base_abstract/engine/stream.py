@@ -1,4 +1,4 @@
-"""What happens, told to those who subscribe to it, in an order that is stated beforehand."""
+"""Events, delivered to their subscribers in a stated order."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type

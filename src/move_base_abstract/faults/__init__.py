@@ -1,4 +1,4 @@
-"""What may go wrong with a robot, when, and what is out of the ordinary with it."""
+"""What may go wrong with a robot, when it does, and its present condition."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,4 +1,4 @@
-"""What goes wrong on purpose with single goals, each by a chance: a late result, a goal given up, a wrong pose.
+"""Deliberate faults of single goals, each with a chance: a late result, an aborted goal, a wrong pose.
 
 Unlike failures it is there to find what clients take for granted: it comes only with a ``buggify_seed`` other than 0,
 which in lockstep is the seed of chaos. Each has a name, the same in each run, by which it can be switched off alone.
@@ -49,9 +49,13 @@ def _names(value: Any) -> Tuple[str, ...]:
 
 TABLE = (
     Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent, jump, '
-              'mute; each a chance in 0..1 per goal'),
-    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: nothing goes wrong'),
-    Parameter('buggify_only', (), _names, 'a list of names, of which alone something goes wrong; empty: of all'),
+              'mute; each a chance in 0..1 per goal',
+              'Chance per goal of each thing that goes wrong on purpose; of several the first one in this order '
+              'comes.'),
+    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: nothing goes wrong',
+              "Seed of what goes wrong on purpose; in lockstep the run's `chaos_seed`."),
+    Parameter('buggify_only', (), _names, 'a list of names, of which alone something goes wrong; empty: of all',
+              "Which of these things happen; in lockstep the run's `chaos_only`."),
 )
 
 

@@ -1,4 +1,4 @@
-"""The condition of a robot besides where it is: whether something holds it, it has failed, its battery."""
+"""The condition of a robot besides its pose: whether it is held or has failed, and its battery."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional, Sequence

@@ -1,4 +1,4 @@
-"""What may go wrong with a robot: how often it fails, in which way, and how long until it is as before. Parameters."""
+"""Failures of a robot as parameters: how often it fails, in which way, and how long a repair takes."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -46,18 +46,28 @@ def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
 
 
 TABLE = (
-    Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT),
-    Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]'),
-    Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]'),
-    Parameter('failures_per_goal', 0.0, number(0.0, 1000.0), 'a number in 0..1000'),
+    Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT,
+              'What a robot does when it has failed; `none`: it never fails.'),
+    Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]',
+              'Mean number of failures in an hour in which the robot has a goal and has not failed.'),
+    Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]',
+              'Mean number of failures in a kilometre driven.'),
+    Parameter('failures_per_goal', 0.0, number(0.0, 1000.0), 'a number in 0..1000',
+              'Mean number of failures on the way to a goal.'),
     Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
-              'kind: ' + _KINDS_TEXT + ', repair: seconds}'),
-    Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]'),
-    Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'"),
-    Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
+              'kind: ' + _KINDS_TEXT + ', repair: seconds}',
+              'Failures at these instants of `/clock`; those before the robot is there are left out.'),
+    Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]',
+              'Mean time until a failed robot is as before.'),
+    Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'",
+              'Distribution of that time, `never` until somebody repairs it; else `fixed`, with `stuck` `never`.'),
+    Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10',
+              'Coefficient of variation of the time (standard deviation / mean), with `lognormal` only.'),
     Parameter('stuck_by_clearance', (), _BY_CLEARANCE,
-              'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending'),
-    Parameter('stuck_patience', 6.4, _SECONDS, 'a number in 0..1e9 [s, simulated]'),
+              'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending',
+              "With `stuck` and a map: the chance to get stuck on the way to a goal, by the way's least clearance."),
+    Parameter('stuck_patience', 6.4, _SECONDS, 'a number in 0..1e9 [s, simulated]',
+              'How long a robot that is stuck tries before it gives the goal up.'),
 )
 _REQUESTED_KIND = Parameter('kind', None, _KIND, _KINDS_TEXT)
 _REQUESTED_REPAIR = Parameter('repair', None, _SECONDS, 'a number in 0..1e9 [s, simulated]')

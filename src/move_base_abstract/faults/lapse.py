@@ -1,4 +1,4 @@
-"""A lapse: for a while a robot tells a wrong pose, or none, and drives on as ever."""
+"""A lapse: for a while a robot reports a wrong pose, or none, and drives on as usual."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional, Tuple

@@ -1,4 +1,4 @@
-"""Robots that get stuck where their way leads too closely past something: whether, where, and how their goals end.
+"""Robots that get stuck where their way passes an obstacle too closely: whether, where, and how their goals end.
 
 A real robot that cuts the end of a wall too closely stays there: each goal that it is sent afterwards is given up after
 some seconds in which nothing is driven, until somebody moves it.

@@ -24,8 +24,8 @@ from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
-from ..tasks.place_tasks import Rooms
-from ..traffic.control import DeadlockPolicy, Traffic
+from ..tasks.room import Rooms
+from ..traffic.control import Traffic
 from .member import FleetWarning, Member, Members
 from .robot_view import RobotView
 from .user_calls import UserCalls
@@ -56,7 +56,7 @@ class Fleet:
         self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
         self._planner = planner
         self._occupancy = occupancy
-        self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
+        self.traffic = Traffic(self.simulation, scenario.zones, scenario.traffic)
         self.surroundings = Surroundings()
         self.encounters = make_encounters(self.simulation, scenario)
         self._members = Members()

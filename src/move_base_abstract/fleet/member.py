@@ -1,4 +1,4 @@
-"""One robot of a fleet in plain Python: its parts, and who is told what of it."""
+"""One robot of a fleet in plain Python: its parts, and who hears which of its events."""
 import itertools
 from typing import NamedTuple
 
@@ -49,7 +49,7 @@ class Member:
         fleet.surroundings.add(self.robot, values['global_frame'], settings.costmaps.global_footprint)
         self._laser = self.tasks = None
         tell_start(self._stream, self.robot, settings.durations, fleet.now_ns)
-        self._traveller = fleet.traffic.join(self.navigator, settings.network, self._stream)
+        self._traveller = fleet.traffic.join(self.navigator, settings.network, self._stream, values['priority'])
         if fleet._rooms is not None:
             self.tasks = PlaceTaskRunner(fleet._rooms, index, spec.name, values['seed'], self._stream,
                                          NoClient(spec.name + '-task'), self.robot,

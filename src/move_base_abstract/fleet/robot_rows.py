@@ -1,22 +1,24 @@
-"""What is written down of a robot, in the trace of the plain fleet and in a run's event log: the rows of its events."""
+"""The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable
 
 from ..goals import events
-from ..goals.events import Departed, MotionSet, Recorded, motion_of
+from ..goals.events import ChargeRead, Departed, MotionSet, Recorded, motion_of
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..motion.robot import Robot
 
+_WITH_MOTION = (MotionSet, ChargeRead)
 _OTHER_ROWS = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
 
 
 def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
     """Have ``take`` get the rows of what is written down, in the place of ``name`` in the order.
 
-    ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the rows.
+    ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the rows, and
+    how full its battery is when it begins and ends to charge.
     """
     def hear(event: Any) -> None:
         take(event.row())
@@ -29,7 +31,7 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
         if event.corners:
             take(event.route())
     stream.subscribe(name, {**{event: plain(kind) for event, kind in events.PLAIN_ROWS.items()},
-                            **{event: hear for event in _OTHER_ROWS if with_motion or event is not MotionSet},
+                            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
                             Departed: departed})
 
 

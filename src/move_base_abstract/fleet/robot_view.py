@@ -1,4 +1,4 @@
-"""One robot of a fleet, to be looked at and told what to do, without its name in each call."""
+"""One robot of a fleet, with methods that need not name it in each call."""
 from ..goals.activity import activity
 
 

@@ -1,4 +1,4 @@
-"""What a fleet's user is told, and called for: events and endings, at the end of their instant."""
+"""Calls of a fleet's user: for events and endings, at the end of their instant."""
 import warnings
 from functools import partial
 
@@ -34,6 +34,11 @@ class UserCalls:
     def at(self, time_ns, call):
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which is not past."""
         self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
+
+    def tell(self, row):
+        """Tell of a row that is of no robot's stream."""
+        if self._on_event is not None:
+            self._tell_event(row)
 
     def _tell_event(self, row):
         """Tell of a row of the trace: when what it belongs to is over, at the end of this instant."""

@@ -1,4 +1,4 @@
-"""What a robot is doing, in a word or two, for those who look at it."""
+"""What a robot is doing, in a word or two, for people."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Who sends a robot its goals or tasks, as far as they are answered beside the stream of what happens."""
+"""The client of a robot's goals or tasks, as far as it is answered apart from the stream of events."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Callable, Optional, Protocol
@@ -50,7 +50,7 @@ class TaskClient(Client, Protocol):
 
 
 class NoClient:
-    """Nobody who wants to know any of this; ids begin with ``prefix``."""
+    """A client that ignores all answers; ids begin with ``prefix``."""
 
     is_feedback_heard: Optional[Callable[[], int]] = None
     is_progress_heard: Optional[Callable[[], int]] = None

@@ -1,8 +1,7 @@
-"""What happens to one robot, as values: whoever wants to know subscribes to the robot's :class:`Stream` of them.
+"""What happens to one robot, as values. Subscribe to the robot's :class:`Stream` to hear of it.
 
-They are tuples with names, not frozen dataclasses, which take twice as long to be made: three come with each goal. Each
-has the instant [ns] and the robot's name first. Poses are those of the global frame [m, rad]. ``row()`` is that of
-the event log, see :class:`.trace.TraceEntry`; PLAIN_ROWS says which need none. What has neither is not written down.
+Named tuples, made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the name of the robot.
+Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.TraceEntry`); see PLAIN_ROWS for others.
 """
 from __future__ import annotations
 
@@ -106,14 +105,14 @@ class GoalChanged(NamedTuple):
 
 
 class Abandoned(NamedTuple):
-    """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
+    """The robot no longer goes to its target: its goal has ended, or another goal has replaced it."""
 
     time_ns: int
     robot: str
 
 
 class BrokenOff(NamedTuple):
-    """An error has come up in whatever the robot was about; it stands, without a goal. Nothing may be half done."""
+    """An error interrupted the robot's work. It stands, without a goal. Nothing may be left half done."""
 
     time_ns: int
     robot: str
@@ -166,14 +165,14 @@ class Failed(NamedTuple):
 
 
 class Repaired(NamedTuple):
-    """The robot that had failed is as before."""
+    """The robot is repaired."""
 
     time_ns: int
     robot: str
 
 
 class Lapse(NamedTuple):
-    """The robot ``begins`` to tell a wrong pose or none, or ends it: ``kind`` and ``cause`` as of :mod:`.lapse`.
+    """The robot ``begins`` or ends to report a wrong pose or none: ``kind`` and ``cause`` as in :mod:`.lapse`.
 
     ``by``: of a jump that begins, how far it goes (x, y [m], yaw [rad]).
     """
@@ -191,8 +190,8 @@ class Lapse(NamedTuple):
                 *self.by)
 
 
-#: what a ChargePassed is about
-FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
+#: what a ChargePassed is about, and what has changed a charge
+FULL, EMPTY, ABOVE, BELOW, SET, USED, CHARGED = 'full', 'empty', 'above', 'below', 'set', 'used', 'charged'
 
 
 class ChargePassed(NamedTuple):
@@ -215,6 +214,20 @@ class Charging(NamedTuple):
     def row(self) -> Row:
         """Return its row."""
         return (self.time_ns, self.robot, 'charging_began' if self.begins else 'charging_ended', self.charger)
+
+
+class ChargeRead(NamedTuple):
+    """The state of charge (0..1) of a battery of ``energy`` [J]; ``since`` the last one it was USED, CHARGED or SET."""
+
+    time_ns: int
+    robot: str
+    charge: float
+    energy: float
+    since: str
+
+    def row(self) -> Row:
+        """Return its row."""
+        return self.time_ns, self.robot, 'charge', self.charge, self.energy, self.since
 
 
 class Recorded(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a robot tells on its way to a goal, so many times a simulated second."""
+"""The feedback of a robot on its way to a goal, at a rate in simulated time."""
 
 
 class GoalFeedback:

@@ -4,7 +4,7 @@ from typing import NamedTuple, Tuple
 
 
 class BadFramePolicy(Enum):
-    """What becomes of a goal whose frame is not known: ended at once, or retried until it is cancelled (upstream)."""
+    """What happens to a goal in an unknown frame: it ends at once, or is retried until it is cancelled (upstream)."""
 
     ABORT = 'abort'
     WAIT = 'wait'

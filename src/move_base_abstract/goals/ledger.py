@@ -1,4 +1,4 @@
-"""The book-keeping of an action server that has one goal at a time, without a word of ROS.
+"""The book-keeping of an action server with one goal at a time, without ROS.
 
 The rules are those of actionlib's action server and simple action server, as clients of move_base know them: one
 active goal, the newest wins, cancels by id, by time or of all. What differs is said where it does.
@@ -24,7 +24,7 @@ class GoalRecord:
 
 
 class GoalLedger:
-    """Decides what becomes of goals and cancel requests.
+    """Decides what happens to goals and cancel requests.
 
     ``publish_status()`` is called after each transition, ``publish_result(record, stamp_ns)`` after each ending, before
     the status that shows it. ``new_id(now_ns)`` names goals that come without an id. A goal that has ended stays on

@@ -1,4 +1,4 @@
-"""What move_base does with a goal, decided without ROS: check it, find its place, plan, travel, end it.
+"""What move_base does with a goal, without ROS: check it, find its place, plan, travel, end it.
 
 Threading contract: all methods are called under one lock, by whoever holds the present, with ``now_ns`` [ns] not
 before the simulation's present.

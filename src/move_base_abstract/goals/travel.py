@@ -1,4 +1,4 @@
-"""How a robot gets to where its goal lies: it departs, is held, goes on, is put elsewhere, and stands.
+"""How a robot travels to its goal: it departs, is held, goes on, is placed elsewhere, and stands.
 
 Threading contract: as of :mod:`.navigator`.
 """
@@ -119,6 +119,14 @@ class Travel:
         if self._waits_for_release and not self.held_for:
             self._waits_for_release = False
             self._go_on(now_ns)
+
+    def change_way(self, corners, now_ns):
+        """Leave the way under way, and go on by ``corners`` from where the robot is, from rest."""
+        if self._durations is not None:
+            self._durations.interrupted(self._robot.leg, now_ns)
+        self._agenda.clear()
+        self.halt(now_ns)
+        self.go(corners, now_ns)
 
     def forget_holds(self, now_ns):
         """Hold the robot, which has no goal, for nothing any more."""

@@ -1,1 +1,1 @@
-"""What a participant of lockstep needs and ROS has no part in: the protocol, and whose turn it is."""
+"""The parts of a lockstep participant that need no ROS: the protocol, and whose turn it is."""

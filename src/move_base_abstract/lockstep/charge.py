@@ -1,4 +1,4 @@
-"""What a participant's computations cost in simulated time: nothing, a fixed time, what they take, what they took.
+"""The simulated time of a participant's computations: none, a fixed time, a measured time, or a recorded time.
 
 A computation is a round in which the participant sends something; the messages leave when it is over, and what comes
 in the meantime waits.

@@ -1,4 +1,4 @@
-"""Who runs in a participant: one application thread at a time, and when it must wait, the next in a stated order.
+"""The turns of a participant's threads: one application thread runs at a time, the next one follows in a stated order.
 
 A thread of the application that runs has the *turn*. At a known wait it gives the turn away; when nobody can go on,
 the round is over, the report goes to the time master, and whoever waited last reads the next grant. Within a grant:
@@ -34,7 +34,7 @@ class TurnLost(Exception):
 
 
 class Scheduler(Looking):
-    """Gives the turn to one thread of the process after the other."""
+    """Gives the turn to the threads of the process, one after another."""
 
     #: called in each thread of the application, with whether it begins to be one or ends to; for all of the process
     thread_changes: Optional[Callable[[bool], object]] = None

@@ -1,4 +1,4 @@
-"""The secret of a run, which keeps strangers of the same machine out."""
+"""The secret of a run, which keeps other users of the machine out."""
 from __future__ import annotations
 
 import os

@@ -1,4 +1,4 @@
-"""Objects that are hashed by number, not by their address: sets of them are gone through in one order in every run."""
+"""Objects that are hashed by number instead of address, so that sets of them have the same order in every run."""
 from __future__ import annotations
 
 import abc

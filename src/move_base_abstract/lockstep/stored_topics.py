@@ -1,4 +1,4 @@
-"""Topics of which a user says that nodes only store what they hear: 'TOPIC', or 'NODE=TOPIC' for one node."""
+"""Topics that a user has declared as only stored by nodes: 'TOPIC', or 'NODE=TOPIC' for one node."""
 from __future__ import annotations
 
 import re

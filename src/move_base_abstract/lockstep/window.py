@@ -1,4 +1,4 @@
-"""A window of simulated time through which a participant goes by itself: what comes in it, and until when it lasts."""
+"""A window of simulated time through which a participant goes alone: its input, and its end."""
 from __future__ import annotations
 
 from collections import deque

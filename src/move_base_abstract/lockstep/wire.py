@@ -45,7 +45,7 @@ _FRAME = struct.Struct('<IB')
 
 
 class WireError(ValueError):
-    """What came is no frame of this protocol."""
+    """The bytes received are not a frame of this protocol."""
 
 
 def frame(kind: int, body: bytes = b'') -> bytes:

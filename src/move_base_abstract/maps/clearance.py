@@ -1,4 +1,4 @@
-"""How far what is occupied is from a place, and from a way."""
+"""The distance of occupied cells from a place and from a way."""
 from __future__ import annotations
 
 import math

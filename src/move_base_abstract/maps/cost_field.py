@@ -1,4 +1,4 @@
-"""How far it is from the cells of a grid to one of them, and which way: a wave that runs as far as it is asked to.
+"""The shortest ways from the cells of a grid to one of them: a wave that runs only as far as needed.
 
 Dijkstra's algorithm with a bucket for each straight step's length (Dial): no step is shorter, so that the cells of one
 bucket do not change one another and are settled at once. Costs are whole numbers, 985 for a straight step and 1393 for

@@ -1,4 +1,4 @@
-"""What of a costmap's parameters can be shown without a costmap: the robot's footprint and the local window."""
+"""The parts of a costmap's parameters that can be shown without a costmap: the footprint and the local window."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Ways around what a map shows: shortest over its cells, then straight pieces at any angle."""
+"""Ways around a map's obstacles: the shortest way over its cells, then straight pieces at any angle."""
 from __future__ import annotations
 
 import weakref

@@ -1,4 +1,4 @@
-"""Lanes: a net of nodes and edges on which robots drive, from a file.
+"""Lanes: a net of nodes and edges on which robots drive, read from a file.
 
     nodes:
       - {name: depot, x: 0.0, y: 0.0, yaw: 1.57}
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, boolean, checked, integer, number
+from ..common.ros_names import is_robot_name
 from ..common.shown import shown
 from ..common.unknown_keys import check_keys
 from ..motion.geometry import Pose2D
@@ -41,12 +42,21 @@ def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
     return tuple((_COORDINATE(x), _COORDINATE(y)) for x, y in value)
 
 
+def _group(value: Any) -> str:
+    if not isinstance(value, str) or not is_robot_name(value):
+        raise ValueError
+    return value
+
+
+#: of zones, too
+GROUP = Parameter('group', None, _group, "letters, digits and '_', a letter first")
 _EDGE_TABLE = {
     'points': Parameter('points', (), _points, 'a list of [x, y] [m, global frame, within +-1e9]'),
     'length': Parameter('length', None, number(1e-6, 1e9), 'a number in 1e-6..1e9 [m]'),
     'speed': Parameter('speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s]'),
     'capacity': Parameter('capacity', None, integer(1), 'a whole number >= 1'),
     'one_way': Parameter('one_way', False, boolean, 'true or false'),
+    'group': GROUP,
 }
 
 
@@ -55,6 +65,7 @@ class Edge(NamedTuple):
 
     ``speed`` [m/s], ``capacity`` [robots]: None, no limit; ``share`` of a robot's speed at which it is driven, so that
     it takes as long as its ``length`` says, where one is given. ``capacity`` counts both directions together.
+    ``group``: the name of what it shares a number of places with.
     """
 
     begin: str
@@ -64,6 +75,12 @@ class Edge(NamedTuple):
     capacity: Optional[int]
     one_way: bool
     share: float
+    group: Optional[str] = None
+
+    @property
+    def is_counted(self) -> bool:
+        """Whether who is on it holds a place."""
+        return self.capacity is not None or self.group is not None
 
 
 class LaneMap(NamedTuple):
@@ -76,7 +93,7 @@ class LaneMap(NamedTuple):
     @property
     def has_capacities(self) -> bool:
         """Whether on any edge there is place for some robots only."""
-        return any(edge.capacity is not None for edge in self.edges)
+        return any(edge.is_counted for edge in self.edges)
 
     @property
     def has_speeds(self) -> bool:
@@ -161,7 +178,8 @@ def _edge(raw: Mapping[str, Any], nodes: Dict[str, Pose2D], where: str) -> Edge:
     if not all(one != other for one, other in zip(points, points[1:])):
         raise ConfigurationError('{}: got the same place twice in a row; allowed: places that differ'.format(where))
     share = 1.0 if values['length'] is None else length / values['length']
-    return Edge(raw['from'], raw['to'], points, values['speed'], values['capacity'], values['one_way'], share)
+    return Edge(raw['from'], raw['to'], points, values['speed'], values['capacity'], values['one_way'], share,
+                values['group'])
 
 
 def path_length(points: Sequence[Tuple[float, float]]) -> float:

@@ -12,6 +12,7 @@ from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
 from .lane_map import path_length
 from .planning import StraightLinePlanner, WorldBounds
+from .priced_ways import cheapest
 
 if TYPE_CHECKING:
     from typing import OrderedDict as Ordered
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from ..motion.geometry import Pose2D
     from .lane_map import Edge, LaneMap
     from .map_check import MapCheck
+    from .priced_ways import Prices
 
 NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _KEPT_WAYS = 10_000
@@ -100,6 +102,10 @@ class LaneWays:
                 self._ways.popitem(last=False)
         return self._ways[key]
 
+    def priced_way(self, start: Tuple[float, float], goal: Tuple[float, float], prices: Prices) -> Optional[PlannedWay]:
+        """As :meth:`way`, but the cheapest one where lanes cost more than their time; see :mod:`.priced_ways`."""
+        return self._find(start, goal, prices)
+
     def meeting_nodes(self, place: Tuple[float, float], to_goal: bool = False) -> List[str]:
         """Return at which nodes one comes onto the net from ``place`` ((x, y), m); ``to_goal``: leaves it for there."""
         return [access.node for access in self._accesses(place, to_goal)]
@@ -109,13 +115,18 @@ class LaneWays:
         nearest = float(np.hypot(*(self._nodes_xy - place).T).min())
         return min(nearest, float(self._pieces_away(place)[1].min())) if len(self._pieces) else nearest
 
-    def _find(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
+    def _find(self, start: Tuple[float, float], goal: Tuple[float, float],
+              prices: Optional[Prices] = None) -> Optional[PlannedWay]:
         if math.dist(start, goal) <= NEAR:
             return PlannedWay()
         candidates = self._along_one_lane(start, goal)
+        priced: Dict[Tuple[str, str], List[_Lane]] = {}
         for first in self._accesses(start):
             for last in self._accesses(goal, to_goal=True):
                 cost = self._costs_to(last.node).get(first.node)
+                if cost is not None and prices is not None:
+                    cost, priced[first.node, last.node] = cheapest(
+                        self._leaving, self._costs_to(last.node), first.node, last.node, prices)
                 if cost is not None:
                     candidates.append((first.cost + cost + last.cost, first, last))
         if not candidates:
@@ -123,7 +134,7 @@ class LaneWays:
         _, first, last = min(candidates, key=lambda candidate: candidate[0])
         if last is None:
             return _planned(start, first, goal, True)
-        lanes = self._lanes_between(first.node, last.node)
+        lanes = priced.get((first.node, last.node)) or self._lanes_between(first.node, last.node)
         over = [piece for lane in lanes for piece in _pieces(lane, lane.points[1:])]
         return _planned(start, [*first.pieces, *over, *last.pieces], goal, bool(last.pieces))
 
@@ -211,6 +222,8 @@ class LanePlanner(StraightLinePlanner):
                  map_check: Optional[MapCheck] = None) -> None:
         super().__init__(bounds, map_check)
         self._ways = ways
+        #: what lanes cost beside their time, None: nothing; see :mod:`.priced_ways`
+        self.prices: Optional[Prices] = None
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
@@ -219,7 +232,10 @@ class LanePlanner(StraightLinePlanner):
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay`, or None where there is no way."""
-        return self._ways.way((start.x, start.y), (goal.x, goal.y)) if self.reachable(goal) else None
+        if not self.reachable(goal):
+            return None
+        ends = (start.x, start.y), (goal.x, goal.y)
+        return self._ways.way(*ends) if self.prices is None else self._ways.priced_way(*ends, self.prices)
 
     @staticmethod
     def is_clear(_points: Sequence[Tuple[float, float]]) -> bool:

@@ -1,4 +1,4 @@
-"""Whether a robot may be sent to a place. Needs no numpy, so that a robot without a map need not load it."""
+"""Whether a robot may be sent to a place. Needs no numpy, so robots without a map do not load it."""
 from __future__ import annotations
 
 from enum import Enum
@@ -23,7 +23,7 @@ class Ground(Enum):
 
 
 class MapCheck:
-    """What one robot makes of the map: where it may be sent.
+    """What the map means for one robot: where it may be sent.
 
     While there is no map (``occupancy`` is None) no goal can be judged; ``lacking`` says why.
     ``allow_unknown``: whether unknown cells are as good as free ones.

@@ -1,4 +1,4 @@
-"""Where a robot can go, and the way there: straight, whatever lies between. Without a map every place is free.
+"""Where a robot can go, and the straight way there through everything. Without a map every place is free.
 
 Ways around what a map shows are made by :mod:`grid_planner`.
 """

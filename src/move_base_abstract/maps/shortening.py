@@ -1,4 +1,4 @@
-"""Ways over cells made into few straight pieces at any angle, by which places see each other.
+"""Ways over cells, shortened to a few straight pieces at any angle by lines of sight.
 
 From a place the way goes straight to one of the next cells where its shortest way over the cells turns or passes a
 corner of what is not free, and on from there likewise: the choice that is shortest in all. Lengths are whole numbers,

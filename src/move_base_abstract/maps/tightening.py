@@ -1,4 +1,4 @@
-"""Ways pulled tight: each bend gives way to the corners of what is not free that lie within it.
+"""Ways pulled tight: each bend moves to the corners of the blocked cells inside it.
 
 Of a bend a - b - c both pieces are clear, so what keeps a from seeing c reaches in between a and c: a string along the
 bend is caught by the convex hull of the corners in the triangle. Whole numbers decide.

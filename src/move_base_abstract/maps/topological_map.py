@@ -37,7 +37,7 @@ def plain_map(raw: Mapping[str, Any], where: str) -> Dict[str, List[Dict[str, An
             nodes.append({'name': node['name'], 'x': pose.x, 'y': pose.y, 'yaw': pose.yaw})
             edges += _edges(node)
         except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-            raise ConfigurationError('{}: got {}, which is no node of a tmap2 ({}: {})'.format(
+            raise ConfigurationError('{}: got {}, which is not a node of a tmap2 ({}: {})'.format(
                 place, shown(entry), type(error).__name__, shown(str(error)))) from None
     return {'nodes': nodes, 'edges': edges}
 

@@ -1,4 +1,4 @@
-"""A robot as it was recorded: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
+"""A calibrated robot: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
 import math
 import os
 import re
@@ -25,6 +25,7 @@ ENCOUNTERS = 'encounters'  # the section that a calibration may have
 _NAME = re.compile(r'[A-Za-z0-9_]+')
 _NORMAL = NormalDist()
 _LEAST_FACTOR = 0.5  # a leg takes no less than this share of what its phases say
+LEAST_MOST = 0.5  # s: the tail for a turn may be as long on any way
 _REQUIRED = object()
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
 
@@ -79,6 +80,7 @@ def read_tail_motion(value):
 
 #: sections that a calibration may have
 SECTIONS = (
+    Parameter('tail_most', math.inf, number(0.001, 1000.0), 'a number in 0.001..1000 [s per m]'),
     Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
               '[m], to [low, high]'),
     Parameter('tail_motion', None, read_tail_motion, 'a mapping of reverse_speed [m/s] and spin_speed [rad/s], both '
@@ -89,14 +91,15 @@ SECTIONS = (
 
 @dataclass(frozen=True)
 class CalibratedDurations:
-    """What the phases do not say of how long a goal takes.
+    """The part of a goal's duration that the phases do not explain.
 
     ``delay`` [s] at rest first. Then either the motion differs by a normal ``spread`` [s] and by small delays,
     exponential of mean ``delay_share`` times the motion's time; or the goal is one of the tail: it comes as many
     seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
     the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
     :class:`.durations.Durations`. ``recorded``: what the legs were like that say so, None: nobody knows.
-    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands.
+    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands. ``tail_most`` [s per m]: how long the
+    tail of a turn is at most for each metre of the way; x seconds of ``tail`` become x m / (x + m), m being the most.
     """
 
     delay: float
@@ -108,12 +111,16 @@ class CalibratedDurations:
     failures: Tuple[Tuple[float, float], ...] = ()
     recorded: Optional[Recorded] = None
     tail_motion: Optional[TailMotion] = None
+    tail_most: float = math.inf
 
     def draw(self, leg, uniform):
         """Return (overhead [s], factor) of a goal with its first leg (PhasedRoute), by ``uniform(purpose, place)``."""
         motion = leg.duration_ns / NS_PER_S
         if uniform(Purpose.TAIL, 0) < self.tail_chance(motion, leg.start_turn):
-            return self.delay + self.tail.draw(lambda place: uniform(Purpose.TAIL_SECONDS, place)), 1.0
+            late = self.tail.draw(lambda place: uniform(Purpose.TAIL_SECONDS, place))
+            if math.isfinite(self.tail_most) and self._is_for_turn(leg, uniform):
+                late /= 1.0 + late / max(LEAST_MOST, self.tail_most * leg.distance)
+            return self.delay + late, 1.0
         if not motion > 0.0:
             return self.delay, 1.0
         late = self.spread * _NORMAL.inv_cdf(uniform(Purpose.SPREAD, 0)) / motion
@@ -129,9 +136,13 @@ class CalibratedDurations:
         extra, motion = overhead - self.delay, self.tail_motion
         if motion is None or not extra > 0.0:
             return leg
-        if uniform(Purpose.TAIL, 0) < along(self.tail_chances, abs(leg.start_turn)):
+        if self._is_for_turn(leg, uniform):
             return leg.going_backwards(extra, motion.reverse_speed)
         return leg.spinning(extra, motion.spin_speed)
+
+    def _is_for_turn(self, leg, uniform):
+        """Return whether a goal of the tail is that for its turn at the start."""
+        return uniform(Purpose.TAIL, 0) < along(self.tail_chances, abs(leg.start_turn))
 
     def tail_chance(self, motion, start_turn):
         """Return the chance of the tail for a ``motion`` [s] after a turn by ``start_turn`` [rad]."""
@@ -206,7 +217,7 @@ def make_calibration(raw, where):
                      values['turning_offset'], values['bow_length']),
         CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
                             values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
-                            values['failure_by_length'], recorded, values['tail_motion']),
+                            values['failure_by_length'], recorded, values['tail_motion'], values['tail_most']),
         make_encounter_law(raw[ENCOUNTERS], where) if ENCOUNTERS in raw else None)
 
 

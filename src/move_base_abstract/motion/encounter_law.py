@@ -1,6 +1,7 @@
 """What it costs a robot to meet another one: chances and times, from the section ``encounters`` of a calibration."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
@@ -21,6 +22,12 @@ _OF_CHANCE, _OF_SECONDS, _OF_CV = 'a number in 0..1', 'a number in 0.001..86400 
 _OF_CHANCES = 'a list of [nearest distance [m], chance in 0..1], the distances >= 0 and ascending'
 
 
+def _chances(value: Any) -> Pairs:
+    """Convert a chance, the same at all distances, or pairs of (distance [m], chance)."""
+    pairs: Pairs = _CHANCES(value if isinstance(value, list) else [[0.0, value]])
+    return pairs
+
+
 def _row(name: str, convert: Callable[[Any], Any], allowed: str) -> Parameter:
     return Parameter(name, _REQUIRED, convert, allowed)
 
@@ -32,10 +39,12 @@ TABLE = (
     _row('both_chance', _CHANCE, _OF_CHANCE),
     _row('delay_mean', _SECONDS, _OF_SECONDS),
     _row('delay_cv', _CV, _OF_CV),
-    _row('block_chance', _CHANCE, _OF_CHANCE),
+    _row('block_chance', _chances, _OF_CHANCE + ', or ' + _OF_CHANCES),
     _row('block_mean', _SECONDS, _OF_SECONDS),
     _row('block_cv', _CV, _OF_CV),
     _row('abort_chance', _CHANCE, _OF_CHANCE),
+    Parameter('long_chance', 0.0, _CHANCE, _OF_CHANCE),
+    Parameter('long_mean', 600.0, _SECONDS, _OF_SECONDS),
     _row('narrow_below', number(0.0, 1000.0), 'a number in 0..1000 [m]'),
     _row('narrow_weight', number(0.01, 100.0), 'a number in 0.01..100'),
 )
@@ -57,8 +66,9 @@ class EncounterLaw:
 
     ``chances``: {kind: ((nearest distance [m], chance that it costs anything), ...)}; where the free space around them
     is narrower than ``narrow_below`` [m] the chance p becomes 1 - (1 - p)^``narrow_weight``. Then with ``both_chance``
-    both have to stand, else one of them. That takes the Lognormal ``delay`` [s], or with ``block_chance`` the Gamma
-    ``block`` [s], of which ``abort_chance`` end in giving up.
+    both have to stand, else one of them. That takes the Lognormal ``delay`` [s], or with a chance by ``block_chances``
+    ((nearest distance [m], chance), ...) the Gamma ``block`` [s], of which ``abort_chance`` end in giving up. Of blocks
+    the share ``long_chance`` is longer: exponential of ``long_mean`` [s], and none of these ends in giving up.
     """
 
     source: str
@@ -66,9 +76,11 @@ class EncounterLaw:
     chances: Tuple[Tuple[str, Pairs], ...]
     both_chance: float
     delay: Lognormal
-    block_chance: float
+    block_chances: Pairs
     block: Gamma
     abort_chance: float
+    long_chance: float
+    long_mean: float
     narrow_below: float
     narrow_weight: float
 
@@ -79,21 +91,28 @@ class EncounterLaw:
             return float(1.0 - (1.0 - chance) ** self.narrow_weight)
         return chance
 
-    def draw(self, chance: float, yields: Tuple[int, ...], uniform: Callable[..., float]) -> Cost:
+    def draw(self, chance: float, yields: Tuple[int, ...], uniform: Callable[..., float], nearest: float) -> Cost:
         """Return the :class:`Cost` of an encounter, drawn from ``uniform(purpose, place)`` in (0, 1).
 
-        ``chance`` as of :meth:`chance`; ``yields``: which of the two, 0 and 1, may be the one that has to stand.
+        ``chance`` as of :meth:`chance`; ``yields``: which of the two, 0 and 1, may be the one that has to stand;
+        ``nearest`` [m]: how near they come.
         """
         if not yields or uniform(Purpose.ENCOUNTER, 0) >= chance:
             return NO_COST
-        blocks = uniform(Purpose.ENCOUNTER, 1) < self.block_chance
+        blocks = uniform(Purpose.ENCOUNTER, 1) < along(self.block_chances, nearest)
         both = len(yields) == 2 and uniform(Purpose.ENCOUNTER, 2) < self.both_chance
         chosen = yields if both else (yields[int(uniform(Purpose.ENCOUNTER, 3) * len(yields))],)
-        times = self.block if blocks else self.delay
+        is_long = blocks and uniform(Purpose.ENCOUNTER, 5) < self.long_chance
         purposes = Purpose.ENCOUNTER_SECONDS, Purpose.ENCOUNTER_SECONDS_OF_OTHER
-        first, second = (times.draw(lambda place, purpose=purpose: uniform(purpose, place)) if which in chosen else 0.0
-                         for which, purpose in enumerate(purposes))
-        return Cost((first, second), blocks and uniform(Purpose.ENCOUNTER, 4) < self.abort_chance)
+
+        def seconds(which: int) -> float:
+            if which not in chosen:
+                return 0.0
+            if is_long:
+                return -self.long_mean * math.log(uniform(purposes[which], 0))
+            return (self.block if blocks else self.delay).draw(lambda place: uniform(purposes[which], place))
+        aborts = blocks and not is_long and uniform(Purpose.ENCOUNTER, 4) < self.abort_chance
+        return Cost((seconds(0), seconds(1)), aborts)
 
 
 def make_encounter_law(raw: Mapping[str, Any], where: str) -> EncounterLaw:
@@ -106,7 +125,7 @@ def make_encounter_law(raw: Mapping[str, Any], where: str) -> EncounterLaw:
         raise ConfigurationError('{}: encounters: got {}; allowed: a mapping with {}'.format(
             where, shown(raw), ', '.join(names)))
     for wrong, found in (('unknown', [key for key in raw if key not in names]),
-                         ('missing', [name for name in names if name not in raw])):
+                         ('missing', [row.name for row in TABLE if row.default is _REQUIRED and row.name not in raw])):
         if found:
             raise ConfigurationError('{}: encounters: {}: {}; allowed: {}'.format(
                 where, wrong, ', '.join(map(shown, found[:5])), ', '.join(names)))
@@ -114,5 +133,5 @@ def make_encounter_law(raw: Mapping[str, Any], where: str) -> EncounterLaw:
     return EncounterLaw(
         values['source'], values['radius'], tuple((kind, values['chance_' + kind]) for kind in KINDS),
         values['both_chance'], Lognormal(values['delay_mean'], values['delay_cv']), values['block_chance'],
-        Gamma(values['block_mean'], values['block_cv']), values['abort_chance'], values['narrow_below'],
-        values['narrow_weight'])
+        Gamma(values['block_mean'], values['block_cv']), values['abort_chance'], values['long_chance'],
+        values['long_mean'], values['narrow_below'], values['narrow_weight'])

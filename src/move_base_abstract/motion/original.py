@@ -1,4 +1,4 @@
-"""How the original package of this name (TAROS 2023) times its legs, for who replicates what was published with it.
+"""The leg times of the original package of this name (TAROS 2023), to replicate studies published with it.
 
 Facts from its source, github.com/laurencejbelliott/move_base_abstract: ``main`` at d53d827, ``rasberry`` at bc8e2f7.
 

@@ -1,4 +1,4 @@
-"""Legs and routes at another pace than that of their law; still any instant's pose is computed exactly."""
+"""Legs and routes at another pace than their law's. The pose at any instant is still computed exactly."""
 from typing import NamedTuple
 
 

@@ -1,4 +1,4 @@
-"""The way that a planner finds: its corners, and where it has them, the limits of its pieces and how long it takes."""
+"""The way that a planner finds: its corners and, if it has them, the limits of its pieces and its duration."""
 import math
 from typing import NamedTuple, Optional
 

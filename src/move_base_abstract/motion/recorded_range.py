@@ -1,4 +1,4 @@
-"""What the legs were like that a calibration was fitted to, and which goals lie outside of that."""
+"""The range of the legs to which a calibration was fitted, and which goals lie outside of it."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""What a robot tells of where it is: the truth, but for lapses, of which its motion knows nothing."""
+"""The pose that a robot reports: the true pose, except during lapses. Its motion knows nothing of lapses."""
 from __future__ import annotations
 
 from typing import Any, Optional

@@ -1,4 +1,4 @@
-"""What many runs have broken, property by property: in how many of them, and where first."""
+"""The broken properties of many runs: each in how many runs, and where first."""
 from __future__ import annotations
 
 from typing import Any, Dict, Iterator, List, Tuple

@@ -1,4 +1,4 @@
-"""What the rows of robots in an event log say of goals, places and batteries: which properties they break."""
+"""Which properties the rows of robots in an event log break: goals, places and batteries."""
 from __future__ import annotations
 
 import json

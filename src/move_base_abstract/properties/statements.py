@@ -36,7 +36,7 @@ class _Statement(NamedTuple):
 
 
 class Statements:
-    """Those of one node. What is no news costs a look into a dict."""
+    """The statements of one node. A call without news costs one look-up in a dict."""
 
     def __init__(self) -> None:
         self._made: Dict[Tuple[str, str], _Statement] = {}
@@ -78,7 +78,7 @@ def _check(kind: str, text: object) -> None:
     if kind not in KINDS:
         raise StatementError('a statement is {}, got {!r}'.format(' or '.join(KINDS), kind))
     if not isinstance(text, str) or not text.strip():
-        raise StatementError('{} wants a text that says what it is about, got {!r}'.format(kind, text))
+        raise StatementError('{} needs a text that says what it is about, got {!r}'.format(kind, text))
 
 
 def short(value: object) -> str:

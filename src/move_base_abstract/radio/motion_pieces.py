@@ -1,4 +1,4 @@
-"""A robot's motion as the time master is told it: pieces between which place, speed and acceleration are formulas."""
+"""A robot's motion as it is sent to the time master: pieces with place, speed and acceleration."""
 from __future__ import annotations
 
 import struct

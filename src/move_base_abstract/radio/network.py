@@ -1,4 +1,4 @@
-"""A network's file: hosts, links between them, what is not on the air; read, checked, and as the time master takes it.
+"""A network's file: hosts, links and wired topics; how it is read, checked and sent to the time master.
 
 The page docs/radio.md says what each key means. An error names the file, the key, what was got, what is allowed.
 """
@@ -97,7 +97,7 @@ _LOST = one_of('drop', 'retry', 'queue')
 
 @dataclass(frozen=True)
 class Link:
-    """How it is between two hosts. ``lost``, ``retry``, ``attempts``, ``buffer``: None as the file says for all."""
+    """A link between two hosts. ``lost``, ``retry``, ``attempts``, ``buffer``: None means the file's default."""
 
     between: Tuple[str, ...] = option(list_of(_HOST, 'two names of hosts, or patterns', 2, most=2), None,
                                       'two hosts, or patterns of hosts', is_required=True)

@@ -1,4 +1,4 @@
-"""What a run has left: its event log, and where two of them go different ways."""
+"""The results of a run: its event log, and where two logs differ."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

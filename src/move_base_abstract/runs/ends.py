@@ -1,4 +1,4 @@
-"""How the processes of a run ended, and which of them crashed: the one rule of trials, lockstep_launch and verify.
+"""How the processes of a run ended, and which crashed: the one rule for trials, lockstep_launch and verify.
 
 A node *crashed* that came to an end nobody has asked for while the run went on: with an exit code other than 0, or by a
 signal; so did one in which nobody caught an exception of a callback, a handler or a thread, even if it went on. A node
@@ -36,7 +36,7 @@ _NOISE = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?| at 0x[
 
 
 class Process(NamedTuple):
-    """A process of a run, as who started it saw it.
+    """A process of a run, as its starter saw it.
 
     ``code``: of a signal its negative number; None: it is not known.
     """
@@ -54,7 +54,7 @@ class Process(NamedTuple):
 
 
 class Log:
-    """What the event log of a run says: who went before its end, and which exceptions nobody caught."""
+    """What a run's event log says of its processes: who left before the end, and which exceptions were not caught."""
 
     def __init__(self) -> None:
         self.departures: Dict[str, Tuple[int, bool]] = {}  # {node: (time_ns, whether it died)}

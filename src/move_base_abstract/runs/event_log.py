@@ -167,7 +167,7 @@ class EventLog:
         if type(end.get('cut_ns', 0)) is not int:
             raise self._error(number, 'must be an end record whose cut_ns, if there is one, is a whole number', line)
         if not _are_bags(end.get('bags', [])):
-            raise self._error(number, 'has bags that are no list of node, name, bytes and sha256', line)
+            raise self._error(number, 'has bags that are not a list of node, name, bytes and sha256', line)
         if end.get('events') != self.events:
             raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
                               line)

@@ -1,4 +1,4 @@
-"""The first difference of two runs, told so that its cause can be looked for.
+"""The first difference of two runs, shown so that its cause can be found.
 
 Two event logs with messages in them (the time master's ``log_messages``) are equal up to an event. Of that event: its
 instant, who sent what, both versions; and of the nodes that are in it, what they had been told last, which is the same
@@ -39,7 +39,7 @@ class Comparison(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Where two logs go different ways."""
+    """Where two logs differ."""
 
     time_ns: int
     place: int  # among the events of this instant, from 1 on

@@ -1,4 +1,4 @@
-"""Whether clocks and other simulators do what they are told, and are still there."""
+"""Whether clocks and other simulators follow, and are still there."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

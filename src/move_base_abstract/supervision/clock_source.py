@@ -1,4 +1,4 @@
-"""Whose time counts: telling a clock that has started anew from two clocks that disturb each other."""
+"""Whose time counts: distinguishing a restarted clock from two clocks that disturb each other."""
 from __future__ import annotations
 
 from enum import Enum

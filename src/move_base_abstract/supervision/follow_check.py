@@ -1,4 +1,4 @@
-"""Telling whether another simulator does what it is told: placed poses against the reported ones."""
+"""Whether another simulator follows: placed poses compared with reported poses."""
 from __future__ import annotations
 
 from collections import deque

@@ -1,4 +1,4 @@
-"""A cap on how often something is done, kind to those who come on time but for a hair."""
+"""A cap on a rate, with some tolerance for events that come slightly early."""
 from __future__ import annotations
 
 #: the part of a period by which one may come early

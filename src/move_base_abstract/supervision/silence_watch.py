@@ -1,4 +1,4 @@
-"""Telling whether another simulator is still there: who has said nothing for how long."""
+"""Whether another simulator is still there: which sources have been silent, and for how long."""
 from __future__ import annotations
 
 from dataclasses import dataclass

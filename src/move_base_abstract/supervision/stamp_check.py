@@ -1,4 +1,4 @@
-"""Telling whether another simulator goes by the same clock: the stamps of what it says against the present."""
+"""Whether another simulator uses the same clock: its stamps compared with the present."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

@@ -1,4 +1,4 @@
-"""Tasks that arrive: at random instants, or at those of a file; the same ones for the same seed, whoever does them.
+"""Tasks that arrive at random instants or at those of a file: the same for the same seed, whoever does them.
 
     arrivals:
       - {place: dock, rate_per_hour: 20.0}
@@ -38,7 +38,18 @@ from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..engine.factors import Constant
 from ..motion.geometry import Pose2D
-from .places import MAX_SECONDS, NAME, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
+from .places import (
+    MAX_SECONDS,
+    NAME,
+    POSE_TABLE,
+    PRIORITY,
+    WORK_TABLE,
+    Place,
+    Work,
+    place_name,
+    read_entry,
+    read_work,
+)
 
 if TYPE_CHECKING:
     from ..engine.factors import Lognormal
@@ -56,11 +67,12 @@ ARRIVAL_TABLE = (
     Parameter('count', None, integer(1), 'a whole number >= 1'),
     Parameter('until', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
     Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
+    PRIORITY,
     *WORK_TABLE,
 )
 _TIME = Parameter('time', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS))
 _DURATION, _, _, _POWER, _ENERGY = WORK_TABLE
-_ROW = (_TIME, _PLACE, *POSE_TABLE, _DURATION, _POWER, _ENERGY)
+_ROW = (_TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
 
 
 @dataclass(frozen=True)
@@ -77,6 +89,7 @@ class Task:
     duration_ns: int = 0
     power: float = 0.0
     energy: float = 0.0
+    priority: int = 0  # a higher one comes first where there is no room
 
 
 def check_task(task: Task) -> None:
@@ -90,6 +103,8 @@ def check_task(task: Task) -> None:
     as_ns(task.duration_ns, 'task: duration_ns')
     for name in ('power', 'energy'):
         as_float(getattr(task, name), 'task: ' + name)
+    if type(task.priority) is not int:
+        raise ConfigurationError('task: priority: got {}; allowed: a whole number'.format(shown(task.priority)))
 
 
 @dataclass(frozen=True)
@@ -106,6 +121,7 @@ class Poisson:
     area: Tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     count: Optional[int] = None
     until_ns: int = LAST_NS
+    priority: int = 0
 
     def tasks(self, seed: int) -> Iterator[Task]:
         """Yield the :class:`Task` objects of a ``seed``, in the order of their arrival."""
@@ -119,7 +135,7 @@ class Poisson:
                 return
             yield Task('{}_{}'.format(self.name, number_), arrival_ns, self.place.name if self.place else '',
                        self._pose(chance, number_), self._duration_ns(chance, number_), self.work.power,
-                       self.work.energy)
+                       self.work.energy, self.priority)
 
     def _pose(self, chance: Chance, number_: int) -> Pose2D:
         if self.place is not None:
@@ -199,7 +215,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
         raise ConfigurationError('{}: duration: not given, neither here nor by a place; allowed: {}'.format(
             where, _DURATION.allowed))
     until_ns = LAST_NS if values['until'] is None else seconds_to_ns(values['until'])
-    return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns)
+    return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns, values['priority'])
 
 
 def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
@@ -218,7 +234,7 @@ def _read_file(name: str, values: Mapping[str, Any], rates: List[Optional[float]
     path = values['file']
     others = [key for key in ('count', 'until', 'duration') if values[key] is not None]
     others += [key for key, rate in zip(('rate', 'rate_per_hour'), rates) if rate is not None]
-    others += [key for key in ('power', 'energy', 'duration_cv') if values[key]]
+    others += [key for key in ('power', 'energy', 'duration_cv', 'priority') if values[key]]
     if others:
         raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
             where, others[0], shown(values[others[0]])))
@@ -270,4 +286,4 @@ def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place
             where, _DURATION.allowed))
     pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
     return Task('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), place.name if place else '', pose, 0,
-                values['power'] or work.power, values['energy'] or work.energy), seconds
+                values['power'] or work.power, values['energy'] or work.energy, values['priority']), seconds

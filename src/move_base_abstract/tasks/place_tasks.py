@@ -1,11 +1,9 @@
-"""Tasks at places: a robot that stands there waits until there is room for it, works, and draws from its battery."""
+"""Tasks at places: a robot at a place waits until there is room, works, and draws from its battery."""
 from __future__ import annotations
 
-import bisect
-import itertools
 import math
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
@@ -27,107 +25,18 @@ from ..goals.events import (
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, FAILED, aborted
 from .arrivals import drawn_ns
-from .places import Place
+from .room import Guest, Rooms
 from .timed_task import TimedTaskRunner
 
 if TYPE_CHECKING:
-    from ..engine.event_queue import EventQueue
-    from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.client import TaskClient
     from ..goals.ledger import GoalRecord
     from ..motion.robot import Robot
     from .arrivals import Task
 
+REFUSED = 'The queue at {} is full: {} wait there, and no more may.'
 LEFT = aborted('The robot has left the place of its task.')
-#: who is let in is decided behind all that robots and users do at an instant
-_ADMISSION_INDEX = 2 ** 31 - 1
-
-
-#: a function that takes an instant [ns]
-Admission = Callable[[int], object]
-
-
-class Room:
-    """Who works at a place with a ``capacity`` (>= 1), and who waits: first come, at one instant by lower index."""
-
-    def __init__(self, queue: EventQueue, capacity: int) -> None:
-        self._queue = queue
-        self._numbers = itertools.count()
-        self.capacity = capacity
-        #: (since [ns], robot index, number, begin, wait, robot's name)
-        self._waiting: List[Tuple[int, int, int, Admission, Admission, str]] = []
-        self._working: Dict[int, str] = {}  # {number: robot's name}
-        self._event = None
-        self._followers: List[Callable[[], object]] = []
-
-    @property
-    def workers(self) -> Tuple[str, ...]:
-        """The names of the robots that work, in the order in which they began."""
-        return tuple(self._working.values())
-
-    @property
-    def waiters(self) -> Tuple[str, ...]:
-        """The names of the robots that wait, first come first."""
-        return tuple(entry[5] for entry in self._waiting)
-
-    def follow(self, changed: Callable[[], object]) -> None:
-        """Call ``changed()`` when somebody else works or waits."""
-        self._followers.append(changed)
-
-    def ask(self, robot_index: int, robot_name: str, now_ns: int, begin: Admission, wait: Admission) -> int:
-        """Have ``begin(due_ns)`` called as soon as there is room, not before the end of this instant; return a ticket.
-
-        ``wait(due_ns)`` is called at the end of this instant if there is none.
-        """
-        ticket = next(self._numbers)
-        bisect.insort(self._waiting, (now_ns, robot_index, ticket, begin, wait, robot_name))
-        self._look(now_ns)
-        return ticket
-
-    def give_back(self, ticket: int, now_ns: int) -> None:
-        """Who got the ``ticket`` waits or works no more."""
-        self._working.pop(ticket, None)
-        self._waiting = [entry for entry in self._waiting if entry[2] != ticket]
-        self._look(now_ns)
-        self._changed()
-
-    def _look(self, now_ns: int) -> None:
-        if self._waiting and self._event is None:
-            self._event = self._queue.schedule(now_ns, _ADMISSION_INDEX, self._admit)
-
-    def _admit(self, due_ns: int, _now_ns: int) -> None:
-        self._event = None
-        while self._waiting and len(self._working) < self.capacity:
-            _, _, ticket, begin, _, name = self._waiting.pop(0)
-            self._working[ticket] = name
-            begin(due_ns)
-        for since_ns, _, _, _, wait, _ in self._waiting:
-            if since_ns == due_ns:
-                wait(due_ns)
-        self._changed()
-
-    def _changed(self) -> None:
-        for changed in self._followers:
-            changed()
-
-
-class Rooms:
-    """The places (``{name: Place}``) of a world and the room at each."""
-
-    def __init__(self, simulation: Simulation, places: Dict[str, Place]) -> None:
-        self.simulation = simulation
-        self.places = places
-        self._rooms = {name: Room(simulation.queue, place.capacity) for name, place in places.items()
-                       if place.capacity is not None}
-
-    def of(self, place: str) -> Optional[Room]:
-        """Return the :class:`Room` at the place of this name, or None: there is no end of it."""
-        return self._rooms.get(place)
-
-    def place_of(self, task: Task) -> Place:
-        """Return the Place of a Task; of one without a name the place that its pose is."""
-        return self.places[task.place] if task.place else Place('its place', task.pose)
 
 
 class PlaceTaskRunner(TimedTaskRunner):
@@ -161,6 +70,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._ticket: Optional[int] = None
         self._is_admitted = False
         self._asked_ns = 0
+        self._done_ns = self._left_ns = 0  # of the task, when it had to give way
         self._draws = False
         self._waits: Optional[GoalRecord] = None  # the record of the goal that waits, where that has been told
 
@@ -176,7 +86,11 @@ class PlaceTaskRunner(TimedTaskRunner):
 
     def waited_ns(self, now_ns: int) -> int:
         """Return for how long the latest task has waited [ns]."""
-        return (now_ns if self._is_pending else self._began_ns) - self._asked_ns
+        return (now_ns if self._is_pending else self._began_ns) - self._asked_ns - self._done_ns
+
+    def elapsed_ns(self, now_ns: int) -> int:
+        """Return for how long the latest task has been worked on [ns]."""
+        return self._done_ns + super().elapsed_ns(now_ns)
 
     @property
     def _is_pending(self) -> bool:
@@ -190,8 +104,9 @@ class PlaceTaskRunner(TimedTaskRunner):
             return
         self._stop()
         self._number += 1
+        self._left_ns = 0
         self._asked_ns = self._began_ns = now_ns
-        self._duration_ns = 0
+        self._duration_ns = self._done_ns = 0
         self._task = task
         if self._has_failed():
             self._ledger.finish(FAILED, now_ns)
@@ -205,7 +120,9 @@ class PlaceTaskRunner(TimedTaskRunner):
             self._begin(record, self._length_ns(task), now_ns)
             return
         self._is_admitted = False
-        self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
+        self._ticket = self._room.ask(Guest(
+            self._robot_index, self._robot_name, self._admitted, self._told_to_wait, self._refused, self._give_way,
+            task.priority), now_ns)
 
     @guarded
     def _moved(self, event: Union[Departed, Stands]) -> None:
@@ -232,9 +149,29 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._is_admitted = True
         self._end_waiting(due_ns)
         record: Any = self._ledger.active
-        self._begin(record, self._length_ns(self._task), due_ns)
+        self._begin(record, self._left_ns or self._length_ns(self._task), due_ns)
         if self._end is None:  # no task takes so long
             self._stop()
+
+    @guarded
+    def _refused(self, waiting: int) -> None:
+        """There is neither room nor a place to wait."""
+        self._ticket = None
+        self._ledger.finish(aborted(REFUSED.format(self._task.place, waiting)), self._simulation.now_ns)
+
+    @guarded
+    def _give_way(self, due_ns: int) -> None:
+        """Somebody more urgent works: what is left is done later."""
+        self._left_ns = self._began_ns + self._duration_ns - due_ns
+        self._done_ns += self._duration_ns - self._left_ns
+        self._halt()
+        self._stop_drawing(due_ns)
+        self._began_ns, self._duration_ns, self._is_admitted = due_ns, 0, False
+        self._told_to_wait(due_ns)
+
+    def _tell_progress(self, due_ns: int, _now_ns: int) -> None:
+        record: Any = self._ledger.active
+        self._on_progress(record, self.elapsed_ns(due_ns), self._done_ns + self._duration_ns, due_ns)
 
     def _ended(self, record: GoalRecord, stamp_ns: int) -> None:
         self._tell(TaskEnded(stamp_ns, self._robot_name, record.goal_id, record.stamp_ns, record.state, record.text))
@@ -248,7 +185,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         if self._room is not None:
             self._tell(WorksAt(now_ns, self._robot_name, record.goal_id, self._task.place, self._room.capacity))
         self._tell(TaskBegan(now_ns, self._robot_name, record.goal_id, duration_ns))
-        watts = self._task.power + self._task.energy * NS_PER_S / duration_ns
+        watts = self._task.power + self._task.energy * NS_PER_S / (self._done_ns + duration_ns)
         if watts > 0.0:
             self._draws = True
             self._tell(LoadChanged(now_ns, self._robot_name, watts))

@@ -1,4 +1,4 @@
-"""Places where robots work: where they are, how many may work there at once, and what work there takes.
+"""Places where robots work: their poses, their capacities, and the time and energy of work there.
 
     places:
       - {name: dock, x: 12.0, y: 3.0, yaw: 1.57, capacity: 2, duration: 40.0, power: 120.0}
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, integer, number, one_of, read_table
+from ..common.parameter_table import Parameter, boolean, checked, integer, number, one_of, read_table
 from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from ..common.shown import shown
 from ..common.unknown_keys import check_keys
@@ -32,6 +32,9 @@ def place_name(value: object) -> str:
 
 
 NAME = Parameter('name', None, place_name, ROBOT_NAME_RULE)
+_MOST = 2 ** 31 - 1
+#: of what waits where there is no room
+PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), 'a whole number of 32 bits')
 #: what work takes, of a place and of arrivals
 WORK_TABLE = (
     Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS),
@@ -50,6 +53,8 @@ PLACE_TABLE = (
     NAME,
     *POSE_TABLE,
     Parameter('capacity', None, integer(1), 'a whole number >= 1'),
+    Parameter('queue', None, integer(0), 'a whole number >= 0'),
+    Parameter('preemption', False, boolean, 'true or false'),
     Parameter('reach', 0.5, number(above=0.0), 'a finite number > 0 [m]'),
     *WORK_TABLE,
 )
@@ -68,7 +73,8 @@ class Work:
 class Place:
     """A place: pose (Pose2D, global frame), how many may work there at once (None: any number), and how near.
 
-    ``reach`` [m]: a robot that is no farther away is there.
+    ``reach`` [m]: a robot that is no farther away is there. ``queue``: how many may wait (None: any number);
+    ``preemption``: whether a task of higher priority takes the place of another one.
     """
 
     name: str
@@ -76,6 +82,8 @@ class Place:
     capacity: Optional[int] = None
     reach: float = 0.5
     work: Work = Work()
+    queue: Optional[int] = None
+    preemption: bool = False
 
     def holds(self, pose: Pose2D) -> bool:
         """Return whether a robot at ``pose`` (Pose2D) is there."""
@@ -97,8 +105,11 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
         name = checked(values['name'], 'name', NAME, here)
         if name in places:
             raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
+        if values['capacity'] is None and (values['queue'] is not None or values['preemption']):
+            raise ConfigurationError('{}: capacity: not given, with {}; allowed: >= 1 then'.format(
+                here, 'preemption' if values['queue'] is None else 'queue'))
         places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
-                             values['reach'], read_work(values, here))
+                             values['reach'], read_work(values, here), values['queue'], values['preemption'])
     return places
 
 

@@ -1,4 +1,4 @@
-"""Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
+"""Tasks that take time where a robot stands, one at a time per robot: sampling, loading, charging."""
 from __future__ import annotations
 
 import random
@@ -133,6 +133,10 @@ class TimedTaskRunner:
             (self._stop,), (self._ledger.finish, aborted(fault_text(error)), now_ns)))
 
     def _stop(self) -> None:
+        self._halt()
+
+    def _halt(self) -> None:
+        """Work no more."""
         if self._end is not None:
             self._end.cancel()
             self._end = None

@@ -1,5 +1,6 @@
-"""Who holds a place in zones and on lanes, who waits, and who waits for whom."""
+"""Traffic: which robots hold a place in zones and on lanes, and which wait for whom."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'control': 'DeadlockPolicy Traffic Traveller', 'outline': 'Outline', 'zones': 'Zone read_zones'})
+    'control': 'Traffic', 'rules': 'DeadlockPolicy TrafficRules', 'traveller': 'Traveller',
+    'outline': 'Outline', 'zones': 'Zone read_zones'})

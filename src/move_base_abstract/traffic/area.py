@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 from bisect import insort
-from typing import TYPE_CHECKING, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 if TYPE_CHECKING:
-    from .control import Traveller
     from .outline import Outline
+    from .traveller import Traveller
 
 
 class AreaState(NamedTuple):
@@ -23,15 +23,22 @@ class AreaState(NamedTuple):
 class Area:
     """A zone with its ``outline`` (Outline), or a lane without; its ``name`` is as 'zone gate', 'lane depot - gate'."""
 
-    def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None) -> None:
+    def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None,
+                 group: Optional[Area] = None) -> None:
         self.name = '{} {}'.format(kind, name)
         self._kind_and_name = kind, name
         self.capacity = capacity
         self.outline = outline
+        #: the area of its group, in which who is here has a place, too
+        self.group = group
+        self._members: List[Area] = []  # of this group, those with an outline
+        if group is not None and outline is not None:
+            group._members.append(self)
         self.is_closed = False
         self.is_told = False  # for how many it has room
         self._state: Optional[AreaState] = None
         self.queue: List[Request] = []  # in their order
+        self.watchers: List[Request] = []  # who asks for a place before this one, and goes on only if there is one here
         self.holders: Dict[Traveller, bool] = {}  # in the order in which they came
 
     def has_room(self) -> bool:
@@ -41,6 +48,20 @@ class Area:
     def is_full(self) -> bool:
         """Return whether as many as there is place for, or more, hold one."""
         return self.capacity is not None and len(self.holders) >= self.capacity
+
+    def contains(self, x: float, y: float) -> bool:
+        """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
+        if self.outline is not None:
+            return self.outline.contains(x, y)
+        return any(area.contains(x, y) for area in self._members)
+
+    def load(self, traveller: Traveller) -> float:
+        """Return how many robots for each place hold one, or wait for one before ``traveller``; 0: any number."""
+        if self.capacity is None:
+            return 0.0
+        own = traveller.request
+        waiting = 0 if traveller in self.holders else sum(own is None or one < own for one in self.queue)
+        return (len(self.holders) - (traveller in self.holders) + waiting) / self.capacity
 
     def changed(self) -> None:
         """Its state is another now."""
@@ -57,32 +78,43 @@ class Area:
 
 
 class Request:
-    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns]."""
+    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns]; ``ahead`` must have room, too."""
 
-    __slots__ = ('key', 'traveller', 'areas', 'is_in_circle')
+    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle', 'cut_off')
 
-    def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...]) -> None:
-        self.key = since_ns, traveller.index
+    def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
+                 ahead: Tuple[Area, ...] = ()) -> None:
+        self.key = -traveller.priority, since_ns, traveller.index
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
+        self.ahead: Tuple[Area, ...] = ahead
         self.is_in_circle = False  # as far as has been told
+        self.cut_off: Tuple[Any, ...] = ()  # with deadlock: avoid, who would not come to its goal any more
         for area in areas:
             insort(area.queue, self)
+        for area in ahead:
+            area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
-        """Return whether this one comes first: who asked first, at one instant the lower robot index."""
+        """Return whether this one comes first: a higher priority, who asked first, a lower robot index."""
         return self.key < other.key
 
     @property
     def reason(self) -> str:
         """For what the robot is held."""
-        return ', '.join(area.name for area in self.areas)
+        return ', '.join(area.name for area in (*self.areas, *self.ahead))
+
+    def has_room(self) -> bool:
+        """Return whether there is a place in all areas."""
+        return all(area.has_room() for area in self.areas) and all(area.has_room() for area in self.ahead)
 
     def is_first(self) -> bool:
         """Return whether there is a place in all the areas, and nobody comes before."""
-        return all(area.has_room() and area.queue[0] is self for area in self.areas)
+        return all(area.queue[0] is self for area in self.areas) and self.has_room()
 
     def withdraw(self) -> None:
         """Leave the queues."""
         for area in self.areas:
             area.queue.remove(self)
+        for area in self.ahead:
+            area.watchers.remove(self)

@@ -6,32 +6,26 @@ comes to the border on its way out, and where it comes out of one area into anot
 """
 from __future__ import annotations
 
-from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown_text
-from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Places, Stands, Warned
-from ..goals.outcome import NO_CONTROL
+from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
-from .area import Area, Request
-from .outline import BORDER
-from .passages import instant_at
-from .safe_states import DeadlockPolicy, first_to_go_on, is_safe, needs_of
-from .waiting_circle import waiting_circle
-from .way import ZoneIndex, crossings, stays_on_lanes
+from .area import Area
+from .rules import DeadlockPolicy, TrafficRules
+from .safe_states import first_to_go_on, is_safe
+from .traveller import Traveller
+from .way import ZoneIndex
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
-    from ..motion.geometry import Pose2D
     from .area import AreaState
-    from .way import Crossing
     from .zones import Zone
 
-#: who only leaves an area comes before all that robots do at the instant
-_LEAVING_INDEX = -1
+_CLOSED_NS = 3600 * NS_PER_S  # what a way through a closed zone costs
 
 
 class Traffic:
@@ -41,40 +35,74 @@ class Traffic:
     """
 
     def __init__(self, simulation: Simulation, zones: Tuple[Zone, ...] = (),
-                 policy: DeadlockPolicy = DeadlockPolicy.WAIT) -> None:
+                 rules: TrafficRules = TrafficRules()) -> None:
         self.simulation = simulation
-        self.policy = policy
+        self.rules = rules
         self._followers: List[Callable[[], object]] = []
-        self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline) for zone in zones}
+        self._groups: Dict[str, Area] = {}
+        self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline, self._group(zone.group))
+                       for zone in zones}
         #: the areas of all zones (ZoneIndex), in the order of the scenario
         self.zones = ZoneIndex(self._zones.values())
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
+        self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which who drives there has a place
         self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
         self._serves = False
         self._is_told = True
         self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
         self._has_moved = False  # anything of which :meth:`may_take` depends
 
-    def join(self, navigator: Navigator, network: object, stream: Stream) -> Optional[Traveller]:
+    def _group(self, name: Optional[str]) -> Optional[Area]:
+        if name is None:
+            return None
+        if name not in self._groups:
+            self._groups[name] = Area('group', name, self.rules.groups.get(name, 1))
+        return self._groups[name]
+
+    def join(self, navigator: Navigator, network: object, stream: Stream,
+             priority: int = 0) -> Optional[Traveller]:
         """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
 
-        ``network``: the LaneMap by which it goes, or anything else; ``stream``: the robot's, which is told and heard.
+        ``network``: the LaneMap by which it goes, or anything else; ``stream``: the robot's, which is told and heard;
+        ``priority``: the higher comes first where it waits.
         """
         lanes = network if isinstance(network, LaneMap) and network.has_capacities else None
         if lanes is not None:
             for index, edge in enumerate(lanes.edges):
-                if edge.capacity is not None:
-                    self._lanes.setdefault((lanes.source, index), Area(
-                        'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity))
+                if edge.is_counted and (lanes.source, index) not in self._lanes:
+                    self._lanes[lanes.source, index] = Area(
+                        'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None, self._group(edge.group))
         if lanes is None and not self._zones:
             return None
-        traveller = Traveller(self, navigator, lanes.source if lanes is not None else None, stream)
+        if self.rules.lane_price and isinstance(network, LaneMap):
+            self._put_zones_on(network)
+        traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
         self._travellers[traveller] = True
         traveller.placed(self.simulation.now_ns)
         return traveller
 
+    def _put_zones_on(self, lanes: LaneMap) -> None:
+        """Note in which zones, groups and limited lanes who drives on an edge has a place."""
+        for index, edge in enumerate(lanes.edges):
+            if (lanes.source, index) not in self._on_edges:
+                own = self._lanes.get((lanes.source, index))
+                areas = [*([own] if own else []), *(stay.area for stay in self.zones.stays(edge.points))]
+                groups = [area.group for area in areas if area.group is not None]
+                self._on_edges[lanes.source, index] = list(dict.fromkeys([*areas, *groups]))
+
+    def price(self, traveller: Traveller, source: str, edge: int, time_ns: int) -> int:
+        """Return what the edge of a net, on which one drives for ``time_ns`` [ns], costs ``traveller`` beside it [ns].
+
+        For each robot that holds a place there or waits for one before it, by the number of places, the price's times
+        as long; an hour for a closed zone.
+        """
+        areas = self._on_edges[source, edge]
+        load = sum(area.load(traveller) for area in areas)
+        closed = sum(area.is_closed and traveller not in area.holders for area in areas)
+        return int(self.rules.lane_price * load * time_ns) + closed * _CLOSED_NS
+
     def states(self) -> List[AreaState]:
-        """Return the AreaState of each zone, in the order of the scenario, then of each lane with a capacity."""
+        """Return the AreaState of each zone, in the order of the scenario, of each counted lane, of each group."""
         return [area.state() for area in self.areas()]
 
     def close_zone(self, name: str, is_closed: bool) -> None:
@@ -99,18 +127,21 @@ class Traffic:
         """There may be place in ``area`` now: see :meth:`serve`."""
         if area.queue and area not in self._dirty:
             self._dirty.append(area)
+        for request in area.watchers:
+            if request.areas[0] not in self._dirty:
+                self._dirty.append(request.areas[0])
 
     def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
         """Return whether ``traveller`` may have one of the places in ``areas``; see :mod:`.safe_states`."""
-        return self.policy is not DeadlockPolicy.AVOID or not areas or is_safe(self._travellers, traveller, areas)
+        return self.rules.policy is not DeadlockPolicy.AVOID or not areas or is_safe(self._travellers, traveller, areas)
 
     def left_by(self, traveller: Traveller) -> None:
         """``traveller`` is no more."""
         self._travellers.pop(traveller, None)
 
     def areas(self) -> List[Area]:
-        """Return all areas: the zones in the order of the scenario, then the lanes."""
-        return [*self._zones.values(), *self._lanes.values()]
+        """Return all areas: the zones in the order of the scenario, then the lanes, then the groups."""
+        return [*self._zones.values(), *self._lanes.values(), *self._groups.values()]
 
     def changed(self, *areas: Area) -> None:
         """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
@@ -129,7 +160,7 @@ class Traffic:
             return  # who called it further up goes on with it
         self._serves = True
         try:
-            if self.policy is DeadlockPolicy.AVOID:
+            if self.rules.policy is DeadlockPolicy.AVOID:
                 self._serve_safely(now_ns)
             while self._dirty:
                 area = self._dirty[0]
@@ -156,244 +187,3 @@ class Traffic:
             if request is not None:
                 request.traveller.serve(Traveller.go_on, now_ns)
                 self._has_moved = True
-
-
-class Traveller:
-    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there.
-
-    ``needs``: the areas (Area, ...) that it has yet to come into on its way, up to where it holds no place at all.
-    """
-
-    def __init__(self, traffic: Traffic, navigator: Navigator, source: Optional[str],
-                 stream: Stream) -> None:
-        self.index = navigator.robot.index
-        self.name = navigator.robot.name
-        self.held: Dict[Area, bool] = {}
-        self.request: Optional[Request] = None
-        self.needs: Tuple[Area, ...] = ()
-        self._traffic = traffic
-        self._navigator = navigator
-        self._source = source
-        self._tell = stream.tell
-        self._leg: Any = None
-        self._pose: Any = None  # of one that stands
-        self._crossings: List[Crossing] = []
-        self._event: Any = None
-        self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
-        self._reason: Optional[str] = None  # for which it is held here
-        stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
-                                     BrokenOff: self._put_in_order})
-        navigator.travel.set_gate(self)
-
-    def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
-        """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
-        try:
-            step(self, now_ns)
-        except Exception as error:
-            self._navigator.break_off(error)
-
-    def _put_in_order(self, event: BrokenOff) -> None:
-        """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
-        now_ns = event.time_ns
-        self._forget_crossings()
-        granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
-        self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
-        self.held.clear()
-        told: List[Union[Entered, Left]] = []
-        for area in self._traffic.areas():
-            area.queue[:] = [request for request in area.queue if request.traveller is not self]
-            had = self in area.holders
-            has = area.outline.contains(pose.x, pose.y) if area.outline is not None else had and area not in granted
-            if has:
-                self.held[area] = area.holders[self] = True
-            else:
-                area.holders.pop(self, None)
-            if has != had:
-                told.append((Entered if has else Left)(now_ns, self.name, area.name))
-            self._traffic.changed(area)
-            self._traffic.freed(area)
-        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
-            rest.callback(self._traffic.serve, now_ns)
-            rest.callback(self._end_hold, now_ns)
-            for one in told:
-                self._tell(one)
-
-    def _end_hold(self, now_ns: int) -> None:
-        reason, self._reason = self._reason, None
-        if reason is not None:
-            self._navigator.travel.release(reason, now_ns)
-
-    def departs(self, leg: Any, now_ns: int) -> Optional[str]:
-        """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
-        self._leg = leg
-        self._granted = ()
-        stays = self._traffic.zones.stays(leg.way)
-        source = self._source
-        if source is not None:
-            stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge)))
-        self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
-        self.needs = needs_of(self._crossings, self.held)
-        if self._crossings and self._crossings[0].distance == 0.0:
-            return self._cross(now_ns)
-        self._await_crossing()
-        return None
-
-    def settle(self, now_ns: int) -> None:
-        """What :meth:`departs` and borders on the way lead to: who now waits may close a circle, others may come in."""
-        self.look_for_circle(now_ns)
-        self._traffic.serve(now_ns)
-
-    def _stands(self, event: Stands) -> None:
-        """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
-        now_ns = event.time_ns
-        pose = self._navigator.robot.pose_at(now_ns)
-        before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
-        self._leg = None
-        self._forget_crossings()
-        if before is None or (before.x, before.y) != (pose.x, pose.y):
-            self.placed(now_ns)
-        else:
-            self._pose = pose
-            self._take_what_holds_it(now_ns, pose)
-            self._traffic.serve(now_ns)
-
-    def placed(self, now_ns: int) -> None:
-        """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
-        self._forget_crossings()
-        pose = self._pose = self._navigator.robot.pose_at(now_ns)
-        self._give_back([area for area in self.held if area.outline is None or not area.outline.contains(
-            pose.x, pose.y)], now_ns)
-        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
-        if self.request is not None:
-            self.abandons(now_ns)
-        self._traffic.serve(now_ns)
-
-    def abandons(self, now_ns: int) -> None:
-        """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
-        self.needs = ()
-        if self.request is not None:
-            request, self.request = self.request, None
-            request.withdraw()
-            self._traffic.changed(*request.areas)
-            for area in request.areas:
-                self._traffic.freed(area)
-            self._end_hold(now_ns)
-            self._traffic.serve(now_ns)
-        elif self._granted:  # something else holds it outside
-            self._give_back_what_was_granted(now_ns)
-            self._traffic.serve(now_ns)
-
-    def leave(self, now_ns: int) -> None:
-        """The robot is taken out of the world."""
-        self._forget_crossings()
-        self.abandons(now_ns)
-        self._give_back(list(self.held), now_ns)
-        self._traffic.left_by(self)
-        self._traffic.serve(now_ns)
-
-    def go_on(self, now_ns: int) -> None:
-        """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
-        request: Any = self.request
-        self.request = None
-        request.withdraw()
-        self._take(request.areas, now_ns)
-        self._granted = request.areas
-        for area in request.areas:
-            self._traffic.freed(area)  # there may be place for more
-        self._end_hold(now_ns)
-        # if there is no way any more
-        if self._leg is None and self.request is None and not self._navigator.travel.held_for:
-            self._give_back_what_was_granted(now_ns)
-
-    def _give_back_what_was_granted(self, now_ns: int) -> None:
-        granted, self._granted = self._granted, ()
-        self._give_back([area for area in granted if area.outline is None
-                         or not area.outline.contains(self._pose.x, self._pose.y)], now_ns)
-
-    def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
-        """Hold a place in each zone that the robot stands in, whether there is one or not."""
-        for area in self._traffic.zones.at(pose.x, pose.y):
-            if area not in self.held:
-                if not area.has_room():
-                    self._warn(now_ns, '{} stands in {}, in which there is no place: {} robots of {} are there'
-                               '{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
-                                           ', and it is closed' if area.is_closed else ''))
-                self._take((area,), now_ns)
-
-    def _await_crossing(self) -> None:
-        if not self._crossings:
-            return
-        crossing = self._crossings[0]
-        due_ns = instant_at(self._leg, crossing.distance)
-        index = self.index if crossing.enters else _LEAVING_INDEX
-        self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
-
-    def _happen(self, due_ns: int, _now_ns: int) -> None:
-        self._event = None
-        try:
-            reason = self._cross(due_ns)
-            if reason is not None:
-                self._navigator.travel.hold(reason, due_ns)
-            self.settle(due_ns)
-        except Exception as error:
-            self._navigator.break_off(error)
-
-    def _cross(self, now_ns: int) -> Optional[str]:
-        """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
-        crossing = self._crossings.pop(0)
-        enters = tuple(area for area in crossing.enters if area not in self.held)
-        is_first = self._traffic.policy is DeadlockPolicy.AVOID or not any(area.queue for area in enters)
-        if is_first and all(area.has_room() for area in enters) and self._traffic.may_take(self, enters):
-            self._take(enters, now_ns)
-            self._give_back(crossing.leaves, now_ns)
-            self.needs = needs_of(self._crossings, self.held)
-            self._await_crossing()
-            return None
-        self._forget_crossings()
-        self.request = Request(now_ns, self, enters)
-        self._traffic.changed(*enters)
-        self._reason = self.request.reason
-        return self._reason
-
-    def look_for_circle(self, now_ns: int) -> None:
-        """The robot waits, and may close a circle of waiting: say so, once."""
-        circle = waiting_circle(self.request) if self.request is not None else None  # None: it was broken off
-        requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
-        if circle is None or all(request.is_in_circle for request in requests):
-            return
-        for request in requests:
-            request.is_in_circle = True
-        pairs = [(traveller.name, area.name) for traveller, area in circle]
-        self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
-        aborts = self._traffic.policy is DeadlockPolicy.ABORT
-        self._warn(now_ns, 'Robots wait for one another in a circle: {}.{}'.format(
-            '; '.join('{} for {}'.format(*pair) for pair in pairs),
-            ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
-        if aborts:
-            self._navigator.shut_down(NO_CONTROL, now_ns)
-
-    def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
-        for area in areas:
-            self.held[area] = area.holders[self] = True
-            self._traffic.changed(area)
-            if area.capacity is not None and not area.is_told:
-                area.is_told = True
-                self._tell(Places(now_ns, self.name, area.name, area.capacity))
-            self._tell(Entered(now_ns, self.name, area.name))
-
-    def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
-        for area in areas:
-            if area in self.held:
-                del self.held[area], area.holders[self]
-                self._traffic.changed(area)
-                self._tell(Left(now_ns, self.name, area.name))
-                self._traffic.freed(area)
-
-    def _warn(self, now_ns: int, text: str) -> None:
-        self._tell(Warned(now_ns, self.name, text))
-
-    def _forget_crossings(self) -> None:
-        self._crossings = []
-        if self._event is not None:
-            self._event.cancel()
-            self._event = None

@@ -1,4 +1,4 @@
-"""At which instants a robot on its way comes into an area and leaves it: computed, never looked for at a rate."""
+"""The instants at which a robot on its way enters and leaves an area: computed, never polled."""
 from __future__ import annotations
 
 import math

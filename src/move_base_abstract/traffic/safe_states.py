@@ -8,21 +8,12 @@ go on: the first one that comes to its goal alone.
 """
 from __future__ import annotations
 
-from enum import Enum
 from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
     from .area import Area, Request
-    from .control import Traveller
+    from .traveller import Traveller
     from .way import Crossing
-
-
-class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting: nothing, the goal of who closed it is aborted, or none comes to be."""
-
-    WAIT = 'wait'
-    ABORT = 'abort'
-    AVOID = 'avoid'
 
 
 def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, ...]:
@@ -44,43 +35,93 @@ def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area
 
     Who has no goal is taken for one that will leave.
     """
-    if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
-        return True  # it comes to its goal alone, and then there is no less place than before
-    busy = [traveller for traveller in travellers if traveller.needs]
-    after = _able(busy, taker, takes)
-    return all(traveller in after for traveller in _able(busy))
+    return SafeStates(travellers).allows(taker, takes)
 
 
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
     """Return the first request, in the order in which they asked, of those who may have the places they wait for."""
-    waiting = sorted(one.request for one in travellers if one.request is not None)
-    return next((request for request in waiting if all(area.has_room() for area in request.areas)
-                 and is_safe(travellers, request.traveller, request.areas)), None)
+    states = SafeStates(travellers)
+    waiting = sorted(one.request for one in states.travellers if one.request is not None)
+    return next((request for request in waiting if request.has_room() and states.allows_request(request)), None)
 
 
-def _able(busy: Sequence[Traveller], taker: Optional[Traveller] = None,
+class SafeStates:
+    """Who may take a place as things are now: of as many questions as there are until anything changes."""
+
+    def __init__(self, travellers: Iterable[Traveller]) -> None:
+        self.travellers = list(travellers)
+        self._busy = [traveller for traveller in self.travellers if traveller.needs]
+        self._before: Optional[Dict[Traveller, bool]] = None
+
+    def allows_request(self, request: Request) -> bool:
+        """As :meth:`allows`; who would be cut off is looked for again only when one of these has moved.
+
+        They wait for one another and for nobody else, so that what others do changes nothing.
+        """
+        taker = request.traveller
+        if request.cut_off and taker in self._able_before() and all(
+                one.needs is needs and tuple(one.held) == held for one, needs, held in request.cut_off):
+            return False
+        request.cut_off = ()
+        return self.allows(taker, request.areas, request)
+
+    def allows(self, taker: Traveller, takes: Tuple[Area, ...], request: Optional[Request] = None) -> bool:
+        """Return whether ``taker`` may have ``takes``.
+
+        If the taker is still able all others are, too: when it has come to its goal there is no less place than before.
+        So nearly always the search ends with the taker.
+        """
+        if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
+            return True  # it comes to its goal alone
+        after = _able(self._busy, taker, takes)
+        if taker in after:
+            return True
+        before = self._able_before()
+        if taker not in before:
+            return all(traveller in after for traveller in before)
+        if request is not None:
+            request.cut_off = tuple((one, one.needs, tuple(one.held)) for one in self._busy if one not in after)
+        return False
+
+    def _able_before(self) -> Dict[Traveller, bool]:
+        if self._before is None:
+            self._before = _able(self._busy)
+        return self._before
+
+
+def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
           takes: Tuple[Area, ...] = ()) -> Dict[Traveller, bool]:
-    """Return {Traveller: True} of those who are able; which of them is looked at first changes nothing."""
-    holds = {one: {**one.held, **dict.fromkeys(takes if one is taker else (), True)} for one in busy}
+    """Return {Traveller: True} of those who are able when ``wanted`` has ``takes``, too.
+
+    The search ends where ``wanted`` is among them. Which of them is looked at first changes nothing else.
+    """
     counts: Dict[Area, int] = {}  # who holds a place and has not come to its goal
-    for held in holds.values():
-        for area in held:
+    for one in busy:
+        for area in one.held:
             counts[area] = counts.get(area, 0) + 1
+    for area in takes:
+        counts[area] = counts.get(area, 0) + 1
     able: Dict[Traveller, bool] = {}
-    left: List[Traveller] = list(busy)
-    while True:
-        waiting: List[Traveller] = []
-        for one in left:
-            held = holds[one]
-            if all(_has_room(area, counts.get(area, 0), area in held) for area in one.needs):
-                able[one] = True
-                for area in held:
-                    counts[area] -= 1
-            else:
-                waiting.append(one)
-        if len(waiting) == len(left):
-            return able
-        left = waiting
+    stopped: Dict[Area, List[Traveller]] = {}  # by the first area in which there is no place for them
+    open_ = list(reversed(busy))
+    while open_:
+        one = open_.pop()
+        held, taken = one.held, takes if one is wanted else ()
+        full = None
+        for area in one.needs:
+            if area.capacity is not None and counts.get(area, 0) >= area.capacity + (area in held or area in taken):
+                full = area
+                break
+        if full is not None:
+            stopped.setdefault(full, []).append(one)
+            continue
+        able[one] = True
+        if one is wanted:
+            break
+        for area in one.held:
+            counts[area] -= 1
+            open_ += stopped.pop(area, ())
+    return able
 
 
 def _has_room(area: Area, count: int, is_in: bool) -> bool:

@@ -3,7 +3,20 @@ from __future__ import annotations
 
 from itertools import accumulate
 from math import hypot
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from .outline import BORDER
 
@@ -89,6 +102,20 @@ def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[S
     if stays and stays[-1].end >= leg.distance and leg.corners.ends_on_lane:
         stays[-1] = stays[-1]._replace(end=None)
     return stays
+
+
+def with_groups(stays: Sequence[Stay]) -> Sequence[Stay]:
+    """Return ``stays``, and those in the groups of their areas: one where pieces of the way follow on one another."""
+    of_groups: Dict[Area, List[Stay]] = {}
+    for stay in sorted((stay for stay in stays if stay.area.group is not None), key=lambda stay: stay.begin):
+        group: Any = stay.area.group
+        own = of_groups.setdefault(group, [])
+        if own and (own[-1].end is None or stay.begin <= own[-1].end + BORDER):
+            is_inside = own[-1].end is None or stay.end is None
+            own[-1] = own[-1]._replace(end=None if is_inside else max(own[-1].end or 0.0, stay.end or 0.0))
+        else:
+            own.append(Stay(group, stay.begin, stay.end))
+    return [*stays, *(stay for own in of_groups.values() for stay in own)] if of_groups else stays
 
 
 def crossings(stays: Iterable[Stay], held: Mapping[Area, bool]) -> List[Crossing]:

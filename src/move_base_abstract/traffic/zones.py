@@ -15,10 +15,11 @@ from ..common.parameter_table import Parameter, checked, integer, number
 from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from ..common.shown import shown
 from ..common.unknown_keys import check_keys
+from ..maps.lane_map import GROUP
 from .outline import MAX_POINTS, Outline, rectangle
 from .passages import passages
 
-KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger')
+KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger', 'group')
 MAX_ZONES = 10_000
 _NUMBER = number(-1e9, 1e9)
 _CURRENT = number(above=0.0, high=1e9)
@@ -39,13 +40,15 @@ _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], th
 class Zone(NamedTuple):
     """An area ``outline`` (Outline, global frame) with place for ``capacity`` robots, None: for any number.
 
-    ``charger``: who stands in it is charged with this current [A], True: with its own ``charging_current``, None: not.
+    ``charger``: who stands in it is charged with this current [A], True: with its own ``charging_current``, None: not;
+    ``group``: the name of its group, None: it has none.
     """
 
     name: str
     outline: Outline
     capacity: Optional[int] = None
     charger: Union[bool, float, None] = None
+    group: Optional[str] = None
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether (x, y) [m, global frame] is in the zone, more than a micrometre from its border."""
@@ -90,7 +93,8 @@ def _read_zone(raw: Mapping[str, Any], where: str) -> Zone:
     outline = _outline(raw, 'rectangle' if 'rectangle' in raw else 'polygon', where)
     capacity = raw.get('capacity')
     return Zone(name, outline, None if capacity is None else checked(capacity, 'capacity', _CAPACITY, where),
-                checked(raw.get('charger'), 'charger', _CHARGER, where))
+                checked(raw.get('charger'), 'charger', _CHARGER, where),
+                checked(raw['group'], 'group', GROUP, where) if raw.get('group') is not None else None)
 
 
 def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:

@@ -45,6 +45,9 @@ _MOST_LOGGED = 1000  # of what Dask does, in its own memory
 _LOOK_S = 0.5  # wall
 _SPOOL = 'outputs'  # beside what Dask has in its folder
 _HTTP = '127.0.0.1:0'  # Dask serves pages in any case: without an address on all of the computer's
+#: Only Dask's page shows what it keeps for an hour of each process: a profile, a hundred times a second, and its load.
+_UNSEEN = {'distributed.worker.profile.enabled': False, 'distributed.worker.profile.interval': '1h',
+           'distributed.worker.profile.cycle': '1h', 'distributed.admin.system-monitor.interval': '10s'}
 _CONNECT_S = 30.0  # wall
 _STOP_S = 10.0  # wall
 
@@ -103,7 +106,7 @@ def _configure(dask: Any, has_dashboard: bool) -> None:
                      'distributed.diagnostics.computations.nframes': 0})
     _quiet()
     if not has_dashboard:
-        dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': []})
+        dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': [], **_UNSEEN})
 
 
 @contextlib.contextmanager

@@ -162,7 +162,7 @@ def lines(folder: str, now: float) -> Iterator[str]:
     age = max(0.0, now - told_at)
     if found:
         yield f'{len(found)} workers, as told {age:.0f} s ago' + (
-            '; nothing was told since: the run was killed, or stands still' if age > _OLD_S else '') + ':'
+            '; nothing was reported since: the run was killed, or stands still' if age > _OLD_S else '') + ':'
     for one in [one for one in found[:_MOST_SHOWN] if isinstance(one, dict)]:
         trials, silent = one.get('trials'), one.get('silent_s')
         trials = [shown_text(each) for each in trials] if isinstance(trials, list) else []

@@ -66,7 +66,8 @@ def read(path: str) -> Replay:
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there') from None
     if content.get('chaos') != FORMAT:
-        raise ConfigurationError(f"{path}: is no file of chaos of format {FORMAT}; got {shown(content.get('chaos'))}")
+        raise ConfigurationError(f"{path}: is not a file of chaos of format {FORMAT}; got "
+                                 "{shown(content.get('chaos'))}")
     fields: Dict[str, Any] = {
         'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
         'document': dict, 'happened': list, 'sha256': str}

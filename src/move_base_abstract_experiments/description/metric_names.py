@@ -42,4 +42,18 @@ OCCASIONAL = {
     'message_age': Metric('Age of messages between hosts when they arrive, mean', 's', 'lower', 'value'),
     'out_of_reach': Metric('Time out of reach, mean of the links', 's', 'lower', 'lower_bound'),
     'encounter_time': Metric('Time stood for other robots, sum of the robots', 's', 'lower', 'lower_bound'),
+    'orders_done': Metric('Orders done', 'orders', 'higher', 'lower_bound'),
+    'orders_failed': Metric('Orders given up', 'orders', 'lower', 'lower_bound'),
+    'orders_open': Metric('Orders open at the end', 'orders', 'lower'),
+    'orders_late': Metric('Orders with a deadline that were done late', '%', 'lower', 'value'),
+    'order_flow': Metric('Flow time of orders, mean', 's', 'lower'),
+    'order_wait': Metric('Time until a robot begins an order, mean', 's', 'lower'),
+    'order_lateness': Metric('Lateness of orders with a deadline, mean', 's', 'lower'),
+    **{f'share_{state}': Metric(f'Share of time {state}, mean of the robots', '%', better, 'value')
+       for state, better in (('driving', None), ('working', None), ('waiting', 'lower'), ('charging', None),
+                             ('idle', None), ('failed', 'lower'))},
+    'failures': Metric('Failures of robots', 'failures', 'lower', 'lower_bound'),
+    'charges': Metric('Times that robots charged', 'charges', None, 'lower_bound'),
+    'energy_used': Metric('Energy used', 'kWh', 'lower', 'lower_bound'),
+    'energy_charged': Metric('Energy charged', 'kWh', None, 'lower_bound'),
 }

@@ -103,9 +103,9 @@ def _check_names(experiment: Experiment) -> None:
             if name in OWN_COLUMNS or name in BUILT_IN or place != 'factors' and name in experiment.factors:
                 raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; name it otherwise')
     if experiment.metrics.columns and not (experiment.metrics.function or experiment.function):
-        raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
+        raise ConfigurationError('metrics.columns: no metrics.function returns them')
     if experiment.command and experiment.participants is None:
-        raise ConfigurationError('participants: a command does not say who takes part; name the nodes, such as '
+        raise ConfigurationError('participants: a command does not say which nodes take part; name them, such as '
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")

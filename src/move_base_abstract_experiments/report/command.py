@@ -16,7 +16,8 @@ from . import extension, frames, notable_trials, outcome, page
 
 REPLAY = 'move_base_abstract_replay.page'
 NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
-KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in NAMES))
+WAITS = 'waits'  # there only where robots waited for room
+KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in (*NAMES, WAITS)))
 
 
 def write_report(out):
@@ -58,14 +59,15 @@ def _tables(analysis):
             **{name: frames.differences(experiment, found) for name, found in (
                 ('main_effects', analysis.mains), ('differences', analysis.singles),
                 ('interactions', analysis.changes),
-                ('endings', [*analysis.endings[0], *analysis.endings[1]]))}, 'robots': frames.robots(experiment)}
+                ('endings', [*analysis.endings[0], *analysis.endings[1]]))}, 'robots': frames.robots(experiment),
+            WAITS: frames.waits(experiment)}
 
 
 def _write_tables(folder, tables):
     marker = KIND.make(folder)
     try:
-        for name in NAMES:
-            if name != 'trials':  # the runner's own is beside
+        for name in (*NAMES, WAITS):
+            if name != 'trials' and not (name == WAITS and tables[name].empty):  # the runner's own is beside
                 with whole_file(folder / f'{name}.csv', encoding='utf-8', newline='') as stream:
                     stream.write(frames.csv_text(tables[name]))
     finally:

@@ -5,6 +5,7 @@
 """
 
 import math
+import sys
 
 LIMIT = 'seconds'
 #: what a metric is of a trial that the limit of time ended
@@ -17,7 +18,7 @@ _NEARLY = 1.0 - 1e-9
 def ended_by(told, until, simulated_seconds):
     """Return how a trial ended: as its trial.json says, else, of complete older ones, whether it came to the limit."""
     if isinstance(told, str) and told.isprintable() and 0 < len(told) <= 300:
-        return told
+        return sys.intern(told)
     seconds = until.get('seconds') if isinstance(until, dict) else None
     if isinstance(seconds, (int, float)) and not math.isnan(simulated_seconds):
         return LIMIT if simulated_seconds >= seconds * _NEARLY else ''

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -44,6 +45,7 @@ class Trial:
     verified: object = None  # 'identical', 'different' or None: not run again
     difference: str = ''
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
+    waits: dict = field(default_factory=dict)  # where: s for which robots waited there, all together
     attempts: int = 1
     ended_by: str = ''  # see endings; '': not told
     kept: str = ''  # of what program it is, if it was kept though that is not the present one
@@ -131,8 +133,18 @@ def read(folder):
     factors = design.factors_of(plan)
     configurations, places = design.configurations_of(factors, planned)
     rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.get('metrics', {}))
+    _share(planned, places)
     trials = tuple(_trial(folder, plan, each, places[place], rows) for place, each in enumerate(planned))
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
+
+
+def _share(planned, places):
+    """Have equal configurations and programs of the plan's trials (places: of their configurations) take room once."""
+    known = {}
+    for each, place in zip(planned, places):
+        for key in ('configuration', 'program'):
+            if key in each:
+                each[key] = known.setdefault((key, place if key == 'configuration' else str(each[key])), each[key])
 
 
 def _json(path, most=MAX_BYTES):
@@ -237,17 +249,20 @@ def _told(base, told, until):
                      ended_by=endings.ended_by(told.get('ended_by'), None, math.nan),
                      properties=told.get('properties'))
     robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
+    waits = told.get('waits') if isinstance(told.get('waits'), dict) else {}
     labels = told.get('labels') if isinstance(told.get('labels'), list) else []
     metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
     return Trial(
         **base, status=COMPLETE, error=error, metrics={str(name): _number(value) for name, value in metrics.items()},
         **{name: _number(told.get(name)) for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
         repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
-        labels=tuple(map(str, labels)),
+        labels=tuple(sys.intern(str(label)) for label in labels),
         verified=told.get('verified') if told.get('verified') in _STATES else None,
         difference=shown_text(told.get('difference') or ''),
         robots={str(name): {str(key): _number(value) for key, value in each.items()}
                 for name, each in robots.items() if isinstance(each, dict)},
+        waits={str(where): value for where, value in ((where, _number(told)) for where, told in waits.items())
+               if value >= 0.0},
         attempts=_count(told.get('attempts')), open_goals=_whole(told.get('open_goals')),
         properties=told.get('properties'),
         ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))

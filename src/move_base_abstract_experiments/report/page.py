@@ -24,7 +24,7 @@ from . import (
 from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section
-from .sections import how_ended, properties, validity
+from .sections import fleet, how_ended, properties, validity
 from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
 
 MARK = 'report of an experiment of move_base_abstract'
@@ -105,8 +105,8 @@ def _page(analysis, added, problems):
         metrics_notes=_metrics_notes(experiment),
         metrics=[_metric(analysis, metric) for metric in experiment.metrics],
         sections=list(filter(None, (
-            properties.section(experiment), _robots(analysis), *added, _looks(analysis), _repeatable(experiment),
-            _method(analysis), _provenance(experiment, problems)))))
+            properties.section(experiment), _robots(analysis), fleet.section(experiment), *added, _looks(analysis),
+            _repeatable(experiment), _method(analysis), _provenance(experiment, problems)))))
 
 
 def _by_metric(told):

@@ -55,7 +55,7 @@ class OutputFolder:
         except BaseException as problem:
             os.close(self._marker)
             if isinstance(problem, FileExistsError):
-                raise ConfigurationError(f'{self.path / "trials"}: is there already, and is no folder') from None
+                raise ConfigurationError(f'{self.path / "trials"}: exists already, and is not a folder') from None
             raise
         return self
 

@@ -149,7 +149,7 @@ def _take_log(folders: Folders, result: Result, starts: metrics.Starts) -> metri
     """Tell what the event log of a run says; return its Summary."""
     summary = metrics.summarise(folders.log, starts)
     result.repeatable, result.labels, result.events = summary.repeatable, summary.labels, summary.events
-    result.robots, result.log_sha256 = summary.robots, metrics.digest(folders.log)
+    result.robots, result.waits, result.log_sha256 = summary.robots, summary.waits, metrics.digest(folders.log)
     return summary
 
 

@@ -209,8 +209,8 @@ def checked(found: Any, factors: Iterable[str], known: Iterable[str]) -> Dict[st
     numbers: Dict[str, Optional[float]] = {}
     for name, given in found.items():
         if not isinstance(name, str) or not _NAME.match(name) or name in (*known, *OWN_COLUMNS, *factors):
-            raise ValueError(f'{name!r} is no name for a metric: a letter, then letters, digits and underscores, not a '
-                             'column of the table already')
+            raise ValueError(f'{name!r} is not a name for a metric: a letter, then letters, digits and underscores, '
+                             'not a column of the table already')
         value = given.item() if hasattr(given, 'item') else given  # of numpy
         if value is not None and not isinstance(value, (bool, int, float)):
             raise TypeError(f'{name} must be a number or None, got {type(value).__name__}')

@@ -4,7 +4,7 @@ A robot *moves* from `departed` to `stands`; it *waits* while it stands with a g
 not ended; else it is *idle*. Distances go along the corners of a leg, from where the robot stood before to where it
 stands then; where it stood first a `motion` says, or who knows the launch file. A leg that the end of the run cuts off
 adds nothing to the distance, as nobody has told where it was cut. Robots *meet* in a run that has a row `meets`; each
-of two that do has a row `encounter`.
+of two that do has a row `encounter`. Of orders, and what time went into then: :mod:`.fleet_account`.
 """
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 from move_base_abstract.motion.geometry import share_along
 from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import Event, EventLog, EventLogError
+from move_base_abstract.runs.fleet_account import FleetAccount
 from move_base_abstract.runs.run_difference import MESSAGES
 
 from . import radio, termination
@@ -50,6 +51,7 @@ class Summary(NamedTuple):
     by_fault: bool
     open_goals: int  # of robots that were under way or stood with a goal when the run ended
     log: ends.Log
+    waits: Dict[str, float]  # {where: s}, all robots
 
 
 class _Robot:
@@ -120,9 +122,11 @@ def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
     end_ns = max(last_ns, end.get('at_ns', 0))
     open_goals = tally.close(end_ns)
     seconds, robots, labels = (end_ns - log.start_ns) / _NS_PER_S, tally.by_robot(), event_log.labels_of(end)
-    return Summary(tally.metrics(seconds, robots), robots, seconds, log.events,
+    tally.fleet.close(end_ns)
+    return Summary({**tally.metrics(seconds, robots), **tally.fleet.metrics()}, robots, seconds, log.events,
                    bool(end.get('repeatable')) and not labels, labels, end.get('reason', ''), termination.of_run(end),
-                   bool(end.get('by_fault')), open_goals, told)
+                   bool(end.get('by_fault')), open_goals, told,
+                   {where: one.total_ns / _NS_PER_S for where, one in tally.fleet.waits.items()})
 
 
 class _Tally:
@@ -133,6 +137,7 @@ class _Tally:
         self._start_ns = self._last_ns = start_ns  # ... when the last goal ended
         self._robots: Dict[str, _Robot] = {}
         self._validity = Validity()
+        self.fleet = FleetAccount(start_ns)
         self._radio = radio.Radio()
         self._reached = self._failed = self._encounters = 0
         self._stood: Optional[float] = None  # s; None: robots do not meet
@@ -140,6 +145,7 @@ class _Tally:
     def take(self, event: Event) -> None:
         values = json.loads(event.values)
         self._validity.take(event.robot, event.kind, values)
+        self.fleet.take(event.time_ns, event.robot, event.kind, values)
         if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such a row
             self._take_place(event, values)
         elif event.kind in radio.KINDS:

@@ -3,14 +3,24 @@ const COLOURS = {};
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ['paper', 'panel', 'ink', 'muted', 'line', 'accent', 'wall', 'floor', 'unknown',
-                      'failed', 'charging', 'moving', 'task', 'waiting', 'idle']) {
+  for (const name of ['paper', 'panel', 'ink', 'muted', 'line', 'accent', 'wall', 'floor', 'unknown', 'lane', 'node',
+                      'place', 'full', 'alarm', 'order', 'vivid', 'failed', 'charging', 'moving', 'task', 'waiting',
+                      'idle']) {
     COLOURS[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
 
-// Have a canvas cover its element; return its context, in CSS pixels, or null where there is nothing to draw on.
+// Have a canvas cover its element; return its context, in CSS pixels, or null where there is nothing to draw on. For
+// print that is a picture of lines in its place.
 function prepare(canvas, width, height) {
+  if (document.documentElement.classList.contains('print')) {
+    if (!width || !height) return null;
+    if (!canvas.picture) {
+      canvas.after(canvas.picture = document.createElementNS(SVG, 'svg'));
+      canvas.picture.classList.add('drawn');
+    }
+    return new VectorContext(canvas.picture, width, height);
+  }
   const ratio = window.devicePixelRatio || 1;
   const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (!columns || !rows) return null;
@@ -30,4 +40,21 @@ function cut(context, text, width) {
 function rgb(colour) {
   const number = parseInt(colour.slice(1), 16);
   return [number >> 16, (number >> 8) & 255, number & 255];
+}
+
+// Save the map of the first run as a picture of lines and letters (SVG), dark on white, as it is in sight now.
+function savePicture(player) {
+  const [view] = player.maps, {clientWidth: width, clientHeight: height} = view.figure;
+  const svg = document.createElementNS(SVG, 'svg'), isPrint = document.documentElement.classList.contains('print');
+  document.documentElement.classList.add('print');
+  readColours();
+  if (player.ground) player.ground.paint();
+  view.drawOn(new VectorContext(svg, width, height), width, height);
+  document.documentElement.classList.toggle('print', isPrint);
+  player.recolour();
+  const link = Object.assign(document.createElement('a'), {
+    download: `replay_${(player.time / NS_PER_S).toFixed(3)}s.svg`,
+    href: URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(svg)], {type: 'image/svg+xml'}))});
+  link.click();
+  URL.revokeObjectURL(link.href);
 }

@@ -42,6 +42,9 @@ class Run {
     this.states = about.states;
     this.rows = about.rows;
     this.links = about.links;
+    this.orders = about.orders;
+    this.stays = new Present(this.stay_change_time, this.stay_change_is_begin, this.stay_change_of);
+    this.phases = new Present(this.phase_change_time, this.phase_change_is_begin, this.phase_change_of);
     const fixed = this.links.flatMap(({ends}) => ends).filter((end) => end.robot === undefined);
     this.hosts = [...new Map(fixed.map((host) => [host.name, host])).values()]; // of the radio
     this.robots = about.rows.filter((row) => row.robot).length;
@@ -122,6 +125,27 @@ class Run {
     const first = this.span_first[row];
     const span = upperBound(this.span_begin, time, first, this.span_first[row + 1]) - 1;
     return span >= first && time < this.span_end[span] ? this.span_state[span] : this.states.length - 1;
+  }
+
+  // The state of charge of a robot, 0 to 1; null without a battery. Straight between what is known.
+  chargeAt(robot, time) {
+    const first = this.charge_first[robot], end = this.charge_first[robot + 1];
+    if (first === end) return null;
+    const next = upperBound(this.charge_time, time, first, end);
+    if (next === first || next === end) return this.charge_share[next === end ? end - 1 : first];
+    const [begin, until] = [this.charge_time[next - 1], this.charge_time[next]];
+    const [from, to] = [this.charge_share[next - 1], this.charge_share[next]];
+    return from + (to - from) * (time - begin) / (until - begin);
+  }
+
+  // How many orders are open, under way and over, in words.
+  ordersAt(time) {
+    const row = upperBound(this.count_time, time, 0, this.count_time.length) - 1;
+    if (row < 0) return '';
+    const [open, assigned, ...over] = this.count.subarray(6 * row, 6 * row + 6);
+    const endings = ['done', 'late', 'failed', 'refused'].map((name, k) => [name, over[k]]);
+    const shown = [['open', open], ['assigned', assigned], ...endings].filter(([, count], k) => count || k < 3);
+    return `Orders: ${shown.map(([name, count]) => `${grouped(String(count))} ${name}`).join(' · ')}`;
   }
 
   // The number of events up to and at a time.

@@ -1,7 +1,4 @@
 // The map from above with one run's robots. All views of a page share one camera.
-const TRAIL_LEGS = 12, TRAILS = 60; // of one robot, and of all: more hide one another
-const NAMED_ROBOTS = 60; // more have no names, but for the chosen one
-
 class Camera {
   constructor(box) {
     this.box = box;
@@ -55,9 +52,10 @@ class Ground {
 class MapView {
   constructor(figure, run, player) {
     this.canvas = figure.querySelector('canvas');
-    this.readout = figure.querySelector('output');
+    [this.readout, this.orders] = figure.querySelectorAll('output');
     Object.assign(this, {figure, run, player, grip: new Map()});
-    this.trail = Math.max(2, Math.min(TRAIL_LEGS, Math.floor(TRAILS / Math.max(run.robots, 1))));
+    this.robots = new RobotView(run, this);
+    this.world = new WorldView(player.world, this);
     this.canvas.addEventListener('pointerdown', (event) => this.take(event));
     this.canvas.addEventListener('pointermove', (event) => this.move(event));
     for (const name of ['pointerup', 'pointercancel']) {
@@ -118,13 +116,17 @@ class MapView {
       const distance = pose ? Math.hypot(pose.x - x, pose.y - y) : Infinity;
       if (distance < least) [nearest, least] = [this.run.rows[robot].name, distance];
     }
-    this.player.choose(nearest);
+    if (nearest === null) this.player.chooseThing(this.player.world.nearest(x, y, 10 / this.camera.scale));
+    else this.player.choose(nearest);
   }
 
   draw() {
-    const {clientWidth: width, clientHeight: height} = this.canvas;
+    const {clientWidth: width, clientHeight: height} = this.figure;
     const context = prepare(this.canvas, width, height);
-    if (!context) return;
+    if (context) this.drawOn(context, width, height);
+  }
+
+  drawOn(context, width, height) {
     const camera = this.camera;
     if (camera.isFitted) camera.fit(width, height);
     this.toX = (x) => width / 2 + (x - camera.x) * camera.scale;
@@ -135,13 +137,36 @@ class MapView {
     else this.drawGrid(context, width, height);
     const poses = [];
     for (let robot = 0; robot < this.run.robots; robot += 1) poses.push(this.run.poseAt(robot, this.player.time));
+    const uses = this.player.world.usesAt(this.run, this.player.time);
+    this.world.draw(context, uses);
     this.drawLinks(context, poses);
-    this.run.hosts.forEach((host) => this.drawHost(context, host, width));
-    poses.forEach((pose, robot) => pose && this.drawWay(context, robot, pose));
-    poses.forEach((pose, robot) => pose && this.drawRobot(context, robot, pose));
-    poses.forEach((pose, robot) => pose && this.drawName(context, robot, pose, width));
+    this.run.hosts.forEach((host) => this.drawHost(context, host));
+    for (const draw of ['drawTrail', 'drawWay', 'drawRobot']) {
+      poses.forEach((pose, robot) => pose && this.robots[draw](context, robot, pose));
+    }
+    this.robots.drawOrders(context);
+    this.write(context, poses, width, height);
     this.drawScale(context, height);
-    this.tell(poses);
+    this.tell(poses, uses);
+  }
+
+  // Names: where somebody waits, and who, then what is counted, then all others, as far as there is room.
+  write(context, poses, width, height) {
+    const labels = new Labels(context, width, height), size = this.robots.size;
+    labels.take([0, height - 38, 90, height]); // the scale
+    for (const pose of poses) {
+      if (pose) {
+        const [x, y] = [this.toX(pose.x), this.toY(pose.y)];
+        labels.take([x - size, y - size, x + size, y + size]);
+      }
+    }
+    const writeThings = this.world.write(labels, this.player.chosenThing);
+    writeThings(0);
+    this.robots.write(labels, poses, true);
+    writeThings(1);
+    this.robots.write(labels, poses, false);
+    writeThings(2);
+    for (const {name, x, y} of this.run.hosts) labels.write(name, this.toX(x), this.toY(y), {isKept: true});
   }
 
   drawGround(context, ground) {
@@ -190,95 +215,12 @@ class MapView {
   }
 
   // A host of the radio that stands still.
-  drawHost(context, {name, x, y}, width) {
+  drawHost(context, {x, y}) {
     context.lineWidth = 1.5;
     context.strokeStyle = COLOURS.accent;
     context.fillStyle = COLOURS.panel;
     context.fillRect(this.toX(x) - 5, this.toY(y) - 5, 10, 10);
     context.strokeRect(this.toX(x) - 5, this.toY(y) - 5, 10, 10);
-    this.drawText(context, name, {x, y}, width);
-  }
-
-  colour(robot) {
-    return COLOURS[this.run.states[this.run.stateAt(robot, this.player.time)]];
-  }
-
-  drawWay(context, robot, pose) {
-    const run = this.run, {motion} = pose, isChosen = run.rows[robot].name === this.player.chosen;
-    context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.muted;
-    context.lineWidth = isChosen ? 2 : 1.25;
-    if (this.player.showsTrails || isChosen) {
-      const first = run.firstOf(robot, motion, isChosen ? TRAIL_LEGS : this.trail);
-      context.globalAlpha = isChosen ? 0.7 : 0.4;
-      context.beginPath();
-      context.moveTo(this.toX(run.motion_x[first]), this.toY(run.motion_y[first]));
-      for (let k = first + 1; k <= motion; k += 1) {
-        const [x, y] = [this.toX(run.motion_x[k]), this.toY(run.motion_y[k])];
-        if (run.motion_law[k] === PLACED) context.moveTo(x, y);
-        else context.lineTo(x, y);
-      }
-      context.lineTo(this.toX(pose.x), this.toY(pose.y));
-      context.stroke();
-    }
-    if (run.isUnderWay(motion, this.player.time)) {
-      const last = run.lastOf(motion), [x, y] = [this.toX(run.motion_goal_x[last]), this.toY(run.motion_goal_y[last])];
-      context.globalAlpha = 0.8;
-      context.setLineDash([4, 4]);
-      context.beginPath();
-      context.moveTo(this.toX(pose.x), this.toY(pose.y));
-      for (let k = motion; k <= last; k += 1) {
-        context.lineTo(this.toX(run.motion_goal_x[k]), this.toY(run.motion_goal_y[k]));
-      }
-      context.stroke();
-      context.setLineDash([]);
-      context.beginPath();
-      context.arc(x, y, 3.5, 0, 2 * Math.PI);
-      context.stroke();
-    }
-    context.globalAlpha = 1;
-  }
-
-  drawRobot(context, robot, pose) {
-    const isChosen = this.run.rows[robot].name === this.player.chosen, size = isChosen ? 10 : 8;
-    context.save();
-    context.translate(this.toX(pose.x), this.toY(pose.y));
-    context.rotate(-pose.yaw);
-    context.beginPath();
-    context.moveTo(1.25 * size, 0);
-    context.lineTo(-0.85 * size, 0.8 * size);
-    context.lineTo(-0.45 * size, 0);
-    context.lineTo(-0.85 * size, -0.8 * size);
-    context.closePath();
-    context.lineJoin = 'round';
-    context.lineWidth = 4;
-    context.strokeStyle = COLOURS.panel;
-    context.stroke();
-    context.fillStyle = this.colour(robot);
-    context.fill();
-    context.lineWidth = isChosen ? 2 : 1;
-    context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.ink;
-    context.stroke();
-    context.restore();
-  }
-
-  drawName(context, robot, pose, width) {
-    const {name} = this.run.rows[robot];
-    if (this.run.robots > NAMED_ROBOTS && name !== this.player.chosen) return;
-    this.drawText(context, name, pose, width);
-  }
-
-  // Beside a place; bold if it is that of the chosen robot.
-  drawText(context, name, pose, width) {
-    context.font = `${name === this.player.chosen ? '600 ' : ''}12px ${FONT}`;
-    context.textBaseline = 'middle';
-    context.lineWidth = 3;
-    context.lineJoin = 'round';
-    context.strokeStyle = COLOURS.panel;
-    context.fillStyle = COLOURS.ink;
-    const length = context.measureText(name).width, y = this.toY(pose.y) - 11;
-    const right = this.toX(pose.x) + 13, x = right + length > width - 4 ? right - 26 - length : right;
-    context.strokeText(name, x, y);
-    context.fillText(name, x, y);
   }
 
   drawScale(context, height) {
@@ -296,12 +238,14 @@ class MapView {
     context.fillRect(16, height - 15, length, 2);
   }
 
-  // Say in words what the chosen robot does.
-  tell(poses) {
-    const robot = this.run.rows.findIndex((row) => row.robot && row.name === this.player.chosen);
-    const state = robot < 0 ? '' : this.run.states[this.run.stateAt(robot, this.player.time)];
-    const pose = poses[robot];
-    const text = robot < 0 ? '' : `${this.player.chosen} · ${state}${pose ? ` · ${place(pose.x, pose.y, pose.yaw)}` : ''}`;
+  // Say in words what the chosen robot does or who is in the chosen thing, and how the orders are.
+  tell(poses, uses) {
+    const {run} = this, {chosen, chosenThing, world, time} = this.player;
+    const robot = run.rows.findIndex((row) => row.robot && row.name === chosen);
+    const text = robot >= 0 ? this.robots.words(robot, poses[robot]) : chosenThing === null ? ''
+      : world.words(world.things[chosenThing], uses.get(chosenThing), (number) => run.rows[number].name);
     if (this.readout.textContent !== text) this.readout.textContent = text;
+    const orders = run.ordersAt(time);
+    if (this.orders.textContent !== orders) this.orders.textContent = orders;
   }
 }

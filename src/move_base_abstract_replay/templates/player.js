@@ -4,8 +4,9 @@ const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5
 const SLIDER_STEPS = 10000, WATCHED_S = 30; // wall s that a run takes at the speed at which it begins
 
 class Player {
-  constructor(runs, ground, box, difference) {
-    Object.assign(this, {runs, ground, difference, chosen: null, showsTrails: true, isPlaying: false});
+  constructor(runs, ground, world, {box, difference}) {
+    Object.assign(this, {runs, ground, world, difference, chosen: null, chosenThing: null, showsTrails: true,
+                         isPlaying: false});
     this.begin = Math.min(...runs.map((run) => run.begin));
     this.end = Math.max(...runs.map((run) => run.end));
     this.time = this.begin;
@@ -16,12 +17,14 @@ class Player {
     this.maps = [...document.querySelectorAll('.map')].map((figure, k) => new MapView(figure, runs[k], this));
     this.offerSpeeds();
     this.listen();
+    document.documentElement.classList.toggle('print', this.isPrint);
     this.recolour();
     this.seek(this.ofAddress());
   }
 
   find() {
-    for (const name of ['play', 'previous', 'next', 'slider', 'speed', 'now', 'trails', 'fit', 'closer', 'wider', 'all']) {
+    for (const name of ['play', 'previous', 'next', 'slider', 'speed', 'now', 'trails', 'fit', 'picture', 'closer',
+                        'wider', 'all']) {
       this[name] = document.getElementById(name);
     }
   }
@@ -46,6 +49,7 @@ class Player {
       this.begin + this.slider.value / SLIDER_STEPS * (this.end - this.begin)));
     this.trails.addEventListener('change', () => { this.showsTrails = this.trails.checked; this.redraw(); });
     this.fit.addEventListener('click', () => { this.camera.isFitted = true; this.redraw(); });
+    this.picture.addEventListener('click', () => savePicture(this));
     this.closer.addEventListener('click', () => this.timeline.zoom(0.5, this.time));
     this.wider.addEventListener('click', () => this.timeline.zoom(2, this.time));
     this.all.addEventListener('click', () => { this.timeline.showAll(); this.redraw(); });
@@ -56,8 +60,22 @@ class Player {
     }
     document.addEventListener('keydown', (event) => this.key(event));
     window.addEventListener('hashchange', () => this.seek(this.ofAddress()));
+    for (const [name, isPrint] of [['beforeprint', true], ['afterprint', this.isPrint]]) {
+      window.addEventListener(name, () => this.printed(isPrint));
+    }
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.recolour());
     new ResizeObserver(() => { this.events.update(); this.redraw(); }).observe(document.querySelector('main'));
+  }
+
+  get isPrint() {
+    return new URLSearchParams(window.location.search).get('style') === 'print';
+  }
+
+  // Draw at once as it is printed: dark on white, in lines and letters that can be made larger.
+  printed(isPrint) {
+    document.documentElement.classList.toggle('print', isPrint);
+    this.recolour();
+    this.draw();
   }
 
   recolour() {
@@ -75,7 +93,7 @@ class Player {
       ArrowLeft: () => this.seek(this.time - step), ArrowRight: () => this.seek(this.time + step),
       ',': () => this.events.step(-1), '.': () => this.events.step(1),
       '[': () => this.faster(-1), ']': () => this.faster(1), d: () => this.jump(), t: () => this.trails.click(),
-      f: () => this.fit.click(), '+': () => this.closer.click(), '-': () => this.wider.click(), 0: () => this.all.click(),
+      f: () => this.fit.click(), p: () => this.picture.click(), '+': () => this.closer.click(), '-': () => this.wider.click(), 0: () => this.all.click(),
       '/': () => this.events.search.focus(), Escape: () => this.choose(null),
     };
     if (!Object.hasOwn(actions, event.key) || (event.key === ' ' && event.target.closest('button, summary'))) return;
@@ -105,8 +123,15 @@ class Player {
     this.events.show(place);
   }
 
+  // Choose a zone, a lane or a place by its number, and no robot; or nothing.
+  chooseThing(number) {
+    this.choose(null);
+    this.chosenThing = number;
+  }
+
   choose(name) {
     this.chosen = name;
+    this.chosenThing = null;
     this.timeline.isDirty = true;
     this.redraw();
   }
@@ -160,9 +185,13 @@ class Player {
     this.isAwaited = true;
     requestAnimationFrame(() => {
       this.isAwaited = false;
-      this.maps.forEach((view) => view.draw());
-      this.timeline.draw();
+      this.draw();
     });
+  }
+
+  draw() {
+    this.maps.forEach((view) => view.draw());
+    this.timeline.draw();
   }
 }
 
@@ -172,8 +201,9 @@ async function open() {
   const about = JSON.parse(document.getElementById('about').textContent);
   const runs = (await Promise.all(texts.map(unpack))).map((unpacked) => new Run(unpacked));
   const ground = packedMap ? new Ground(await unpack(packedMap.textContent)) : null;
-  for (const element of document.querySelectorAll('script[data-run], #packed-map')) element.remove();
-  window.replay = new Player(runs, ground, about.box, about.difference);
+  const world = new World(await unpack(document.getElementById('packed-world').textContent));
+  for (const element of document.querySelectorAll('script[data-run], #packed-map, #packed-world')) element.remove();
+  window.replay = new Player(runs, ground, world, about);
   window.replay.motion = {makeLeg, legPose};
   document.body.classList.add('ready');
 }

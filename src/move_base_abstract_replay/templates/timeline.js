@@ -100,7 +100,8 @@ class Timeline {
   }
 
   draw() {
-    const {clientWidth: width, clientHeight: height} = this.element;
+    const width = this.element.clientWidth, isPrint = document.documentElement.classList.contains('print');
+    const height = isPrint ? AXIS + ROW * this.rows.length + 6 : this.element.clientHeight; // on paper nobody scrolls
     if (width !== this.width || height !== this.height) this.isDirty = true;
     Object.assign(this, {width, height});
     for (const canvas of [this.canvas, this.above]) Object.assign(canvas.style, {width: `${width}px`, height: `${height}px`});

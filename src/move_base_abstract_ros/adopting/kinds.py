@@ -25,7 +25,7 @@ _BY_NAME = {
 _SIMULATOR = 'it is a simulator with a clock of its own, or a part of one'
 _SPAWNS = 'it puts a model into a simulator that is not there'
 _PLACE = 'it says where the robot is, and so does ours'
-_SENSES = 'it makes something of what sensors or wheels say, and there are none'
+_SENSES = 'it processes data of sensors or wheels, and there are none'
 _PERSON = 'it waits for a person or a joystick'
 _TOOLS = 'it drives a device, and there is none'
 _TO_DRIVE = 'it drives the robot, and so does ours'
@@ -47,7 +47,7 @@ _LEFT_OUT = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for packag
 )]
 _CLOCK = re.compile(r'(?:.*_)?(?:sim_?time|clock)(?:_.*)?(?:\.py)?')
 CLOCK = "it is a clock, and in lockstep that is the time master's"
-NO_PROGRAM = 'there is no such program here'
+NO_PROGRAM = 'this program is not installed here'
 
 
 def kind_of(package, name):

@@ -134,7 +134,7 @@ class StageBackend:
         self._locate()
 
     def _complain(self, gap):
-        deaf = '; nobody subscribes to cmd_pose: this stage_ros has no such topic, or another name for the robot'
+        deaf = '; no node subscribes to cmd_pose: this stage_ros has no such topic, or uses another name for the robot'
         rospy.logwarn('%s: Stage does not follow: the robot is %.2f m from where it was placed%s', self._robot, gap,
                       '' if self._cmd_pose.get_num_connections() else deaf)
 
@@ -194,7 +194,7 @@ class _StageWorld:
     def _remind(self, error):
         if time.monotonic() - self._since > _REMINDER_SECONDS:
             self._since = time.monotonic()
-            rospy.logwarn("%s: stage_world_frame '%s' is not known to tf yet, Stage is told nothing until then: %s",
+            rospy.logwarn("%s: stage_world_frame '%s' is not known to tf yet, and Stage gets no poses until then: %s",
                           self._robot, self._frame, error)
 
 

@@ -10,7 +10,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.scenario import check_frame, counted_places, make_robot
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
-from move_base_abstract.tasks.place_tasks import Rooms
+from move_base_abstract.tasks.room import Rooms
 
 from ..markers import world_markers
 from ..replacing.bulk_registration import bulk_registration

@@ -4,7 +4,7 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.msg import ZoneState, ZoneStates
 from move_base_abstract.srv import CloseZone, CloseZoneResponse
-from move_base_abstract.traffic.control import DeadlockPolicy, Traffic
+from move_base_abstract.traffic.control import Traffic
 
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet
@@ -15,7 +15,7 @@ _MOST_PLACES = 2 ** 32 - 1  # that a message can name
 
 def make_traffic(simulation, scenario):
     """Return the :class:`Traffic` of a scenario's zones and lanes."""
-    return Traffic(simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
+    return Traffic(simulation, scenario.zones, scenario.traffic)
 
 
 class TrafficInterface:

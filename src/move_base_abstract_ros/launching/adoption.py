@@ -160,7 +160,7 @@ class _Adoption:
         words = poses.words_of(node.args)
         package = words[1].partition('/')[0] if words[:1] == ['load'] and len(words) > 1 else ''
         if package and not reading.is_package(package):
-            self._leave(node, 'there is no package {} here'.format(package), is_loss=True)
+            self._leave(node, 'the package {} is not installed here'.format(package), is_loss=True)
 
     def _leave(self, node, why, is_loss=False):
         name = roles.name_of(node)
@@ -172,14 +172,15 @@ class _Adoption:
         for robot in self.robots:
             if not robot.has_name:
                 self.problems.append(
-                    '{!r} is no name that ROS takes for a robot; allowed: letters, digits and _ between slashes ({}); '
+                    '{!r} is not a name that ROS accepts for a robot; allowed: letters, digits and _ between '
+                    'slashes ({}); '
                     'if an argument of the file says it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
                 self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
         if not self.robots:
             self.problems.append(
-                'there is no robot in this file: no node is a move_base, and nothing places one. Another file of its '
+                'this file has no robot: no node is a move_base, and nothing places one. Another file of its '
                 'package may start the navigation; --add /NAMESPACE/move_base={}/move_base adds one'.format(PACKAGE))
 
     def _add_maps(self):
@@ -213,7 +214,7 @@ class _Adoption:
                 self.remarks.append('{} could start elsewhere: {}; --start {}={} has it there'.format(
                     name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
         for hint in unused:
-            self.remarks.append('{} is no robot of this run: {}'.format(hint.shown, 'nothing there is a move_base'))
+            self.remarks.append('{} is not a robot of this run: {}'.format(hint.shown, 'nothing there is a move_base'))
         self._one_place([start.pose for start in found])
         return starts
 
@@ -318,7 +319,7 @@ def _missing(kind, name):
             '--param {0}=VALUE says one'.format(name)
     if kind == 'include':
         return '{} is not here, and is left out: {}'.format(_short(name), (
-            'a robot stands for it' if kinds.stands_for_a_robot(name) else 'what it starts is not started'))
+            'a robot stands for it' if kinds.stands_for_a_robot(name) else 'the nodes in it are not started'))
     return '{} is not here, so that its {} not set, and defaults count'.format(
         _short(name), 'parameters are' if kind == 'parameters' else 'parameter is')
 

@@ -23,7 +23,7 @@ def event_lines(difference, first, run):
                                 'no more events; the run ended: {}'.format(one.end['reason']))
     yield from _field_lines(difference, first, run)
     for node, events in difference.told.items():
-        yield 'what {} had been told before, in both runs:'.format(node)
+        yield 'what {} had heard before, in both runs:'.format(node)
         yield from ('  ' + run_difference.told_lines(event) for event in events)
 
 

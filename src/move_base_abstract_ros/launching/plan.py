@@ -176,7 +176,7 @@ def _replace(config, replaced):
                 package, kind, ', '.join(sorted({'{}/{}'.format(node.package, node.type) for node in config.nodes}))))
         for node in found:
             node.package, node.type = new_package, new_kind
-        notes.append('{} {}/{} in the place of {}/{}'.format(len(found), new_package, new_kind, package, kind))
+        notes.append('{} {}/{} replaces {}/{}'.format(len(found), new_package, new_kind, package, kind))
     return notes
 
 

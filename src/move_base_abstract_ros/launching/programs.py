@@ -42,7 +42,7 @@ def kind_of(path):
         return None, str(error)
     if kind == 'shell':
         return _kind_of_shell(path)
-    return ('rospy', '') if uses_rospy(path) else (None, 'nothing in it, or in what it imports, imports rospy')
+    return ('rospy', '') if uses_rospy(path) else (None, 'neither it nor its imports import rospy')
 
 
 def _kind_of_shell(path):
@@ -54,7 +54,7 @@ def _kind_of_shell(path):
     for found in programs_in(path, text.decode('utf-8', 'replace'), _package, _nodes):
         if command_line.kind_of(found) == 'script' and uses_rospy(found):
             return 'rospy', ''
-    return None, 'it is a shell script, and no rospy program is to be seen in it (binaries that one starts are not ' \
+    return None, 'it is a shell script, and no rospy program can be seen in it (binaries that one starts are not ' \
                  'followed; --participant has it take part)'
 
 

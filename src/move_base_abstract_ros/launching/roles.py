@@ -13,14 +13,15 @@ from . import programs
 
 #: the program whose node takes part for a script that starts runs
 DEPUTY = 'lockstep_series'
-_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
-              'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
+_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'move_base_abstract_actionserver',
+              'soil_coordinator', 'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
 #: own nodes that are done when the run is over: what they know is in the event log, or written already
-_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver',
-                       'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
+_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher',
+                       'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
+                       DEPUTY)
 _LOOK_ON = {
-    'rviz': 'it only shows',
-    'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
+    'rviz': 'it only displays',
+    'rqt_gui': 'it only displays', 'image_view': 'it only displays', 'plotjuggler': 'it only displays'}
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
 _STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}

@@ -114,7 +114,7 @@ class Verification:
         crashes = said['crashes']
         if code != 0 and crashes:
             raise Unfinished("nodes crashed in the run '{}', so that nothing can be said of it; --crashes allow "
-                             'compares such runs, too:\n{}\nall that the nodes have said: {}'.format(
+                             'compares such runs, too:\n{}\nall output of the nodes: {}'.format(
                                  condition.name, '\n'.join('    ' + one for one in crashes), output), CRASHED)
         if code not in (0, _BROKEN):
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
@@ -153,7 +153,7 @@ class Verification:
         if found.identical:
             self._say('different: nodes of {} and of {} crash in different ways, after equal events'.format(
                 first.condition.name, run.condition.name))
-            self._say_next('what the nodes have said: less {}', run.output)
+            self._say_next('the output of the nodes: less {}', run.output)
             return False
         self._say('different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what,
                                                           run.condition.name, run.condition.what))
@@ -183,7 +183,7 @@ class Verification:
         for label in labels:
             self._say(label)
         if labels:
-            self._say_next('who takes part, and who only looks on: rosrun move_base_abstract lockstep_launch --list '
+            self._say_next('which nodes take part, and which look on: rosrun move_base_abstract lockstep_launch --list '
                            '{}; of a program that is named in a label, change what is at its place', *self._launch)
         else:
             self._say_next('the search for another order of equal events that breaks it: rosrun move_base_abstract '

@@ -21,7 +21,7 @@ from .ros_master.master_calls import calls
 from .waiting import event_loops, threads, watchdog
 
 _NAME = '__name:='
-_HASHES = 'texts are hashed in another way in each run, so that sets of them have another order (PYTHONHASHSEED is ' \
+_HASHES = 'strings have other hashes in each run, so sets of them have another order (PYTHONHASHSEED is ' \
           'random, or Python was told to ignore it)'
 
 

@@ -121,9 +121,13 @@ class _Board(rospy.SubscribeListener):
             self._robots[robot.look.name] = robot
         self.change(robot)
 
+    def is_watched(self):
+        """Return whether anybody looks."""
+        return bool(self._publisher.impl.connections)  # not get_num_connections: this is asked at each event
+
     def change(self, robot):
         """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
-        if self._publisher.impl.connections:  # not get_num_connections: this is asked at each event of each robot
+        if self.is_watched():
             with self._condition:
                 self._changed.add(robot)
                 self._condition.notify()

@@ -1,12 +1,14 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
-    demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K]
-         [--seed S] [--speed V] [--routes] [--rviz]
+    demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE | --world warehouse] [--map FILE]
+         [--robots N] [--goals K] [--orders N] [--policy NAME] [--seed S] [--speed V] [--routes] [--rviz]
+         [--event-log FILE] [--replay FILE]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
 
 import argparse
+import contextlib
 import math
 import signal
 import sys
@@ -19,8 +21,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
-from move_base_abstract_ros.nodes.demo_run import nodes, report
+from move_base_abstract_ros.nodes.demo_run import nodes, report, warehouse
 from move_base_abstract_ros.nodes.demo_run.mission import MissionFailed, MissionRun
+from move_base_abstract_ros.nodes.demo_run.run_log import RunLog
 from move_base_abstract_ros.replacing import rospy_start
 
 LAST_LOOK_SECONDS = 1.0  # wall
@@ -33,7 +36,7 @@ def main():
     arguments = _parse(rospy.myargv()[1:])
     signal.signal(signal.SIGTERM, _exit_on_sigterm)
     try:
-        sys.exit(_run(arguments, _choose_mission(arguments)))
+        sys.exit(_run(arguments))
     except (ConfigurationError, MissionFailed, LoopbackError) as error:
         print(f'demo: {error}', file=sys.stderr)
         sys.exit(1)
@@ -46,26 +49,73 @@ def _exit_on_sigterm(_number, _frame):
     sys.exit(143)
 
 
-def _run(arguments, plan):
-    """Start everything, carry the mission out and report; return the exit code."""
+def _run(arguments):
+    """Start everything, carry it out, report and make the replay page; return the exit code."""
+    with RunLog(arguments.replay, arguments.event_log) as log:
+        if arguments.world:
+            _run_warehouse(arguments, log)
+        else:
+            _run_mission(arguments, _choose_mission(arguments), log)
+    return 0
+
+
+def _run_mission(arguments, plan, log):
     begin = time.monotonic()
+    map_path, why = nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
+    print(why, flush=True)
+    if arguments.routes and map_path is None:
+        raise MissionFailed('--routes needs a map on which all places of the mission are free')
+    clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'], log.path)
+    settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
+    with _master(arguments, log, lambda ros: nodes.start(ros, plan, clock, settings, map_path, arguments.rviz),
+                 ['/fleet/events']) as (ros, participant):
+        run = MissionRun(plan, participant)
+        run.wait_until_ready(ros.check)
+        print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, {_speed(clock)}; '
+              f'started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
+        _carry_out(run, ros, report.make_progress(plan.goal_count, 'goals', sys.stderr))
+    simulated_s, wall_s = run.elapsed()
+    print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
+                         robot.odometer.moving_s) for robot in run.robots], simulated_s))
+    log.close()
+    print(log.make_page(map_path))
+    print(report.closing_line(simulated_s, wall_s), flush=True)
+
+
+def _run_warehouse(arguments, log):
+    begin = time.monotonic()
+    scenario, map_path = warehouse.make(log.folder, arguments.robots, arguments.orders or warehouse.ORDERS,
+                                        1 if arguments.seed is None else arguments.seed, arguments.speed,
+                                        arguments.rviz)
+    clock = nodes.clock_parameters(arguments.clock, arguments.factor, [*warehouse.PARTICIPANTS, '/demo'], log.path)
+    with _master(arguments, log, lambda ros: warehouse.start(ros, scenario, clock, map_path, arguments.policy,
+                                                             arguments.rviz),
+                 ['/fleet/events', '/dispatcher/events']) as (ros, participant):
+        run = warehouse.OrdersRun(scenario, participant)
+        print(f'warehouse: {run.robots} robots, {run.count} orders, {_speed(clock)}; started in '
+              f'{time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
+        _carry_out(run, ros, report.make_progress(run.count, 'orders', sys.stderr))
+    log.close()
+    print(report.aligned(*warehouse.table_of(*log.rows())))
+    print(log.make_page(map_path))
+    print(report.closing_line(*run.elapsed()), flush=True)
+
+
+@contextlib.contextmanager
+def _master(arguments, log, start, topics):
+    """Give a ROS master on which ``start(ros)`` has started all nodes: (Loopback, participant or None).
+
+    On the scaled clock ``log`` (RunLog) listens to ``topics``.
+    """
     with Loopback() as ros:
         ros.adopt()
-        map_path, why = nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
-        print(why, flush=True)
-        if arguments.routes and map_path is None:
-            raise MissionFailed('--routes needs a map on which all places of the mission are free')
-        clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
-        settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
-        nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
+        start(ros)
         rospy_start.prepare()
         rospy.init_node('demo', disable_signals=True)
         try:
-            run = MissionRun(plan, lockstep.join() if arguments.clock == 'lockstep' else None)
-            run.wait_until_ready(ros.check)
-            print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, {_speed(clock)}; '
-                  f'started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
-            _carry_out(run, ros)
+            if arguments.clock == 'scaled':
+                log.listen(*topics)
+            yield ros, lockstep.join() if arguments.clock == 'lockstep' else None
         except rospy.ROSInterruptException:
             _name_who_died(ros)
             raise MissionFailed('the run ended before the mission did') from None
@@ -74,11 +124,6 @@ def _run(arguments, plan):
             raise
         finally:
             rospy.signal_shutdown('demo over')
-    simulated_s, wall_s = run.elapsed()
-    print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
-                              robot.odometer.moving_s) for robot in run.robots], simulated_s))
-    print(report.closing_line(simulated_s, wall_s), flush=True)
-    return 0
 
 
 def _name_who_died(ros):
@@ -96,17 +141,15 @@ def _speed(clock):
     return f"lockstep, at most {clock['speed_limit']:g}x" if clock['speed_limit'] else 'lockstep'
 
 
-def _carry_out(run, ros):
-    """Run the mission with a progress display and an eye on the nodes."""
-    progress = report.make_progress(run.mission.goal_count, sys.stderr)
-
+def _carry_out(run, ros, progress):
+    """Let ``run`` come to its end with a ``progress`` display and an eye on the nodes."""
     def tick():
         ros.check()
-        progress.show(run.goals_done, *run.elapsed())
+        progress.show(run.done, *run.elapsed())
 
     try:
         run.run(tick)
-        progress.show(run.goals_done, *run.elapsed())
+        progress.show(run.done, *run.elapsed())
     finally:
         progress.close()
 
@@ -135,22 +178,42 @@ def _parse(words):
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
+    source.add_argument('--world', choices=(warehouse.KIND,), help='instead: a warehouse that is made by sizes, with '
+                        'orders that arrive and a dispatcher')
+    parser.add_argument('--orders', type=_count, metavar='N', help='with --world only: how many arrive within an hour '
+                        f'(default: {warehouse.ORDERS})')
+    parser.add_argument('--policy', choices=warehouse.POLICIES, help='with --world only: who gets which order')
     parser.add_argument('--robots', type=_count, metavar='N',
-                        help='number of robots (default: 5, or all of the mission)')
+                        help='number of robots (default: 5, or all of the mission; with --world 50)')
     parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')
     parser.add_argument('--seed', type=int, metavar='S',
-                        help='seed of the choice of points, only with --csv (default: 1)')
+                        help='seed of the choice of points or of the orders, only with --csv or --world (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
     parser.add_argument('--routes', action='store_true', help='drive around obstacles of the map, not straight')
     parser.add_argument('--rviz', action='store_true', help='show the run in RViz, which must be installed')
+    parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
+                        'only in lockstep')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
+    parser.add_argument('--replay', metavar='FILE', help='the page that is made at the end (default: '
+                        'demo_replay.html in the folder move_base_abstract of ROS_HOME)')
     arguments = parser.parse_args(words)
+    if arguments.event_log and arguments.clock != 'lockstep':
+        parser.error('--event-log needs --clock lockstep: the scaled clock has no event log')
     if arguments.rviz and arguments.factor is None:
         arguments.factor = 20.0
-    for name in ('goals', 'seed'):
-        if getattr(arguments, name) is not None and not arguments.csv:
-            parser.error(f'--{name} needs --csv: a mission file says by itself which goals there are')
+    for name, needs in (('goals', ('csv',)), ('seed', ('csv', 'world'))):
+        if getattr(arguments, name) is not None and not any(getattr(arguments, one) for one in needs):
+            parser.error(f'--{name} needs --{" or --".join(needs)}: a mission file says itself which goals there are')
+    _check_world(parser, arguments)
     return arguments
+
+
+def _check_world(parser, arguments):
+    if arguments.world and (arguments.map or arguments.routes):
+        parser.error(f'--{"map" if arguments.map else "routes"} does not go with --world: its robots drive on lanes')
+    for name in ('orders', 'policy'):
+        if getattr(arguments, name) is not None and not arguments.world:
+            parser.error(f'--{name} needs --world')
 
 
 def _positive(text):

@@ -6,7 +6,8 @@ import time
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
+from move_base_abstract.common.parameter_table import read_table, unknown_names
+from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
 from move_base_abstract.encounters.control import make_encounters
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
@@ -18,17 +19,10 @@ from ..robot.host import Host
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
 _LAST_WORDS_SECONDS = 0.2
-_TABLE = (
-    Parameter('scenario', '', text, 'the path of a scenario file'),
-    Parameter('part', 0, integer(0), 'a whole number >= 0 and < parts'),
-    Parameter('parts', 1, integer(1), 'a whole number >= 1'),
-    Parameter('use_map', None, boolean, 'true or false'),
-    Parameter('backend', None, text, 'the name of a backend'),
-    Parameter('seed', None, integer(0), 'a whole number >= 0'),
-)
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places')
+#: the scenario itself, instead of a file
+INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
 
 
 def main():
@@ -49,8 +43,8 @@ def main():
 def _build():
     where = rospy.get_name()
     raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
+    values = read_table(raw, FLEET, where)
+    known = tuple(parameter.name for parameter in FLEET) + INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     timing = make_timing()
@@ -71,7 +65,7 @@ def _build():
 
 
 def _read_scenario(raw, values, where, base):
-    inline = {key: raw[key] for key in _INLINE if key in raw}
+    inline = {key: raw[key] for key in INLINE if key in raw}
     if values['scenario'] and inline:
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))

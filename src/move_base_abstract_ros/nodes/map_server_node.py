@@ -16,8 +16,9 @@ from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table
+from move_base_abstract.common.parameter_table import number, read_table
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.config.node_tables import MAP_FRAME, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description
 from move_base_abstract.maps.occupancy import ImageRule
 from move_base_abstract_ros.clocks.timing import make_timing
@@ -37,12 +38,6 @@ _USAGE = ('USAGE: map_server MAP.yaml\n'
 _FAILED = 255  # the exit code of the real one, too
 _POLL_SECONDS = 0.02
 _REMINDER_SECONDS = 5.0
-_OLD_FORM = (
-    Parameter('negate', 0, integer(0), 'a whole number >= 0; 0 = white is free'),
-    Parameter('occupied_thresh', 0.65, number(), 'a finite number'),
-    Parameter('free_thresh', 0.196, number(), 'a finite number'),
-)
-_FRAME = Parameter('frame_id', 'map', name, 'a frame name')
 
 
 def main():
@@ -73,7 +68,7 @@ def find_real_map_server():
 def _build(arguments):
     raw = rospy.get_param('~', {})
     where = rospy.get_name()
-    frame_id = read_table(raw, (_FRAME,), where)['frame_id']
+    frame_id = read_table(raw, (MAP_FRAME,), where)['frame_id']
     if len(arguments) == 2:
         rospy.logwarn('%s: IMAGE RESOLUTION is the old form; a YAML file says more', where)
         description = _describe_old_form(arguments, raw, where)
@@ -91,7 +86,7 @@ def _describe(path):
 
 def _describe_old_form(arguments, raw, where):
     image, resolution = arguments
-    values = read_table(raw, _OLD_FORM, where)
+    values = read_table(raw, MAP_OLD_FORM, where)
     try:
         resolution = number(above=0.0)(float(resolution))
     except ValueError:

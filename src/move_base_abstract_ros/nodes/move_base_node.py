@@ -5,6 +5,7 @@ from dataclasses import replace
 import rospy
 
 from move_base_abstract.config.settings import read_settings
+from move_base_abstract.lockstep.node_parameters import TABLE as LOCKSTEP
 from move_base_abstract_ros.clocks.timing import make_timing
 from move_base_abstract_ros.maps.robot_map import wait_for_maps
 from move_base_abstract_ros.process.node_process import parse_no_arguments, run_node
@@ -16,7 +17,7 @@ from move_base_abstract_ros.transforms.tf_lookup import listen_to_static_frames
 
 _LAST_WORDS_SECONDS = 0.1
 #: private parameters that are read elsewhere
-LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only', 'log_motion')
+LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
 _INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 

@@ -40,7 +40,7 @@ class Monitor:
         except (SimulatorError, ValueError, RecursionError) as error:
             if node not in self._named:
                 self._named.add(node)
-                rospy.logerr('%s: a message of %s on %s is no statement: %s', rospy.get_name(), node, TOPIC, error)
+                rospy.logerr('%s: a message of %s on %s is not a statement: %s', rospy.get_name(), node, TOPIC, error)
             return
         for row in rows:
             self._tell(node, row)

@@ -4,13 +4,13 @@ import time
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table, text, unknown_names
-from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.common.parameter_table import read_table, unknown_names
+from move_base_abstract.config.node_tables import TASK_SERVER
 from move_base_abstract.fleet.robot_rows import write
 from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
-from move_base_abstract.scenario import MAX_ROBOTS, make_scenario, read_scenario
-from move_base_abstract.tasks.place_tasks import Rooms
+from move_base_abstract.scenario import make_scenario, read_scenario
+from move_base_abstract.tasks.room import Rooms
 from move_base_abstract.tasks.timed_task import DrawnDurations
 
 from .. import lockstep
@@ -27,34 +27,6 @@ from .move_base_node import LOCKSTEP_PARAMETERS
 _LAST_WORDS_SECONDS = 0.1
 
 
-def _names(value):
-    if not isinstance(value, list) or not all(is_namespace(item) for item in value):
-        raise ValueError
-    if len({item.strip('/') for item in value}) < len(value) or len(value) > MAX_ROBOTS:
-        raise ValueError
-    return value
-
-
-def _task(value):
-    if not is_namespace(name(value)):
-        raise ValueError
-    return name(value)
-
-
-MAX_SECONDS = 2.0 ** 31 - 1.0  # of a duration in ROS
-_SECONDS = 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)
-_TABLE = (
-    Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE),
-    Parameter('scenario', '', text, 'the path of a scenario file'),
-    Parameter('task', 'timed_task', _task, 'the name of the action below each namespace: ' + NAMESPACE_RULE),
-    Parameter('duration', 1.0, number(0.0, MAX_SECONDS), _SECONDS),
-    Parameter('spread', 0.0, number(0.0, MAX_SECONDS), _SECONDS + ', not more than the duration'),
-    Parameter('seed', 0, integer(0), 'a whole number >= 0'),
-    Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
-    Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
-)
-
-
 def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
     parse_no_arguments('task_server', __doc__)
@@ -65,8 +37,8 @@ def _build():
     """Read the parameters, wait for the clock, and return the servers."""
     where = rospy.get_name()
     raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    for warning in unknown_names(raw, tuple(row.name for row in _TABLE) + ('places', *LOCKSTEP_PARAMETERS), where):
+    values = read_table(raw, TASK_SERVER, where)
+    for warning in unknown_names(raw, tuple(row.name for row in TASK_SERVER) + ('places', *LOCKSTEP_PARAMETERS), where):
         rospy.logwarn(warning)
     timing = make_timing()
     clock = timing.make_clock()

@@ -1,27 +1,24 @@
-"""The node ``task_source``: tasks as they arrive, at random instants or at those of a file, each as a message."""
+"""The node ``task_source``: tasks and orders as they arrive, at random instants or at those of a file."""
+from functools import partial
+
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, boolean, integer, name, read_table, text, unknown_names
+from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.common.units import LAST_NS
-from move_base_abstract.msg import Task
+from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
+from move_base_abstract.msg import Order, Task
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 from ..clocks.timing import make_timing
-from ..messages import conversions, packing
+from ..messages import orders, packing
 from ..messages.outlets import Outlet
 from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_parameters
 from .move_base_node import LOCKSTEP_PARAMETERS
 
-_TABLE = (
-    Parameter('scenario', '', text, 'the path of a scenario file'),
-    Parameter('seed', None, integer(0), 'a whole number >= 0'),
-    Parameter('topic', 'tasks', name, 'a topic name'),
-    Parameter('wait_for_listener', True, boolean, 'true or false'),
-)
 #: the scenario itself, instead of a file
-_INLINE = ('places', 'arrivals')
+_INLINE = tuple(parameter.name for parameter in TASK_SOURCE_INLINE)
 
 
 def main():
@@ -33,8 +30,8 @@ def main():
 def _build():
     where = rospy.get_name()
     raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
+    values = read_table(raw, TASK_SOURCE, where)
+    known = tuple(parameter.name for parameter in TASK_SOURCE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     scenario = _read_scenario(raw, values, where)
@@ -53,24 +50,42 @@ def _read_scenario(raw, values, where):
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))
     scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
-    if not scenario.arrivals:
-        raise ConfigurationError(
-            'parameter {}/arrivals: got none; allowed: at least one, here or in the scenario'.format(where))
+    if not scenario.arrivals and not scenario.order_sources:
+        raise ConfigurationError('parameter {0}/arrivals: got none, and no orders; allowed: at least one of either, '
+                                 'here or in the scenario'.format(where))
     return scenario
 
 
 class TaskSource:
-    """Publishes each task at the instant of its arrival, counted from when somebody begins to listen."""
+    """Publishes the tasks and the orders of a scenario, each on a topic of its own."""
 
     def __init__(self, clock, timing, scenario, values):
+        frame = str(scenario.defaults.get('global_frame', 'map'))
+        self._sources = []
+        for is_there, items, topic, kind, to_message in (
+                (scenario.arrivals, scenario.tasks, values['topic'], Task, orders.to_task),
+                (scenario.order_sources, scenario.orders, values['orders_topic'], Order, orders.to_order)):
+            if is_there:
+                self._sources.append(_Source(clock, timing, items(values['seed']), topic, kind,
+                                             partial(_packed, to_message, frame), values['wait_for_listener']))
+
+
+def _packed(to_message, frame, item, stamp_ns):
+    return packing.of_message(to_message(item, frame, stamp_ns))
+
+
+class _Source:
+    """Publishes each of ``items`` at the instant of its arrival, counted from when somebody begins to listen."""
+
+    def __init__(self, clock, timing, items, topic, kind, pack, needs_listener):
         self._clock = clock
         self._timing = timing
-        self._tasks = scenario.tasks(values['seed'])
-        self._frame = str(scenario.defaults.get('global_frame', 'map'))
+        self._items = items
+        self._pack = pack
         self._begin_ns = None
-        self._needs_listener = values['wait_for_listener']
+        self._needs_listener = needs_listener
         self._outlet = None
-        self._outlet = _Tasks(values['topic'], self._look)
+        self._outlet = _Arrivals(topic, kind, self._look)
         clock.follow_restarts(self._restart)
         self._look()
 
@@ -82,34 +97,31 @@ class TaskSource:
             with self._clock.lock:
                 if self._begin_ns is None:
                     self._begin_ns = self._clock.now_ns()
-                    self._schedule(next(self._tasks, None))
+                    self._schedule(next(self._items, None))
 
     def _restart(self, before_ns, now_ns):
         if self._begin_ns is not None:
             self._begin_ns += now_ns - before_ns
 
-    def _schedule(self, task):
-        due_ns = None if task is None else self._begin_ns + task.arrival_ns
+    def _schedule(self, item):
+        due_ns = None if item is None else self._begin_ns + item.arrival_ns
         if due_ns is None or due_ns > LAST_NS:
-            rospy.loginfo('%s: no more tasks arrive', rospy.get_name())
+            rospy.loginfo('%s: no more %s arrive', rospy.get_name(), self._outlet.what)
             return
-        self._clock.simulation.queue.schedule(due_ns, 0, lambda due_ns, _now_ns: self._arrives(task, due_ns))
+        self._clock.simulation.queue.schedule(due_ns, 0, lambda due_ns, _now_ns: self._arrives(item, due_ns))
 
-    def _arrives(self, task, due_ns):
-        self._outlet.send(packing.of_message(self._message(task, due_ns)))
-        self._schedule(next(self._tasks, None))
-
-    def _message(self, task, due_ns):
-        return Task(conversions.to_header(self._frame, due_ns), task.task_id, task.place,
-                    conversions.to_pose(task.pose), conversions.to_duration(task.duration_ns), task.power, task.energy)
+    def _arrives(self, item, due_ns):
+        self._outlet.send(self._pack(item, due_ns))
+        self._schedule(next(self._items, None))
 
 
-class _Tasks(Outlet):
-    """The topic of the tasks; ``came()`` is called when somebody begins to listen."""
+class _Arrivals(Outlet):
+    """The topic of what arrives; ``came()`` is called when somebody begins to listen."""
 
-    def __init__(self, topic, came):
+    def __init__(self, topic, kind, came):
+        self.what = kind.__name__.lower() + 's'
         self._came = came
-        super().__init__(topic, Task, queue_size=1000, tcp_nodelay=True)
+        super().__init__(topic, kind, queue_size=1000, tcp_nodelay=True)
 
     def greet(self, _peer_publish):
         """Tell that somebody has come."""

@@ -31,12 +31,13 @@ _CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as its threa
 _ADDR2LINE_SECONDS = 10.0  # wall
 #: by what a lockstep run does: what can be typed next; FILE is its launch file
 NEXT = {
-    'waiting_for_participants': 'who is waited for, and whether it takes part at all: rosrun move_base_abstract '
+    'waiting_for_participants': 'which node is waited for, and whether it takes part at all: rosrun move_base_abstract '
                                 'lockstep_launch --list FILE',
     'paused': 'rosservice call {}/resume',
     'limited': 'as fast as it goes: without --speed-limit',
     'idle': 'a run that is to end here: lockstep_launch --end-when-idle FILE',
-    'deadlock': 'who waits for whom, in its log: lockstep_launch --check --log-messages --event-log RUN.jsonl FILE',
+    'deadlock': 'which node waits for which, in the log: lockstep_launch --check --log-messages --event-log '
+    'RUN.jsonl FILE',
     'zero_delay_loop': 'the messages that go round, in its log: lockstep_launch --log-messages --event-log RUN.jsonl '
                        'FILE',
     'ended': 'the run to look at: rosrun move_base_abstract replay RUN.jsonl, its --event-log',
@@ -46,10 +47,11 @@ SHOWN = 10  # participants of a kind that are named one by one
 PHASES = {
     'waiting_for_participants': 'stands still: the run has not started',
     'running': 'moves',
-    'waiting': 'stands still: somebody has not reported for a while',
+    'waiting': 'stands still: a participant has not reported for a while',
     'limited': 'moves, held back by the speed limit',
     'paused': 'stands still: paused',
-    'idle': 'stands still: nobody ever wants to wake up (idle); a message from outside or a newcomer wakes the run',
+    'idle': 'stands still: no participant wants to wake up (idle); a message from outside or a new participant '
+    'wakes the run',
     'deadlock': 'stands still: deadlock',
     'zero_delay_loop': 'stands still: zero-delay loop',
     'ended': 'stands still: the run is over',
@@ -146,7 +148,8 @@ def _scaled_lines(state):
         moves = 'stands still: paused'
     elif state.holds and state.effective_factor < state.wanted_factor:
         moves += f', held back (asked for: {state.wanted_factor:g}, busy_factor: {state.busy_factor:g})'
-    return [f'time {moves}', f'at {_time(state.sim_time)}; mode scaled: time follows the wall and waits for nobody',
+    return [f'time {moves}',
+            f'at {_time(state.sim_time)}; mode scaled: time follows the wall clock and waits for no node',
             *(f'held by {hold.holder}, for {hold.remaining:.1f} s more at most' for hold in state.holds),
             *([f'stops at {_time(state.run_until)}'] if state.run_until else []),
             *(f'{name} publishes /clock too' for name in state.other_clock_publishers), *state.degraded_because]

@@ -52,7 +52,7 @@ class _Watch:
             return
         else:
             names = ' and '.join(name for name, _ in publishers or self._publishers)
-            gone = '{}, which published /clock, is gone'.format(names) if names else 'nobody publishes /clock any more'
+            gone = '{}, which published /clock, is gone'.format(names) if names else 'no node publishes /clock any more'
         if not rospy.is_shutdown():
             self._is_told = True
             rospy.logerr('%s: simulated time stands still at %.3f s: %s', rospy.get_name(), now_ns / 1e9, gone)

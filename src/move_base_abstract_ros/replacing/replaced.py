@@ -138,7 +138,7 @@ _ROWS = (
     Row('sys.unraisablehook', LOCKSTEP, _UNCAUGHT),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP,
-        _UNCAUGHT + '; keeps quiet about the end of lockstep, which is no error of the program'),
+        _UNCAUGHT + '; keeps quiet about the end of lockstep, which is not an error of the program'),
     Row('threading._allocate_lock', THREADS, _LOCK),
     Row('threading.Lock', THREADS, _LOCK),
     Row('threading.RLock', THREADS, _LOCK),

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
+from move_base_abstract.common.parameter_table import read_table
+from move_base_abstract.config.node_tables import ACTIONLIB
+from move_base_abstract.config.node_tables import STATUS_FREQUENCY as _FREQUENCY
 from move_base_abstract.config.rates import Rates
 from move_base_abstract.motion.recorded_range import WARNING
 from move_base_abstract.sensing.surroundings import Surroundings
@@ -17,12 +19,6 @@ from .heartbeat import SHARED_INDEX, Heartbeat
 _STATUS_RATE_CAP = 5.0  # Hz, wall
 _PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
 
-_FREQUENCY = 'actionlib_status_frequency'
-_OPTIONS = (
-    Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1'),
-    Parameter('actionlib_server_sub_queue_size', 50, integer(-1), 'a whole number >= -1'),
-    Parameter(_FREQUENCY, 5.0, number(0.0), 'a number >= 0 [Hz, simulated]'),
-)
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,7 @@ def read_action_options(status_frequency):
     frequency = rospy.search_param(_FREQUENCY)
     if frequency:
         raw[_FREQUENCY] = rospy.get_param(frequency)
-    values = read_table(raw, _OPTIONS, rospy.get_namespace())
+    values = read_table(raw, ACTIONLIB, rospy.get_namespace())
     sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
                                                                    'actionlib_server_sub_queue_size')]
     return ActionOptions(*sizes, values[_FREQUENCY])

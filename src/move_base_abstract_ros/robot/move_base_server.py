@@ -108,7 +108,8 @@ class MoveBaseServer:
         self._markers = robot_markers.add(self._clock, settings, self.navigator, self._stream, self._state,
                                           self.condition.battery is not None)
         if self._traffic is not None:
-            self._traveller = self._traffic.join(self.navigator, settings.network, self._stream)
+            self._traveller = self._traffic.join(self.navigator, settings.network, self._stream,
+                                                 values['priority'])
         self.condition.begin(self._clock.simulation.now_ns)
 
     def _make_scans(self, robot, backend):

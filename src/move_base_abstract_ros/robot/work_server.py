@@ -94,7 +94,8 @@ class WorkServer:
         duration_ns = message.duration.to_nsec()
         if duration_ns < 0:
             fault = 'duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)
-        return Task(message.id, 0, message.place, pose, duration_ns, message.power, message.energy), fault
+        return Task(message.id, 0, message.place, pose, duration_ns, message.power, message.energy,
+                    message.priority), fault
 
     def _on_cancel(self, message):
         with self._clock.lock:

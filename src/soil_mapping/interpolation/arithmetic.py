@@ -79,7 +79,7 @@ def product(left, right):
     high = left[0] @ right[0]
     low = left[0] @ right[1]
     low += left[1] @ right[0]
-    low /= SLICE
+    low *= 1.0 / SLICE  # a power of two: the same as a quotient, and faster
     high += low
-    high /= SLICE * SLICE
+    high *= 1.0 / (SLICE * SLICE)
     return high

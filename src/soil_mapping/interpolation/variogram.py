@@ -77,9 +77,10 @@ def _restricted(points, values, ranges, nuggets):
     """
     count = len(points)
     x, y = points[:, None, 0] - points[:, 0], points[:, None, 1] - points[:, 1]
-    scale = (ranges * RANGE_TO_SCALE)[:, None, None]
+    scale = (ranges[::len(NUGGETS)] * RANGE_TO_SCALE)[:, None, None]  # each range comes with all nuggets, one by one
+    correlations = np.repeat(exp(-(x * x + y * y) / (scale * scale)), len(NUGGETS), axis=0)
     systems = np.zeros((len(ranges), count + 2, count + 2))  # bordered by the ones and the values
-    systems[:, :count, :count] = (1.0 - nuggets)[:, None, None] * exp(-(x * x + y * y) / (scale * scale))
+    systems[:, :count, :count] = (1.0 - nuggets)[:, None, None] * correlations
     systems[:, range(count), range(count)] = 1.0
     systems[:, :count, count] = systems[:, count, :count] = 1.0
     systems[:, :count, count + 1] = systems[:, count + 1, :count] = values

@@ -16,7 +16,7 @@ from ...replacing.replaced import replace
 from ..code.imports import when_imported
 from . import uncaught
 
-_JOB, _TASK = 'a job whose outcome nobody has asked for', 'a task whose outcome nobody has asked for'
+_JOB, _TASK = 'a job whose outcome was never asked for', 'a task whose outcome was never asked for'
 _MOST_OPEN = 1000  # those before them stay told; whether somebody asks for one is not looked at any more
 _state = SimpleNamespace(participant=None, count=0, open=[])
 

@@ -35,7 +35,7 @@ WORDS = (
     'getloadavg() says how busy the machine is',
     'sysinfo() says how busy the machine is',
     'a library has the kernel wake the program by the wall clock',
-    "a library starts a process that takes no part: what it answers is the machine's",
+    'a library starts a process that is not a participant: its answers depend on the machine',
     'getpid() is another number in another run',
     'a library opens a device, or what the system says of itself: that is so on this machine, now',
     "random bytes of a device cannot be stood in for, and are the machine's")

@@ -47,7 +47,7 @@ def install(participant):
         def _excepthook(kind, error, trace):
             """That lockstep has ended is told once, and is no error of the application's."""
             if issubclass(kind, TurnLost) and _state.code is None:
-                _state.code = 0  # the run is over, as wished, which is no error of the program either
+                _state.code = 0  # the run is over, as wished, which is not an error of the program either
             if issubclass(kind, KeyboardInterrupt):
                 participant.interrupted('keyboard interrupt')
             if not issubclass(kind, TurnLost):

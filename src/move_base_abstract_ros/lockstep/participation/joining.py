@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import rosgraph
 import rospy
 
-from move_base_abstract.common.parameter_table import Parameter, checked, integer
+from move_base_abstract.common.parameter_table import checked
 from move_base_abstract.lockstep.charge import make_charge
-from move_base_abstract.lockstep.wire import MAX_RANK
+from move_base_abstract.lockstep.node_parameters import RANK
 from move_base_abstract.properties import statements, stating
 
 from ...replacing import replaced
@@ -21,8 +21,6 @@ from ..waiting import polling, threads, waits
 from . import finish, fork
 from .taking_part import Participant
 
-RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
-                 'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK))
 _state = SimpleNamespace(joined=None)
 
 

@@ -53,7 +53,7 @@ def prepare(path, rank, sleep, environment):
     if any(name.startswith(_PARTICIPANT) for name in needed):
         return dict(environment)  # it takes part by itself
     if not links_to_roscpp(path):
-        raise ValueError("'{}' is no roscpp program: it needs {}, but not {}; programs that it starts can be given "
+        raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}; programs that it starts can be given "
                          'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "

@@ -87,7 +87,7 @@ class MissionRun:
         self._events = queue.Queue()
 
     @property
-    def goals_done(self):
+    def done(self):
         """Number of goals reached by all robots together."""
         return sum(robot.goals_done for robot in self.robots)
 
@@ -122,7 +122,7 @@ class MissionRun:
             robot.send_next(self._events)
         last_stamp = 0.0
         next_tick = self.started[1]
-        while self.goals_done < self.mission.goal_count:
+        while self.done < self.mission.goal_count:
             if time.monotonic() >= next_tick:
                 tick()
                 next_tick = time.monotonic() + period

@@ -11,11 +11,15 @@ WATCHED_POSES = 10.0  # Hz, simulated: in lockstep poses on the way are told onl
 ROBOT_RADIUS = 0.6  # m, of robots that drive around what the map shows
 
 
-def clock_parameters(kind, factor, names):
-    """Return the time master's parameters; ``factor`` None: as fast as can be, or 20 on the scaled clock."""
+def clock_parameters(kind, factor, names, event_log):
+    """Return the time master's parameters; ``factor`` None: as fast as can be, or 20 on the scaled clock.
+
+    ``event_log``: the path of the log, in lockstep.
+    """
     if kind == 'scaled':
         return {'mode': 'scaled', 'factor': 20.0 if factor is None else factor}
-    return {'mode': 'lockstep', 'participants': names, 'speed_limit': factor or 0.0, 'on_death': 'end'}
+    return {'mode': 'lockstep', 'participants': names, 'speed_limit': factor or 0.0, 'on_death': 'end',
+            'event_log': event_log}
 
 
 def robot_settings(speed, has_map, routes, rviz):
@@ -23,7 +27,7 @@ def robot_settings(speed, has_map, routes, rviz):
 
     How far a robot with routes drives is measured from its poses on the way, so that these are told.
     """
-    settings = {'max_speed': speed, 'use_map': has_map}
+    settings = {'max_speed': speed, 'use_map': has_map, 'log_motion': True}
     if rviz or routes:
         settings['pose_update_freq'] = WATCHED_POSES
     if routes:

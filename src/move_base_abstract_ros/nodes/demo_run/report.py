@@ -11,14 +11,14 @@ COLUMNS = ('robot', 'goals', 'distance [m]', 'moving [s]', 'idle [s]')
 class BarProgress:
     """A progress bar on a terminal."""
 
-    def __init__(self, goal_count, stream):
-        self._bar = tqdm(total=goal_count, file=stream, unit='goal', dynamic_ncols=True,
-                         bar_format='{l_bar}{bar}| {n_fmt}/{total_fmt} goals{postfix}')
+    def __init__(self, count, what, stream):
+        self._bar = tqdm(total=count, file=stream, unit=what, dynamic_ncols=True,
+                         bar_format='{l_bar}{bar}| {n_fmt}/{total_fmt} ' + what + '{postfix}')
 
-    def show(self, goals_done, simulated_s, wall_s):
+    def show(self, done, simulated_s, wall_s):
         """Show the present state."""
         self._bar.set_postfix_str(f'{simulated_s:.1f} s simulated, {speed_up(simulated_s, wall_s):.1f}x', refresh=False)
-        self._bar.n = goals_done
+        self._bar.n = done
         self._bar.refresh()
 
     def close(self):
@@ -29,27 +29,28 @@ class BarProgress:
 class PlainProgress:
     """A line every PLAIN_PERIOD seconds, free of control characters, for logs and pipes."""
 
-    def __init__(self, goal_count, stream):
-        self._goal_count = goal_count
+    def __init__(self, count, what, stream):
+        self._count = count
+        self._what = what
         self._stream = stream
         self._next = 0.0
 
-    def show(self, goals_done, simulated_s, wall_s):
+    def show(self, done, simulated_s, wall_s):
         """Print the present state if it is time to, or if all is done."""
         now = time.monotonic()
-        if now < self._next and goals_done < self._goal_count:
+        if now < self._next and done < self._count:
             return
         self._next = now + PLAIN_PERIOD
-        print(f'{goals_done}/{self._goal_count} goals, {simulated_s:.1f} s simulated, '
+        print(f'{done}/{self._count} {self._what}, {simulated_s:.1f} s simulated, '
               f'{speed_up(simulated_s, wall_s):.1f}x', file=self._stream, flush=True)
 
     def close(self):
         """Nothing is left open."""
 
 
-def make_progress(goal_count, stream):
-    """Return the progress display that fits the stream."""
-    return (BarProgress if stream.isatty() else PlainProgress)(goal_count, stream)
+def make_progress(count, what, stream):
+    """Return the progress display of ``count`` things (``what``: 'goals') that fits the stream."""
+    return (BarProgress if stream.isatty() else PlainProgress)(count, what, stream)
 
 
 def speed_up(simulated_s, wall_s):
@@ -64,8 +65,13 @@ def table(robots, mission_s):
     """
     rows = [(name, f'{done}/{goals}', f'{distance_m:.1f}', f'{moving_s:.2f}', f'{max(0.0, mission_s - moving_s):.2f}')
             for name, done, goals, distance_m, moving_s in robots]
-    widths = [max(len(row[i]) for row in [COLUMNS, *rows]) for i in range(len(COLUMNS))]
-    lines = [COLUMNS, tuple('-' * width for width in widths), *rows]
+    return aligned(COLUMNS, rows)
+
+
+def aligned(columns, rows):
+    """Return the text table of ``rows`` of texts under their ``columns``, the first one at the left."""
+    widths = [max(len(row[i]) for row in [columns, *rows]) for i in range(len(columns))]
+    lines = [columns, tuple('-' * width for width in widths), *rows]
     return '\n'.join('  '.join([line[0].ljust(widths[0])] + [cell.rjust(width) for cell, width
                                                              in zip(line[1:], widths[1:])]) for line in lines)
 

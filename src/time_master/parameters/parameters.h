@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -23,15 +22,17 @@
 #include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
+#include "parameter_table.h"
 #include "participant/run_secret.h"
 
 namespace move_base_abstract {
 
 /** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
 constexpr double kLockstepClockRate = 200.0;
-constexpr double kUsualGap = 0.25;  // wall s; a loop of the node takes 0.1
+constexpr const char* kAddress = "lockstep_address";  // our own, left by a run that was killed
+constexpr double kUsualGap = 0.25;                    // wall s; a loop of the node takes 0.1
 
-/** @brief Typed look-ups below one namespace; remembers which keys it knows. */
+/** @brief Typed look-ups below one namespace, of what the table has. */
 class ParameterReader {
  public:
   explicit ParameterReader(const ros::NodeHandle& node) : node_(node) {}
@@ -150,20 +151,18 @@ class ParameterReader {
     }
   }
 
-  /** @brief A parameter of this name is not unknown. */
-  void know(const std::string& key) { known_.insert(key); }
-
-  /** @brief Log a warning for each parameter of this namespace that was not asked for. */
+  /** @brief Log a warning for each parameter of this namespace that is not in the table. */
   void warnOfUnknown() const {
     std::vector<std::string> names;
     ros::param::getParamNames(names);
     const std::string prefix = node_.getNamespace() + "/";
     std::string known;
-    for (const std::string& key : known_) {
-      known += (known.empty() ? "" : ", ") + key;
+    for (const ParameterRow& row : kParameterTable) {
+      known += (known.empty() ? "" : ", ") + std::string(row.name);
     }
     for (const std::string& name : names) {
-      if (name.rfind(prefix, 0) == 0 && known_.count(name.substr(prefix.size())) == 0) {
+      const std::string key = name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : kAddress;
+      if (key != kAddress && !isParameter(key)) {
         ROS_WARN("parameter %s is unknown and ignored; known are: %s", name.c_str(), known.c_str());
       }
     }
@@ -171,7 +170,9 @@ class ParameterReader {
 
  private:
   bool find(const std::string& key, XmlRpc::XmlRpcValue& raw) {
-    known_.insert(key);
+    if (!isParameter(key)) {
+      throw std::logic_error(key + " has no row in parameter_table.h");
+    }
     return node_.getParam(key, raw);
   }
 
@@ -184,7 +185,6 @@ class ParameterReader {
   }
 
   ros::NodeHandle node_;
-  std::set<std::string> known_;
 };
 
 /** @return topics that participants leave to ROS's own connections; checked, and made a list. */
@@ -376,7 +376,6 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   readLookahead(reader, parameters);
   readNetwork(reader, parameters);
   readChaos(reader, parameters.in_lockstep, parameters.lockstep, parameters.chaos_decisions);
-  reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;
 }

@@ -1,0 +1,151 @@
+"""The parameters of one robot: the one table from which reading, checks, pages and schemas come."""
+from __future__ import annotations
+
+from ..common.parameter_table import Parameter, boolean, integer, name, number, numbers, one_of, text, topic
+from ..energy.battery import TABLE as BATTERY
+from ..faults.buggify import TABLE as BUGGIFY
+from ..faults.failures import TABLE as FAILURES
+from ..motion.durations import TABLE as DURATIONS
+from ..motion.original import PROFILES
+from ..sensing.laser import TABLE as LASER
+from . import upstream
+
+DEFAULT_SPEED = 0.5
+_MOST_PRIORITY = 2 ** 31 - 1
+
+#: how a robot finds its way
+ROUTES = ('none', 'grid', 'lanes', 'matrix')
+
+_POSITIVE = 'a finite number > 0'
+_NOT_NEGATIVE = 'a finite number >= 0'
+_FINITE = 'a finite number'
+
+SPEED = Parameter('max_speed', DEFAULT_SPEED, number(above=0.0), _POSITIVE + ' [m/s]',
+                  "Top speed; a planner's group in an existing set-up is asked before the default.")
+ACCELERATION = Parameter('acceleration', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m/s^2], 0 = unlimited',
+                         "Acceleration and deceleration; a planner's group in an existing set-up is asked before "
+                         'the default.')
+XY_TOLERANCE = Parameter('xy_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m]',
+                         "The robot stops this far short of the goal; a planner's group is asked before the default.")
+YAW_TOLERANCE = Parameter('yaw_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad]',
+                          "The robot stops turning this far short of the heading; a planner's group is asked before "
+                          'the default.')
+
+TABLE = (
+    Parameter('turn_rate', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad/s], 0 = turning takes no time',
+              'Speed of turning in place.'),
+    Parameter('start_x', 0.0, number(), _FINITE + ' [m, global frame]',
+              'Where the robot starts.'),
+    Parameter('start_y', 0.0, number(), _FINITE + ' [m, global frame]',
+              'Where the robot starts.'),
+    Parameter('start_yaw', 0.0, number(), _FINITE + ' [rad, global frame]',
+              'Which way the robot looks at the start.'),
+    Parameter('global_frame', None, name, 'a frame name',
+              'Frame of poses, plans and feedback; else `global_costmap/global_frame`, else `map`.'),
+    Parameter('odom_frame', None, name, 'a frame name',
+              'Frame of odometry; else `local_costmap/global_frame` if it is another one than the global frame, '
+              'else the global frame if its name holds `odom`, else `odom`.'),
+    Parameter('robot_base_frame', None, name, 'a frame name',
+              'Frame of the robot, unlike the other two; else `global_costmap/robot_base_frame`, else `base_link`.'),
+    Parameter('tf_prefix', None, text, 'a string',
+              'Stands before the odom and the base frame as `PREFIX/`; else the `tf_prefix` of a namespace above, '
+              'else none.'),
+    Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
+              'How often feedback is sent; else as `controller_frequency`, with `events_only` 0.'),
+    Parameter('max_feedback_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]',
+              'Feedback is sent at most so often.'),
+    Parameter('pose_update_freq', 10.0, number(0.0, 1000.0),
+              'a number in 0..1000 [Hz, simulated], 0 = at departure and arrival only',
+              'How often poses are sent on the way; with `events_only` 0.'),
+    Parameter('odom_rate_at_rest', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
+              'How often odometry and ground truth are sent while the robot stands; else as `pose_update_freq`, in '
+              'lockstep 0.'),
+    Parameter('max_pose_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]',
+              'Poses, and the heartbeat of tf, are sent at most so often.'),
+    Parameter('tf_heartbeat_freq', 10.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
+              'How often transforms are sent while the robot stands; with `events_only` 0.'),
+    Parameter('backend', 'builtin', text, 'the name of a backend',
+              'Where the robot is shown: `builtin`, `stage_ros` or `gazebo`.'),
+    Parameter('marker_topic', 'move_base_abstract/markers', name, 'a topic name',
+              'Topic of the markers for RViz, below `/`; robots of one process with the same topic share a message.'),
+    Parameter('marker_size', 1.0, number(above=0.0), _POSITIVE + " [m], the length of a robot's arrow",
+              'Size of the robot in RViz.'),
+    Parameter('stage_offset_x', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world",
+              'With `stage_ros`: where the global frame lies.'),
+    Parameter('stage_offset_y', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world",
+              'With `stage_ros`: where the global frame lies.'),
+    Parameter('stage_offset_yaw', 0.0, number(), _FINITE + " [rad], the global frame's x axis in Stage's world",
+              'With `stage_ros`: how the global frame is turned.'),
+    Parameter('stage_world_frame', None, name, 'a frame name',
+              "Frame of Stage's world in tf, instead of the three offsets."),
+    Parameter('gazebo_model', None, name, "the name of one of Gazebo's models",
+              "The robot's model in Gazebo; else the model has the robot's name."),
+    Parameter('gazebo_reference_frame', 'world', name, "the name of a frame of Gazebo's",
+              'The frame or model in which poses are given to Gazebo.'),
+    Parameter('gazebo_z', 0.0, number(), _FINITE + " [m], height of the model's origin",
+              'Height at which Gazebo places the robot.'),
+    Parameter('log_motion', False, boolean, 'true or false',
+              'In lockstep the event log tells where the robot starts and by which limits it travels; a namespace '
+              'above counts too.'),
+    Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'), "'abort' or 'wait'",
+              'What becomes of a goal whose frame is not known.'),
+    Parameter('frame_timeout', 1.0, number(0.0, 60.0), 'a number in 0..60 [s, wall]',
+              'How long the node waits for a foreign frame; in lockstep this is simulated time.'),
+    Parameter('abort_policy', 'fast', one_of('fast', 'upstream'), "'fast' or 'upstream'",
+              'When a goal that cannot be reached ends: at once, or after the time that upstream takes.'),
+    Parameter('status_list_timeout', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]',
+              'How long goals that have ended stay on the status list.'),
+    Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]',
+              'The end of a goal is told no sooner than this after the goal came; not used in lockstep.'),
+    Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]',
+              'Goals outside of this rectangle cannot be reached; else there is no limit.'),
+    Parameter('use_map', False, boolean, 'true or false',
+              'Whether goals are judged by the map; a map in another frame than `global_frame` is not used.'),
+    Parameter('map_topic', None, topic, 'a topic name',
+              'Where the map comes from; else what `map` is remapped to, else `/map`.'),
+    Parameter('allow_unknown', True, boolean, 'true or false',
+              'Whether goals in unknown cells of the map are accepted.'),
+    Parameter('allow_occupied_goals', False, boolean, 'true or false',
+              'Whether any goal is accepted, whatever the map says.'),
+    Parameter('routes', 'none', one_of(*ROUTES), "'none', 'grid', 'lanes' or 'matrix'",
+              'How the robot finds its way: straight, around what the map shows, along lanes, or as long as a table '
+              'says.'),
+    Parameter('lanes', None, text, 'the path of a file',
+              'The net of lanes for `routes: lanes`.'),
+    Parameter('travel_matrix', None, text, 'the path of a file',
+              'The table of times for `routes: matrix`.'),
+    Parameter('priority', 0, integer(-_MOST_PRIORITY, _MOST_PRIORITY), 'a whole number of 32 bits',
+              'Of robots that wait for a zone or a lane the one with the higher priority comes first.'),
+    Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'",
+              'Whether the robot keeps its speed at corners of its way, or stops and turns.'),
+    Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]',
+              'Rate of the feedback, unless `feedback_freq` is set.'),
+    Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]',
+              'How long a plan is tried for, with `abort_policy: upstream` only.'),
+    Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1',
+              'With 0 or more there is no patience; with `abort_policy: upstream` only.'),
+    Parameter('recovery_behavior_enabled', True, boolean, 'true or false',
+              'Whether recovery behaviours take their time, with `abort_policy: upstream` only.'),
+    Parameter('clearing_rotation_allowed', True, boolean, 'true or false',
+              "Whether the two rotations are among upstream's four recovery behaviours."),
+    Parameter('make_plan_add_unreachable_goal', True, boolean, 'true or false',
+              'Whether a plan to the nearest reachable place ends with the goal itself.'),
+    Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin',
+              'The last part of the name is that of topics, and of the group where speed is looked for.'),
+    Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin',
+              'The last part of the name is that of topics and of a service.'),
+    Parameter('seed', 0, integer(0), 'a whole number >= 0',
+              'Seed of all that is drawn for the robot.'),
+    *DURATIONS,
+    *FAILURES,
+    *BUGGIFY,
+    *BATTERY,
+    *LASER,
+    Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships',
+              'The robot moves as a recorded one.'),
+    Parameter('compatible_with', None, one_of(*PROFILES), "'{}' or '{}'".format(*PROFILES),
+              'Times of legs, and more, are those of the original package; a namespace above counts too.'),
+)
+
+LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
+OWN_NAMES = tuple(parameter.name for parameter in TABLE + LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')

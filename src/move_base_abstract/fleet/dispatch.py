@@ -1,0 +1,146 @@
+"""A fleet in plain Python whose robots do orders: the scenario's, as they arrive, given out by its dispatcher.
+
+    dispatch = Dispatch(read_scenario('my_warehouse/scenario.yaml'), policy='batch')
+    dispatch.run()
+    dispatch.fleet.write_log('run.jsonl')
+
+The decisions are those of the node ``dispatcher``: both have one core, :class:`.Dispatcher`.
+"""
+from collections import deque
+from dataclasses import replace
+
+from ..common.arguments import check_kind
+from ..common.errors import ConfigurationError
+from ..common.units import NS_PER_S
+from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
+from ..orders.dispatcher import Dispatcher, Drive, GiveUp
+from ..orders.order import Order
+from ..orders.policies import make_policy
+from ..orders.settings import DispatchSettings
+from ..runs.fleet_account import FleetAccount
+from .dispatch_world import Distances, chargers_of, check_levels, starts_of
+from .fleet import Fleet
+from .user_calls import AFTER_USERS
+
+#: behind all that robots and users do at an instant, before processes
+_DECISION = AFTER_USERS - 1
+#: so long time goes on for a charge that others wait for, before it is looked at again
+CHARGE_LOOK_NS = 60 * NS_PER_S
+
+
+class Dispatch:
+    """A :class:`Fleet` (:attr:`fleet`) of a ``scenario``, and who has its robots do orders.
+
+    ``policy``: a name, 'module:Class', or an object with ``choose``; None: what the scenario says. ``seed`` of the
+    orders, None: the scenario's. ``on_event`` and ``options``: as of Fleet. Time of arrivals begins at the fleet's
+    present.
+    """
+
+    def __init__(self, scenario, policy=None, seed=None, on_event=None, **options):
+        settings = scenario.dispatcher or DispatchSettings()
+        check_levels(scenario, settings, 'dispatcher')
+        if policy is None or isinstance(policy, str):
+            policy = make_policy(policy or settings.policy, 'dispatcher')
+        elif not callable(getattr(policy, 'choose', None)):
+            raise ConfigurationError('policy: got {!r}; allowed: a name, or an object with choose(question)'.format(
+                policy))
+        self._on_event = on_event
+        self.fleet = Fleet(scenario, on_event=self._happened, **options)
+        self.core = Dispatcher(starts_of(scenario), chargers_of(scenario), scenario.places or {}, settings, policy,
+                               Distances(scenario, settings.distances == 'ways'), self._tell)
+        self._decides = self._looks = self._goes_on = False
+        self._commands = deque()
+        self._begin_ns = self.fleet.now_ns
+        self._orders = scenario.orders(seed)
+        self._expect()
+        self._decide_soon()
+
+    def order(self, order):
+        """Have an :class:`.Order` arrive now, whenever it says that it does."""
+        check_kind(order, Order, 'order')
+        self.core.arrived(_as_message(order), self.fleet.now_ns)
+        self._decide_soon()
+
+    def run(self, until_ns=None, until=None):
+        """Let all happen, as :meth:`Fleet.run`; return the time [ns]."""
+        return self.fleet.run(until_ns, until)
+
+    def metrics(self):
+        """Return {name: number} of what has happened so far, as experiments have it of orders and of robots' time.
+
+        :raises ConfigurationError: where nothing is recorded (``trace=None``).
+        """
+        if self.fleet.trace is None:
+            raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
+        account = FleetAccount(self._begin_ns)
+        for entry in self.fleet.trace:
+            account.take(*entry)
+        account.close(self.fleet.now_ns)
+        return account.metrics()
+
+    def _expect(self):
+        order = next(self._orders, None)
+        if order is not None:
+            self.fleet.at(self._begin_ns + order.arrival_ns, lambda _: self._arrives(order))
+
+    def _arrives(self, order):
+        self.order(order)
+        self._expect()
+
+    def _happened(self, entry):
+        if self.core.hears(entry.robot, entry.kind):
+            self.core.happened(entry.robot, entry.kind, entry.values)
+            self._decide_soon()
+        if self._on_event is not None:
+            self._on_event(entry)
+
+    def _decide_soon(self):
+        self._decides = True
+        self._go_on()
+
+    def _go_on(self):
+        """Do the next command at the end of this instant, or decide anew when all have been done."""
+        if not self._goes_on and (self._commands or self._decides):
+            self._goes_on = True
+            self.fleet.simulation.queue.schedule(self.fleet.now_ns, _DECISION, self._step)
+
+    def _step(self, _due_ns, now_ns):
+        self._goes_on = False
+        if self._commands:  # one by one, as messages come: what follows from one at this instant comes before the next
+            self._do(self._commands.popleft())
+        else:
+            self._decide(now_ns)
+        self._go_on()
+
+    def _decide(self, now_ns):
+        self._decides = False
+        self._commands.extend(self.core.decide(now_ns))
+        if self.core.waits_for_charge and not self._looks:
+            self._looks = True
+            self.fleet.simulation.queue.schedule(now_ns + CHARGE_LOOK_NS, _DECISION, self._look)
+
+    def _look(self, _due_ns, _now_ns):
+        self._looks = False
+        self._decide_soon()
+
+    def _do(self, command):
+        if isinstance(command, Drive):
+            pose = command.pose
+            self.fleet.send(command.robot, pose.x, pose.y, pose.yaw, command.goal_id)
+        elif isinstance(command, GiveUp):
+            (self.fleet.cancel_work if command.is_work else self.fleet.cancel)(command.robot, command.goal_id)
+        else:
+            self.fleet.work(command.robot, command.task, command.goal_id)
+
+    def _tell(self, row):
+        row = (self.fleet.now_ns, *row)
+        if self.fleet._write is not None:
+            self.fleet._write(row)
+        self.fleet._user_calls.tell(row)
+
+
+def _as_message(order):
+    """Return an order as it is when it was a message: what headings are behind a quaternion."""
+    def through(pose):
+        return Pose2D(pose.x, pose.y, yaw_of_quaternion(quaternion_of_yaw(pose.yaw)))
+    return replace(order, stops=tuple(replace(stop, pose=through(stop.pose)) for stop in order.stops))

@@ -1,0 +1,114 @@
+"""What a dispatcher knows of a scenario beforehand: robots where they start, chargers, how far it is between points."""
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+
+from ..common.errors import ConfigurationError
+from ..maps.lane_map import LaneMap
+from ..motion.geometry import Pose2D
+from ..orders.charging import Charger
+from ..orders.fleet_state import RobotStart
+from ..orders.policies import Point
+from .robot_parts import make_planner
+
+if TYPE_CHECKING:
+    from ..orders.settings import DispatchSettings
+    from ..scenario import Scenario
+    from ..traffic.outline import Outline
+
+_KEPT_WAYS = 200_000
+_MM = 1000.0
+
+
+def starts_of(scenario: Scenario) -> List[RobotStart]:
+    """Return the robots of a scenario as they start."""
+    found = []
+    for spec in scenario.robots:
+        battery = spec.settings.battery
+        found.append(RobotStart(spec.name, spec.settings.start, None if battery is None else battery.start))
+    return found
+
+
+def chargers_of(scenario: Scenario) -> List[Charger]:
+    """Return the chargers of a scenario: robots stand at the first place or node of lanes in it, else in its middle."""
+    if not any(zone.charger is not None for zone in scenario.zones):
+        return []
+    points = [(place.pose.x, place.pose.y) for place in (scenario.places or {}).values()]
+    nets = {id(spec.settings.network): spec.settings.network for spec in scenario.robots}
+    points += [(pose.x, pose.y) for net in nets.values() if isinstance(net, LaneMap) for pose in net.nodes.values()]
+    chargers = []
+    for zone in scenario.zones:
+        if zone.charger is not None:
+            inside = next((point for point in points if zone.contains(*point)), None)
+            chargers.append(Charger(zone.name, Pose2D(*(inside or inner_point(zone.outline))), zone.capacity))
+    return chargers
+
+
+def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> None:
+    """Check that robots tell of the states of charge that decide something, where there are chargers.
+
+    :raises ConfigurationError: if one does not.
+    """
+    if not any(zone.charger is not None for zone in scenario.zones):
+        return
+    for spec in scenario.robots:
+        battery = spec.settings.battery
+        missing = [level for level in settings.levels if battery is not None and level not in battery.levels]
+        if missing:
+            raise ConfigurationError(
+                "{}: charge: robot '{}' does not tell when its charge passes {}; allowed: with it among its "
+                "battery_thresholds, as the scenario's key dispatcher puts it".format(
+                    where, spec.name, ', '.join('{:g}'.format(level) for level in missing)))
+
+
+def inner_point(outline: Outline) -> Point:
+    """Return a place (x, y) [m] in an Outline: the middle of its box, or of the first piece of that line."""
+    left, low, right, high = outline.box
+    x, y = (left + right) / 2.0, (low + high) / 2.0
+    if outline.contains(x, y):
+        return x, y
+    pieces = outline.pieces_inside(((left - 1.0, y), (right + 1.0, y)))
+    return ((left - 1.0 + sum(pieces[0]) / 2.0) if pieces else x), y
+
+
+class Distances:
+    """How far it is for a robot from point to point, in whole millimetres: along its ways, or in a straight line.
+
+    Robots that find their ways on a map count as if they went straight: a dispatcher has no map.
+    """
+
+    def __init__(self, scenario: Scenario, along_ways: bool) -> None:
+        planners: Dict[Any, Any] = {}
+        self._ways: Dict[str, Tuple[Any, Dict[Any, Optional[int]], float]] = {}
+        for spec in scenario.robots if along_ways else ():
+            settings = spec.settings
+            if settings.values['routes'] not in ('lanes', 'matrix'):
+                continue
+            key = settings.values['routes'], settings.network.source, settings.limits.max_speed, settings.bounds
+            if key not in planners:
+                planners[key] = make_planner(settings), {}, settings.limits.max_speed
+            self._ways[spec.name] = planners[key]
+
+    def __call__(self, robot: str, begin: Point, end: Point) -> Optional[int]:
+        """Return the distance [mm], None where there is no way."""
+        if robot not in self._ways:
+            return round(_MM * math.dist(begin, end))
+        planner, known, speed = self._ways[robot]
+        key = begin, end
+        if key not in known:
+            if len(known) >= _KEPT_WAYS:
+                known.clear()
+            known[key] = _length(planner, begin, end, speed)
+        return known[key]
+
+
+def _length(planner: Any, begin: Point, end: Point, speed: float) -> Optional[int]:
+    way = planner.corners(Pose2D(*begin), Pose2D(*end))
+    if way is None:
+        return None
+    seconds = getattr(way, 'seconds', None)
+    if seconds is not None:
+        return round(_MM * seconds * speed)
+    points = [begin, *way, end]
+    return round(_MM * sum(math.dist(*pair) for pair in zip(points, points[1:])))

@@ -1,0 +1,23 @@
+"""The private parameters of every node that takes part: the one table from which checks and pages come."""
+from __future__ import annotations
+
+from ..common.parameter_table import Parameter, boolean, integer, text
+from .wire import MAX_RANK
+
+RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
+                 'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK),
+                 'Place of the node among messages of one instant, lowest first; robots have 0.')
+#: they are read where the node joins, and where its clock is made
+TABLE = (
+    RANK,
+    Parameter('lockstep_charge', 'none', text, "'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', "
+              "'measured_cpu:FILE' or 'replay:FILE'", 'Simulated time that the work of the node takes.'),
+    Parameter('foresee', True, boolean, 'true or false',
+              'Whether periodic output is told beforehand; the events are the same, for comparing.'),
+    Parameter('events_only', False, boolean, 'true or false',
+              'In lockstep nothing is sent at a rate unless a parameter of its own says so; a namespace above counts '
+              'too.'),
+    Parameter('log_motion', False, boolean, 'true or false',
+              'In lockstep the event log tells where robots start and by which limits they travel; a namespace above '
+              'counts too.'),
+)

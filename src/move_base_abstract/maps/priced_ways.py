@@ -1,0 +1,43 @@
+"""The cheapest way over a net whose lanes cost more than their time just now: A*, led by the times without that."""
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
+
+#: how much a lane, (index of its edge, time [ns] at full speed), costs beside its time [ns, >= 0]
+Prices = Callable[[int, int], int]
+
+
+def cheapest(leaving: Mapping[str, Sequence[Any]], times: Mapping[str, int], first: str, last: str,
+             prices: Prices) -> Tuple[int, List[Any]]:
+    """Return (cost [ns], lanes) of the cheapest way from the node ``first`` to ``last``, which ``times`` has.
+
+    ``leaving``: the lanes from each node, sorted by where they lead; ``times``: {node: ns to ``last`` at full speed}
+    of all nodes from which one comes there. Of equally cheap ways the one is taken that is found first: the same each
+    time, whatever other robots there are.
+    """
+    costs: Dict[str, int] = {first: 0}
+    came: Dict[str, Any] = {}
+    done: Dict[str, bool] = {}
+    count = 0
+    open_: List[Tuple[int, int, str]] = [(times[first], 0, first)]
+    while open_:
+        node = heappop(open_)[2]
+        if node == last:
+            break
+        if node in done:
+            continue
+        done[node] = True
+        for lane in leaving[node]:
+            if lane.end in times:
+                cost = costs[node] + lane.cost + prices(lane.edge, lane.cost)
+                if lane.end not in costs or cost < costs[lane.end]:
+                    costs[lane.end], came[lane.end] = cost, lane
+                    count += 1
+                    heappush(open_, (cost + times[lane.end], count, lane.end))
+    lanes: List[Any] = []
+    node = last
+    while node != first:
+        lanes.append(came[node])
+        node = came[node].begin
+    return costs[last], lanes[::-1]

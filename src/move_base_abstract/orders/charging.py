@@ -1,0 +1,135 @@
+"""When robots charge and where: thresholds, chargers with room for some, a queue, charging while idle.
+
+Who is below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
+``charge_until``. Of chargers with room the nearest one counts, of equally near ones the first of the scenario. Who
+finds none waits where it stands; first come, first served, at one instant by lower index. Who is charged enough and
+has no order leaves its charger, for where it started, when somebody waits for one.
+"""
+from __future__ import annotations
+
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
+
+from ..motion.geometry import Pose2D
+from . import rows
+from .fleet_state import AT_CHARGER, FREE, HOMING, TO_CHARGER, RobotState
+from .policies import Distance
+from .settings import DispatchSettings
+
+
+class Charger(NamedTuple):
+    """A charger: where robots stand in it, for how many there is room (None: any number)."""
+
+    name: str
+    pose: Pose2D
+    capacity: Optional[int] = None
+
+
+#: sends a robot somewhere: (robot, pose, what the goal is called)
+Send = Callable[[RobotState, Pose2D, str], object]
+Tell = Callable[..., object]
+
+
+class Charging:
+    """Decides for all robots; ``send`` and ``tell(robot, kind, *values)`` are the dispatcher's."""
+
+    def __init__(self, settings: DispatchSettings, chargers: Sequence[Charger], distance: Distance, send: Send,
+                 tell: Tell) -> None:
+        self._settings = settings
+        self._chargers = {charger.name: charger for charger in chargers}
+        self._distance = distance
+        self._send = send
+        self._tell = tell
+        self._number = 0
+
+    def look(self, robots: Sequence[RobotState]) -> None:
+        """Note who has to charge, and who has charged enough."""
+        if not self._chargers:
+            return
+        for robot in robots:
+            if robot.phase == AT_CHARGER and not robot.is_charging:  # somebody has put it elsewhere
+                self.leave(robot)
+                robot.phase = FREE
+            if robot.is_charging and robot.phase == FREE and not robot.goal_id:  # it has got as far as a charger
+                robot.phase, robot.charger, robot.awaits_charger_since = AT_CHARGER, robot.stands_in, None
+            if robot.must_charge and not robot.is_below(self._settings.charge_until):
+                robot.must_charge, robot.awaits_charger_since = False, None
+            elif not robot.must_charge and robot.is_below(self._settings.charge_below):
+                robot.must_charge = True
+
+    def ended(self, robot: RobotState, succeeded: bool, now_ns: int) -> None:
+        """The way to a charger, or home from one, has ended."""
+        if robot.phase == TO_CHARGER and succeeded and robot.is_charging:
+            robot.phase = AT_CHARGER
+            return
+        if robot.phase == TO_CHARGER:
+            robot.tried_now[robot.charger] = now_ns  # not again at this instant
+        self.leave(robot)
+        robot.phase = FREE
+
+    def leave(self, robot: RobotState) -> None:
+        """The robot sets out for something else: there is room at its charger."""
+        if robot.charger:
+            if robot.phase == AT_CHARGER:
+                self._tell(robot.name, 'charge_over', robot.charger)
+            robot.charger = ''
+
+    def send(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Send robots to charge, when orders have been given away: who gets one makes room."""
+        self._send_low(robots, now_ns)
+        self._send_idle(robots, now_ns)
+
+    def _send_low(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Send those who have to charge, as long as there is room."""
+        waiting = []
+        for robot in robots:
+            if robot.must_charge and robot.phase == FREE and not robot.works_not:
+                if robot.awaits_charger_since is None:
+                    self._number += 1
+                    robot.awaits_charger_since = self._number
+                    robot.is_told_to_wait = False
+                waiting.append(robot)
+        for robot in sorted(waiting, key=lambda one: one.awaits_charger_since or 0):
+            charger = self._nearest(robot, robots, now_ns)
+            if charger is not None:
+                self._go(robot, charger, rows.LOW, now_ns)
+            elif not robot.is_told_to_wait:
+                robot.is_told_to_wait = True
+                self._tell(robot.name, 'charge_awaited', rows.LOW)
+
+    def _send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Make room for who waits; send who has nothing to do and could charge."""
+        waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
+                   and not robot.works_not]
+        for robot in robots:
+            if robot.must_charge or robot.works_not:
+                continue
+            if waiters and robot.phase == AT_CHARGER:
+                self.leave(robot)
+                self._send(robot, robot.home, 'home.{}'.format(now_ns))
+                robot.phase = HOMING
+                waiters.pop()
+            elif robot.phase == FREE and self._settings.charge_when_idle and not waiters and robot.is_below(
+                    self._settings.charge_when_idle):
+                charger = self._nearest(robot, robots, now_ns)
+                if charger is not None:
+                    self._go(robot, charger, rows.IDLE, now_ns)
+
+    def _go(self, robot: RobotState, charger: Charger, why: str, now_ns: int) -> None:
+        robot.phase, robot.charger, robot.awaits_charger_since = TO_CHARGER, charger.name, None
+        self._tell(robot.name, 'charge_assigned', charger.name, why)
+        self._send(robot, charger.pose, 'charge.{}'.format(now_ns))
+
+    def _nearest(self, robot: RobotState, robots: Sequence[RobotState], now_ns: int) -> Optional[Charger]:
+        taken: Dict[str, int] = {}
+        for one in robots:
+            if one.charger:
+                taken[one.charger] = taken.get(one.charger, 0) + 1
+        found: List[tuple] = []
+        for index, charger in enumerate(self._chargers.values()):
+            if (charger.capacity is not None and taken.get(charger.name, 0) >= charger.capacity) or (
+                    robot.tried_now.get(charger.name) == now_ns):
+                continue
+            away = self._distance(robot.name, robot.at, (charger.pose.x, charger.pose.y))
+            if away is not None:
+                found.append((away, index, charger))
+        return min(found)[2] if found else None

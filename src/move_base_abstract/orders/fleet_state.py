@@ -1,0 +1,138 @@
+"""What a dispatcher knows of each robot: where it stands, what it is about, how it is, by the rows that it tells."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
+
+from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET
+from ..motion.geometry import Pose2D
+from .policies import FreeRobot, OpenOrder
+
+FULL_CHARGE = 1.0
+#: the kind of a failure that ends the goal by itself, after a while
+STUCK = 'stuck'
+#: what a robot is about. OTHERS: somebody else has sent it a goal
+FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, OTHERS = (
+    'free', 'driving', 'working', 'to charger', 'at charger', 'homing', 'taken')
+#: the rows that are looked at
+HEARD = ('stands', 'departed', 'ended', 'task_ended', 'battery', 'failed', 'repaired', 'charging_began',
+         'charging_ended')
+
+
+class RobotStart(NamedTuple):
+    """A robot when all begins: where it stands, and its state of charge (None: it has no battery)."""
+
+    name: str
+    pose: Pose2D
+    charge: Optional[float] = None
+
+
+class Ending(NamedTuple):
+    """How what the robot was about has ended."""
+
+    succeeded: bool
+    text: str
+    was_taken: bool
+
+
+@dataclass
+class RobotState:
+    """One robot; ``index``: its place in the scenario."""
+
+    index: int
+    name: str
+    home: Pose2D
+    has_battery: bool
+    at: Tuple[float, float] = (0.0, 0.0)
+    phase: str = FREE
+    goal_id: str = ''
+    order: Optional[OpenOrder] = None
+    stop: int = 0  # index
+    assigned: int = 0  # how often its order was given to a robot
+    carries: int = 0
+    ending: Optional[Ending] = None
+    charger: str = ''
+    is_charging: bool = False
+    stands_in: str = ''  # the charger that charges it, or did last
+    must_charge: bool = False
+    awaits_charger_since: Optional[int] = None  # number
+    is_told_to_wait: bool = False
+    has_failed: bool = False
+    is_lost: bool = False  # has failed so that its goal may go on for ever
+    is_empty: bool = False
+    below: Dict[float, bool] = field(default_factory=dict)  # of each level
+    tried_now: Dict[str, int] = field(default_factory=dict)  # {order or charger: ns}, at which it ended in failure
+
+    @property
+    def works_not(self) -> bool:
+        """Whether it can do nothing now."""
+        return self.has_failed or self.is_empty
+
+    def is_below(self, level: float) -> bool:
+        """Return whether the charge has fallen below one of the levels; a robot without a battery never has."""
+        return self.below.get(level, False)
+
+    def hear(self, kind: str, values: Sequence[Any]) -> None:
+        """Take a row of the robot in (one of :data:`HEARD`)."""
+        if kind == 'stands':
+            self.at = float(values[0]), float(values[1])
+        elif kind in ('ended', 'task_ended'):
+            self._goal_ended(*values[:3])
+        elif kind == 'departed':
+            if not self.goal_id and self.phase != OTHERS:
+                self.phase, self.charger = OTHERS, ''
+        elif kind == 'battery':
+            self._charge_passed(float(values[0]), values[1])
+        elif kind in ('failed', 'repaired'):
+            self.has_failed = kind == 'failed'
+            self.is_lost = kind == 'failed' and values[0] != STUCK
+        else:
+            self.is_charging, self.stands_in = kind == 'charging_began', values[0]
+            if FULL_CHARGE in self.below and not self.is_charging:
+                self.below[FULL_CHARGE] = True
+
+    def _goal_ended(self, goal_id: str, state: str, text: str) -> None:
+        if goal_id == self.goal_id:
+            self.ending = Ending(state == 'SUCCEEDED', text, state in ('PREEMPTED', 'RECALLED'))
+            self.goal_id = ''
+        elif self.phase == OTHERS:
+            self.phase = FREE
+
+    def _charge_passed(self, level: float, what: str) -> None:
+        if what == EMPTY:
+            self.is_empty = True
+        elif what == SET:
+            self.is_empty = level <= 0.0
+        elif what in (ABOVE, FULL):
+            self.is_empty = False
+        for known in self.below:
+            if what in (SET, FULL):
+                self.below[known] = _is_below(level, known)
+            elif what == ABOVE and known <= level:
+                self.below[known] = False
+            elif what in (BELOW, EMPTY) and level <= known:
+                self.below[known] = True
+
+    def as_free(self) -> FreeRobot:
+        """Return what a policy is told of it: where it is, or will be when it is done."""
+        if self.order is None:
+            return FreeRobot(self.name, *self.at)
+        pose = self.order.order.stops[-1].pose
+        return FreeRobot(self.name, pose.x, pose.y)
+
+
+def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[str, RobotState]:
+    """Return {name: state} of robots as they start; ``levels``: the states of charge that decide something."""
+    states = {}
+    for index, one in enumerate(starts):
+        state = RobotState(index, one.name, one.pose, one.charge is not None, (one.pose.x, one.pose.y))
+        if one.charge is not None:
+            state.below = {level: _is_below(one.charge, level) for level in levels}
+            state.is_empty = one.charge <= 0.0
+        states[one.name] = state
+    return states
+
+
+def _is_below(charge: float, level: float) -> bool:
+    """Return whether a charge is not above a level, as a battery tells; below that of a full one if it is not full."""
+    return charge < level if level == FULL_CHARGE else charge <= level

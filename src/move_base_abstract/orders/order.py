@@ -1,0 +1,124 @@
+"""Orders as values: several stops in a row, a release, a deadline, a priority.
+
+{stops: [{place: bay_1_2, action: load}, {place: station_1, action: unload, duration: 8.0}], deadline: 600.0}
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, number, one_of
+from ..common.shown import shown
+from ..motion.geometry import Pose2D
+from ..tasks.arrivals import Task, find_place
+from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
+
+#: what is done at a stop; after a load the goods are with the robot
+WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
+ACTIONS = (WORK, LOAD, UNLOAD)
+MAX_STOPS = 100
+DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(
+    MAX_SECONDS))
+_PLACE = Parameter('place', None, place_name, 'the name of one of the places')
+ACTION = Parameter('action', WORK, one_of(*ACTIONS), "'work', 'load' or 'unload'")
+STOP_TABLE = (_PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One stop: where, what is done there, for how long [ns] (0: nothing, the robot goes on at once), what that draws.
+
+    ``place`` '': any number of robots may work at ``pose`` (Pose2D, global frame).
+    """
+
+    pose: Pose2D
+    place: str = ''
+    action: str = WORK
+    duration_ns: int = 0
+    power: float = 0.0
+    energy: float = 0.0
+
+    def task(self, task_id: str, priority: int) -> Task:
+        """Return the Task that is done here."""
+        return Task(task_id, 0, self.place, self.pose, self.duration_ns, self.power, self.energy, priority)
+
+
+@dataclass(frozen=True)
+class Order:
+    """Stops in a row, for one robot. It arrives ``arrival_ns`` [ns] after the beginning.
+
+    ``deadline_ns`` [ns]: counted from the arrival, None: there is none. A higher ``priority`` comes first.
+    """
+
+    order_id: str
+    arrival_ns: int
+    stops: Tuple[Stop, ...]
+    deadline_ns: Optional[int] = None
+    priority: int = 0
+
+
+def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
+    """Return what is wrong with an order that somebody has sent, as a text, or None."""
+    if not order.order_id:
+        return 'id: got none; allowed: another one for each order'
+    if not 1 <= len(order.stops) <= MAX_STOPS:
+        return 'stops: got {}; allowed: 1 to {}'.format(len(order.stops), MAX_STOPS)
+    if order.deadline_ns is not None and order.deadline_ns < 0:
+        return 'deadline: got {:g} s before its arrival; allowed: not before it'.format(-order.deadline_ns / 1e9)
+    for index, stop in enumerate(order.stops):
+        fault = _fault_of_stop(stop, places)
+        if fault:
+            return 'stops[{}]: {}'.format(index, fault)
+    return None
+
+
+def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
+    if stop.place and stop.place not in places:
+        return 'place: got {}; allowed: {}'.format(
+            shown(stop.place), ', '.join(list(places)[:10]) or 'none: there are no places')
+    if stop.action not in ACTIONS:
+        return 'action: got {}; allowed: {}'.format(shown(stop.action), ACTION.allowed)
+    for name, value in (('duration', stop.duration_ns), ('power', stop.power), ('energy', stop.energy)):
+        if not (math.isfinite(value) and value >= 0):
+            return '{}: got {!r}; allowed: >= 0'.format(name, value)
+    return None
+
+
+@dataclass(frozen=True)
+class ListedStop:
+    """A stop of a file: all but how long it takes, and the distribution of that (None: it takes no time)."""
+
+    stop: Stop
+    seconds: Any
+
+
+def read_stop(raw: Any, places: Dict[str, Place], where: str) -> ListedStop:
+    """Return the stop in a mapping of :data:`STOP_TABLE`: at a place or a pose.
+
+    :raises ConfigurationError: naming ``where`` and what is allowed.
+    """
+    values = read_entry(raw, STOP_TABLE, where)
+    has_place, own = raw.get('place') is not None, [key for key in ('x', 'y', 'yaw') if key in raw]
+    if has_place == bool(own):
+        raise ConfigurationError('{}: got {}; allowed: either a place or x, y and yaw'.format(where, shown(raw)))
+    place = find_place(values['place'], places, where) if has_place else None
+    pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
+    return stop_at(place, pose, values['action'], read_work(values, where, place.work if place else Work()))
+
+
+def stop_at(place: Optional[Place], pose: Pose2D, action: str, work: Work) -> ListedStop:
+    """Return the stop at a ``place``, or without one at ``pose``, where ``work`` is done."""
+    return ListedStop(Stop(pose, place.name if place else '', action, 0, work.power, work.energy), work.seconds)
+
+
+def read_stops(raw: Any, where: str) -> List[Any]:
+    """Return the list of a key ``stops``.
+
+    :raises ConfigurationError: if it is none.
+    """
+    if not isinstance(raw, list) or not 1 <= len(raw) <= MAX_STOPS:
+        raise ConfigurationError('{}: stops: got {}; allowed: a list of 1 to {} stops'.format(
+            where, shown(raw), MAX_STOPS))
+    return raw

@@ -1,0 +1,279 @@
+"""Orders that arrive: at random instants, regularly, or as a file says; the same ones for the same seed.
+
+    orders:
+      - {name: picks, rate_per_hour: 60.0, count: 100, deadline: 600.0,
+         stops: [{places: ['bay_*'], action: load}, {places: [station_1, station_2], action: unload}]}
+      - {name: rounds, every: 900.0, stops: [{place: gate}]}
+      - {name: listed, file: my_orders.yaml}
+
+Instants count from a beginning that whoever publishes the orders chooses.
+"""
+from __future__ import annotations
+
+import fnmatch
+import heapq
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+
+from ..common.bounded_yaml import load_yaml_file
+from ..common.csv_files import open_csv, rows_of
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, integer, number, numbers, text
+from ..common.shown import shown
+from ..common.units import LAST_NS, seconds_to_ns
+from ..engine.chance import Chance, Purpose
+from ..motion.geometry import Pose2D
+from ..tasks.arrivals import MAX_ENTRIES, MAX_TASKS, drawn_ns
+from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_entry, read_work
+from .order import ACTION, DEADLINE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
+
+_SECONDS = 'a number in {}..{:.0f} [s, simulated]'
+
+
+def _texts(value: Any) -> List[str]:
+    if not isinstance(value, list) or not value or not all(isinstance(one, str) for one in value):
+        raise ValueError
+    return value
+
+
+def _any(value: Any) -> Any:
+    return value
+
+
+_AREA = Parameter('area', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
+                  'y_min <= y_max')
+_STOPS = Parameter('stops', None, _any, 'a list of stops')
+_TIME = Parameter('time', None, number(0.0, MAX_SECONDS), _SECONDS.format(0, MAX_SECONDS))
+ORDER_TABLE = (
+    NAME,
+    Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
+    Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
+    Parameter('every', None, number(1e-9, MAX_SECONDS), _SECONDS.format('1e-9', MAX_SECONDS)),
+    Parameter('count', None, integer(1), 'a whole number >= 1'),
+    Parameter('until', None, number(0.0, MAX_SECONDS), _SECONDS.format(0, MAX_SECONDS)),
+    _STOPS, DEADLINE, PRIORITY,
+    Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
+)
+#: of a stop of a template, besides those of a stop of a file
+DRAWN_STOP_TABLE = (
+    Parameter('places', None, _texts, "a list of names of places, or of patterns: 'bay_*'"), _AREA, ACTION,
+    *WORK_TABLE)
+_ROW = (_TIME, _STOPS, DEADLINE, PRIORITY)
+
+
+@dataclass(frozen=True)
+class DrawnStop:
+    """A stop of a template: drawn evenly from ``choices``, or from an ``area``."""
+
+    choices: Tuple[ListedStop, ...]
+    area: Optional[Tuple[float, float, float, float]] = None
+
+    def draw(self, chance: Chance, number_: int) -> Stop:
+        """Return the stop of the ``number_``-th order."""
+        at = int(chance.uniform(number_, Purpose.ORDER_STOP) * len(self.choices)) if len(self.choices) > 1 else 0
+        stop, seconds = self.choices[at].stop, self.choices[at].seconds
+        if self.area is not None:
+            x_min, y_min, x_max, y_max = self.area
+            stop = replace(stop, pose=Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
+                                             y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y)))
+        return with_duration(stop, seconds, chance, number_)
+
+
+def with_duration(stop: Stop, seconds: Any, chance: Chance, number_: int) -> Stop:
+    """Return ``stop`` with a duration drawn for the ``number_``-th order; ``seconds`` None: it takes none."""
+    if seconds is None:
+        return stop
+    return replace(stop, duration_ns=drawn_ns(seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)))
+
+
+@dataclass(frozen=True)
+class Template:
+    """Orders with gaps that are exponential of a ``rate`` [1/s], or, None, all ``every_ns`` [ns].
+
+    At most ``count`` (None: endless), none after ``until_ns`` [ns].
+    """
+
+    name: str
+    stops: Tuple[DrawnStop, ...]
+    rate: Optional[float] = None
+    every_ns: int = 0
+    count: Optional[int] = None
+    until_ns: int = LAST_NS
+    deadline_ns: Optional[int] = None
+    priority: int = 0
+
+    def orders(self, seed: int) -> Iterator[Order]:
+        """Yield the orders of a ``seed``, in the order of their arrival."""
+        chance = Chance(seed, 'orders {}'.format(self.name))
+        of_stops = _chances(seed, self.name, len(self.stops))
+        arrival_ns, number_ = 0, 0
+        while self.count is None or number_ < self.count:
+            number_ += 1
+            arrival_ns = min(LAST_NS + 1, arrival_ns + self._gap_ns(chance, number_))
+            if arrival_ns > self.until_ns:
+                return
+            stops = tuple(stop.draw(one, number_) for stop, one in zip(self.stops, of_stops))
+            yield Order('{}_{}'.format(self.name, number_), arrival_ns, stops, self.deadline_ns, self.priority)
+
+    def _gap_ns(self, chance: Chance, number_: int) -> int:
+        if self.rate is None:
+            return self.every_ns
+        gap = -math.log(chance.uniform(number_, Purpose.ARRIVAL)) / self.rate
+        return max(1, seconds_to_ns(min(gap, MAX_SECONDS)))
+
+
+@dataclass(frozen=True)
+class ListedOrders:
+    """Orders of a file, in the order of their arrival: (number in the file, Order without stops, its stops)."""
+
+    name: str
+    rows: Tuple[Tuple[int, Order, Tuple[ListedStop, ...]], ...]
+
+    def orders(self, seed: int) -> Iterator[Order]:
+        """Yield the orders; what differs from seed to seed are durations that are drawn."""
+        most = max(len(stops) for _, _, stops in self.rows)
+        of_stops = _chances(seed, self.name, most)
+        for number_, order, stops in self.rows:
+            yield replace(order, stops=tuple(with_duration(one.stop, one.seconds, chance, number_)
+                                             for one, chance in zip(stops, of_stops)))
+
+
+def _chances(seed: int, name: str, count: int) -> List[Chance]:
+    return [Chance(seed, 'orders {} stop {}'.format(name, number_ + 1)) for number_ in range(count)]
+
+
+OrderSource = Union[Template, ListedOrders]
+
+
+def merged(sources: Sequence[OrderSource], seed: int) -> Iterable[Order]:
+    """Return an iterator of all orders by their instants; at one instant, of the entry that comes first."""
+    return heapq.merge(*(source.orders(seed) for source in sources), key=lambda order: order.arrival_ns)
+
+
+def read_orders(raw: Any, places: Dict[str, Place], where: str) -> Tuple[OrderSource, ...]:
+    """Return what arrives, of the list ``raw``; ``places``: {name: Place}.
+
+    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    """
+    if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
+        raise ConfigurationError('{}: orders: got {}; allowed: a list of at most {} entries'.format(
+            where, shown(raw), MAX_ENTRIES))
+    sources: List[OrderSource] = []
+    names = set()
+    for index, entry in enumerate(raw):
+        here = '{}: orders[{}]'.format(where, index)
+        source = _read_one(read_entry(entry, ORDER_TABLE, here), places, here)
+        if source.name in names:
+            raise ConfigurationError("{}: name: '{}' is given to more than one entry".format(here, source.name))
+        names.add(source.name)
+        sources.append(source)
+    return tuple(sources)
+
+
+def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -> OrderSource:
+    name = checked(values['name'], 'name', NAME, where)
+    if (values['file'] is None) == (values['stops'] is None):
+        raise ConfigurationError('{}: got {} file and stops; allowed: one of them'.format(
+            where, 'neither' if values['file'] is None else 'both'))
+    if values['file'] is not None:
+        others = [key for key in ('rate', 'rate_per_hour', 'every', 'count', 'until', 'deadline')
+                  if values[key] is not None] + (['priority'] if values['priority'] else [])
+        if others:
+            raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
+                where, others[0], shown(values[others[0]])))
+        return _read_file(name, values['file'], places, where)
+    given = [key for key in ('rate', 'rate_per_hour', 'every') if values[key] is not None]
+    if len(given) != 1:
+        raise ConfigurationError('{}: got {}; allowed: one of rate, rate_per_hour and every'.format(
+            where, ' and '.join(given) or 'none of rate, rate_per_hour and every'))
+    rate = values['rate'] if values['rate_per_hour'] is None else values['rate_per_hour'] / 3600.0
+    stops = tuple(_drawn(one, places, '{}: stops[{}]'.format(where, index))
+                  for index, one in enumerate(read_stops(values['stops'], where)))
+    return Template(name, stops, rate, _ns(values['every']) or 0, values['count'],
+                    LAST_NS if values['until'] is None else seconds_to_ns(values['until']), _ns(values['deadline']),
+                    values['priority'])
+
+
+def _ns(seconds: Optional[float]) -> Optional[int]:
+    return None if seconds is None else seconds_to_ns(seconds)
+
+
+def _drawn(raw: Any, places: Dict[str, Place], where: str) -> DrawnStop:
+    """Return a stop of a template: at one place or pose, or drawn from places or an area."""
+    groups = [key for key in ('places', 'area') if isinstance(raw, dict) and raw.get(key) is not None]
+    if not groups:
+        known = raw if not isinstance(raw, dict) else {key: value for key, value in raw.items()
+                                                       if key not in ('places', 'area')}
+        return DrawnStop((read_stop(known, places, where),))
+    also = [key for key in ('place', 'x', 'y', 'yaw') if key in raw] + groups[1:]
+    if also:
+        raise ConfigurationError('{}: got {} and {}; allowed: one of place, places, area, and x, y and yaw'.format(
+            where, groups[0], also[0]))
+    values = read_entry(raw, DRAWN_STOP_TABLE, where)
+    if values['area'] is not None:
+        area = values['area']
+        if area[0] > area[2] or area[1] > area[3]:
+            raise ConfigurationError('{}: area: got {}; allowed: {}'.format(where, shown(list(area)), _AREA.allowed))
+        return DrawnStop((stop_at(None, Pose2D(), values['action'], read_work(values, where)),), area)
+    names = _named(values['places'], places, where)
+    return DrawnStop(tuple(stop_at(places[name], places[name].pose, values['action'],
+                                   read_work(values, where, places[name].work)) for name in names))
+
+
+def _named(patterns: List[str], places: Dict[str, Place], where: str) -> List[str]:
+    """Return the names of the places that go by the ``patterns``, each once, in the order of the scenario."""
+    for pattern in patterns:
+        if not fnmatch.filter(places, pattern):
+            raise ConfigurationError('{}: places: got {}, by which no place goes; allowed: {}'.format(
+                where, shown(pattern), ', '.join(list(places)[:10]) or 'none: there are no places'))
+    return [name for name in places if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)]
+
+
+def _read_file(name: str, path: str, places: Dict[str, Place], where: str) -> ListedOrders:
+    rows = []
+    for index, (here, row) in enumerate(_rows(path, where)):
+        values = read_entry(row, _ROW, here)
+        if values['time'] is None:
+            raise ConfigurationError('{}: time: not given; allowed: {}'.format(here, _TIME.allowed))
+        stops = tuple(read_stop(one, places, '{}: stops[{}]'.format(here, number_))
+                      for number_, one in enumerate(read_stops(values['stops'], here)))
+        rows.append((index + 1, Order('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), (),
+                                      _ns(values['deadline']), values['priority']), stops))
+    if not rows:
+        raise ConfigurationError('{}: got no orders; allowed: at least one'.format(path))
+    return ListedOrders(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
+
+
+def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
+    """Yield (where a row is, mapping) of a file of orders, a table or YAML."""
+    if path.endswith('.csv'):
+        with open_csv(path) as stream:
+            for index, (here, row) in enumerate(rows_of(stream, path)):
+                if index >= MAX_TASKS:
+                    raise ConfigurationError('{}: got more rows; allowed: at most {} orders'.format(here, MAX_TASKS))
+                yield here, {key: _cell(key, cell) for key, cell in row.items() if cell}
+        return
+    if not path.endswith(('.yaml', '.yml')):
+        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ORDER_TABLE[-1].allowed))
+    raw = load_yaml_file(path)
+    if not isinstance(raw, dict) or list(raw) != ['orders'] or not isinstance(raw['orders'], list):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of orders alone'.format(path, shown(raw)))
+    for index, row in enumerate(raw['orders']):
+        yield '{}: orders[{}]'.format(path, index), row
+
+
+def _cell(key: str, cell: str) -> Any:
+    """Return what a cell says; stops are places, 'load bay_1' or 'bay_1', between semicolons."""
+    if key == 'stops':
+        return [_stop_words(part.split()) for part in cell.split(';') if part.strip()]
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def _stop_words(words: List[str]) -> Dict[str, str]:
+    return {'place': words[-1]} if len(words) == 1 else {'action': words[0], 'place': ' '.join(words[1:])}
+

@@ -1,0 +1,203 @@
+"""Who gets which order: the policies that ship, and what a user's own is asked.
+
+A policy is an object with ``choose(question)``, which returns pairs (robot's name, order's id) that begin now. All
+ties are broken in one order: higher priority, earlier arrival, lower robot index.
+"""
+from __future__ import annotations
+
+import importlib
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Tuple
+
+from ..common.errors import ConfigurationError
+from .order import Order
+
+Point = Tuple[float, float]
+Pair = Tuple[str, str]
+#: mm, of a robot by name from point to point; None: there is no way
+Distance = Callable[[str, Point, Point], Optional[int]]
+
+
+class OpenOrder(NamedTuple):
+    """An order that nobody does. ``deadline_ns`` [ns]: an instant, None: none; ``tried``: how often it came back."""
+
+    order: Order
+    arrived_ns: int
+    deadline_ns: Optional[int]
+    tried: int
+    next_stop: int  # index of the first stop that is to be done
+
+    @property
+    def points(self) -> List[Point]:
+        """Where its stops are that are to be done [m]."""
+        return [(stop.pose.x, stop.pose.y) for stop in self.order.stops[self.next_stop:]]
+
+
+class FreeRobot(NamedTuple):
+    """A robot that could begin with an order now, or, in ``Question.busy``, some day: where it is, or will be [m]."""
+
+    name: str
+    x: float
+    y: float
+
+
+class Question(NamedTuple):
+    """What a policy is asked.
+
+    ``orders``: by priority, then by arrival; ``robots``: who is free, ``busy``: who has an order, where it will be;
+    both by index. ``distance(robot, begin, end)``: mm, None: there is no way.
+    """
+
+    orders: Sequence[OpenOrder]
+    robots: Sequence[FreeRobot]
+    busy: Sequence[FreeRobot]
+    now_ns: int
+    distance: Distance
+
+    def away(self, robot: FreeRobot, one: OpenOrder) -> Optional[int]:
+        """Return how far a robot is from an order's next stop [mm], None: there is no way."""
+        return self.distance(robot.name, (robot.x, robot.y), one.points[0])
+
+
+class Policy(Protocol):
+    """Who gets which order."""
+
+    def choose(self, question: Question) -> Iterable[Pair]:
+        """Return (robot's name, order's id) of all that begin now; each robot and each order at most once."""
+        ...
+
+
+class Nearest:
+    """Each order, in the stated order, goes to the free robot that is nearest to its first stop."""
+
+    def choose(self, question: Question) -> List[Pair]:
+        """Return who begins with what."""
+        return nearest_for(question, question.orders)
+
+
+class EarliestDeadline:
+    """As :class:`Nearest`, but of one priority the order with the earliest deadline comes first."""
+
+    def choose(self, question: Question) -> List[Pair]:
+        """Return who begins with what."""
+        return nearest_for(question, sorted(question.orders, key=lambda one: (
+            -one.order.priority, one.deadline_ns is None, one.deadline_ns or 0)))
+
+
+def nearest_for(question: Question, orders: Iterable[OpenOrder]) -> List[Pair]:
+    """Return each of the ``orders`` in turn with the nearest robot that is left."""
+    left, pairs = list(question.robots), []
+    for one in orders:
+        if not left:
+            break
+        bids = [(away, index) for index, away in enumerate(question.away(robot, one) for robot in left)
+                if away is not None]
+        if bids:
+            pairs.append((left.pop(min(bids)[1]).name, one.order.order_id))
+    return pairs
+
+
+class Auction:
+    """Each order is sold, as it comes, to the robot whose whole tour is the shortest with it; busy robots bid, too.
+
+    A tour is in the order of priorities; among equal ones an order goes where it costs least. What was sold to a robot
+    that has gone to charge or has failed is sold again.
+    """
+
+    def __init__(self) -> None:
+        self._tours: Dict[str, List[str]] = {}
+
+    def choose(self, question: Question) -> List[Pair]:
+        """Return who begins with what."""
+        bidders = {robot.name: robot for robot in (*question.robots, *question.busy)}
+        orders = {one.order.order_id: one for one in question.orders}
+        self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders] for name in bidders}
+        sold = {key for tour in self._tours.values() for key in tour}
+        for key, one in orders.items():
+            if key not in sold:
+                self._sell(one, bidders, orders, question)
+        return [(robot.name, self._tours[robot.name].pop(0)) for robot in question.robots if self._tours[robot.name]]
+
+    def _sell(self, one: OpenOrder, bidders: Dict[str, FreeRobot], orders: Dict[str, OpenOrder],
+              question: Question) -> None:
+        best: Optional[Tuple[int, int, int]] = None
+        names = list(bidders)
+        for index, name in enumerate(names):
+            bid = _bid(one, bidders[name], [orders[key] for key in self._tours[name]], question)
+            if bid is not None and (best is None or (bid[0], index) < best[:2]):
+                best = bid[0], index, bid[1]
+        if best is not None:
+            self._tours[names[best[1]]].insert(best[2], one.order.order_id)
+
+
+def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Question) -> Optional[Tuple[int, int]]:
+    """Return (length of the tour with ``one`` [mm], where in the tour it is best), None: there is no way."""
+    def along(*points: Point) -> Optional[int]:
+        parts = [question.distance(robot.name, *pair) for pair in zip(points, points[1:])]
+        return None if None in parts else sum(part for part in parts if part is not None)
+    ends = [(robot.x, robot.y), *(each.points[-1] for each in tour)]
+    whole = along(ends[0], *(point for each in tour for point in each.points))
+    first = sum(each.order.priority > one.order.priority for each in tour)
+    last = sum(each.order.priority >= one.order.priority for each in tour)
+    bids = []
+    for place in range(first, last + 1):
+        following = tour[place].points[:1] if place < len(tour) else []
+        with_it, without = along(ends[place], *one.points, *following), along(ends[place], *following)
+        if whole is not None and with_it is not None and without is not None:
+            bids.append((whole + with_it - without, place))
+    return min(bids) if bids else None
+
+
+class Batch:
+    """All open orders of a priority and all free robots at once: the least sum of the ways to first stops.
+
+    Needs scipy. Of equally good ones it is the one that scipy.optimize.linear_sum_assignment finds.
+    """
+
+    _NO_WAY = 10 ** 12  # mm
+
+    def __init__(self) -> None:
+        try:
+            from scipy.optimize import linear_sum_assignment
+        except ImportError as error:
+            raise ConfigurationError('policy: batch needs scipy, which is not installed ({}); allowed without it: '
+                                     'nearest, earliest_deadline, auction'.format(error)) from error
+        self._assign = linear_sum_assignment
+
+    def choose(self, question: Question) -> List[Pair]:
+        """Return who begins with what."""
+        left, pairs = list(question.robots), []
+        for priority in sorted({one.order.priority for one in question.orders}, reverse=True):
+            orders = [one for one in question.orders if one.order.priority == priority]
+            if not left:
+                break
+            costs = [[self._NO_WAY if away is None else away for away in (
+                question.away(robot, one) for one in orders)] for robot in left]
+            found = [(int(row), int(column)) for row, column in zip(*self._assign(costs))
+                     if costs[row][column] < self._NO_WAY]
+            pairs += [(left[row].name, orders[column].order.order_id) for row, column in found]
+            gone = {row for row, _ in found}
+            left = [robot for row, robot in enumerate(left) if row not in gone]
+        return pairs
+
+
+POLICIES: Dict[str, Callable[[], Policy]] = {
+    'nearest': Nearest, 'earliest_deadline': EarliestDeadline, 'auction': Auction, 'batch': Batch}
+
+
+def make_policy(name: str, where: str) -> Policy:
+    """Return a new policy: one of :data:`POLICIES`, or of a user's class 'module:Class'.
+
+    :raises ConfigurationError: if there is no such class, or it has no ``choose``.
+    """
+    if name in POLICIES:
+        return POLICIES[name]()
+    module, _, attribute = name.partition(':')
+    try:
+        made: Any = getattr(importlib.import_module(module), attribute)()
+    except Exception as error:
+        raise ConfigurationError('{}: policy: {} cannot be made: {}: {}'.format(
+            where, name, type(error).__name__, error)) from error
+    if not callable(getattr(made, 'choose', None)):
+        raise ConfigurationError('{}: policy: {} has no method choose; allowed: a class with choose(question)'.format(
+            where, name))
+    return made  # type: ignore[no-any-return]

@@ -1,0 +1,92 @@
+"""How a dispatcher works, as parameters: who gets which order, when robots charge, what becomes of what fails.
+
+    dispatcher: {policy: batch, charge_below: 0.3, charge_until: 0.9, charge_when_idle: 0.7}
+
+Key by key: docs/orders.md.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Mapping, Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, integer, number, one_of, read_table
+from ..common.shown import shown
+from ..common.unknown_keys import check_keys
+
+POLICY_NAMES = ('nearest', 'earliest_deadline', 'auction', 'batch')
+RESTART, RESUME = 'restart', 'resume'
+
+
+def _policy(value: Any) -> str:
+    if not isinstance(value, str) or not (value in POLICY_NAMES or _is_reference(value)):
+        raise ValueError
+    return value
+
+
+def _is_reference(value: str) -> bool:
+    module, colon, name = value.partition(':')
+    return bool(colon) and name.isidentifier() and all(part.isidentifier() for part in module.split('.'))
+
+
+_SHARE = number(0.0, 1.0)
+DISPATCHER_TABLE = (
+    Parameter('policy', 'nearest', _policy, '{}, or module:Class'.format(', '.join(POLICY_NAMES))),
+    Parameter('distances', 'ways', one_of('ways', 'straight'), "'ways' or 'straight'"),
+    Parameter('attempts', 3, integer(1, 1000), 'a whole number in 1..1000'),
+    Parameter('after_failure', RESTART, one_of(RESTART, RESUME), "'restart' or 'resume'"),
+    Parameter('charge_below', 0.3, _SHARE, 'a number in 0..1'),
+    Parameter('charge_until', 0.9, _SHARE, 'a number in 0..1'),
+    Parameter('charge_when_idle', 0.0, _SHARE, 'a number in 0..1, 0 = never'),
+)
+
+
+@dataclass(frozen=True)
+class DispatchSettings:
+    """What :data:`DISPATCHER_TABLE` says. ``levels``: the states of charge of which a robot has to tell."""
+
+    policy: str = 'nearest'
+    distances: str = 'ways'
+    attempts: int = 3
+    after_failure: str = RESTART
+    charge_below: float = 0.3
+    charge_until: float = 0.9
+    charge_when_idle: float = 0.0
+
+    @property
+    def levels(self) -> Tuple[float, ...]:
+        """The states of charge between 0 and 1, falling, whose passing decides something."""
+        given = {self.charge_below, self.charge_until, self.charge_when_idle}
+        return tuple(sorted((level for level in given if 0.0 < level < 1.0), reverse=True))
+
+
+def read_dispatcher(raw: Any, where: str) -> DispatchSettings:
+    """Return the :class:`DispatchSettings` in a mapping.
+
+    :raises ConfigurationError: naming ``where``, the key and what is allowed.
+    """
+    here = '{}: dispatcher'.format(where)
+    if not isinstance(raw, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping'.format(here, shown(raw)))
+    check_keys(raw, tuple(parameter.name for parameter in DISPATCHER_TABLE), here, '')
+    return settings_of(read_table(raw, DISPATCHER_TABLE, here), here)
+
+
+def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
+    """Return the settings in ``values`` of :data:`DISPATCHER_TABLE`.
+
+    :raises ConfigurationError: if two of them cannot go together.
+    """
+    settings = DispatchSettings(**{one.name: values[one.name] for one in DISPATCHER_TABLE})
+    if not settings.charge_below < settings.charge_until:
+        raise ConfigurationError('{}: charge_until: got {:g} with charge_below: {:g}; allowed: more than that'.format(
+            where, settings.charge_until, settings.charge_below))
+    return settings
+
+
+def with_levels(parameters: Dict[str, Any], levels: Tuple[float, ...], default: Tuple[float, ...]) -> Dict[str, Any]:
+    """Return a robot's ``parameters`` with ``levels`` among its thresholds; without a battery they stay as they are."""
+    given = parameters.get('battery_thresholds', list(default))
+    if not levels or not parameters.get('battery_capacity') or not isinstance(given, (list, tuple)):
+        return parameters
+    return {**parameters, 'battery_thresholds': [*given, *(level for level in levels if level not in given)]}

@@ -1,0 +1,267 @@
+"""What a fleet did in a run, from its event log alone: what time went into, where robots waited, orders, charging.
+
+A robot is, in this order: ``failed`` from `failed` to `repaired`; ``driving`` from `departed` to `stands`; ``working``
+while a task is done; ``waiting`` while it stands with a goal, in a queue, or for a charger; ``charging`` while it
+stands at a charger; else ``idle``. Who waits for two areas at once counts at each of them.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Set
+
+STATES = ('driving', 'working', 'waiting', 'charging', 'idle', 'failed')
+#: where robots wait that wait for a charger
+CHARGERS = 'chargers'
+_S = 1e9  # dividing by it rounds once
+_KWH = 3.6e6  # J
+
+
+@dataclass
+class Waits:
+    """How often, how long in all and how long at most somebody waited somewhere [ns]."""
+
+    count: int = 0
+    total_ns: int = 0
+    longest_ns: int = 0
+
+    def add(self, span_ns: int) -> None:
+        """Count one more."""
+        self.count += 1
+        self.total_ns += span_ns
+        self.longest_ns = max(self.longest_ns, span_ns)
+
+
+@dataclass
+class _Order:
+    arrived_ns: int
+    deadline_ns: int
+    assigned_ns: Optional[int] = None
+    code: str = ''
+    flow_ns: int = 0
+    lateness_ns: Optional[int] = None
+    returned: int = 0
+
+
+@dataclass
+class _Robot:
+    since_ns: int
+    state: str = 'idle'
+    ns: Dict[str, int] = field(default_factory=lambda: dict.fromkeys(STATES, 0))
+    flags: Set[str] = field(default_factory=set)  # only looked into
+    waits: Dict[str, int] = field(default_factory=dict)  # {where: since}
+    orders: int = 0
+    failures: int = 0
+    charges: int = 0
+    charge: Optional[float] = None  # the last one that was told
+    energy: float = 0.0  # J, of a full battery
+    used: float = 0.0  # J
+    charged: float = 0.0
+
+    def now_in(self) -> str:
+        for state in ('failed', 'driving', 'working', 'waiting', 'charging'):
+            if state in self.flags or (state == 'waiting' and ('goal' in self.flags or CHARGERS in self.waits)):
+                return state
+        return 'idle'
+
+    def settle(self, now_ns: int) -> None:
+        self.ns[self.state] += now_ns - self.since_ns
+        self.state, self.since_ns = self.now_in(), now_ns
+
+
+class OrderTimes(NamedTuple):
+    """Of orders: how many arrived, were done, done late, failed, are open; and of those done what they took [s]."""
+
+    arrived: int
+    done: int
+    late: int
+    failed: int
+    open: int
+    returned: int
+    flow: List[float]
+    wait: List[float]
+    lateness: List[float]  # of those that have a deadline; 0 for who is in time
+
+
+class FleetAccount:
+    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began."""
+
+    def __init__(self, start_ns: int) -> None:
+        self._start_ns = start_ns
+        self._robots: Dict[str, _Robot] = {}
+        self._orders: Dict[str, _Order] = {}
+        self._waits: Dict[str, Waits] = {}
+        self._areas: Set[str] = set()  # only looked into
+        self.seconds = 0.0
+        self._take: Dict[str, Callable[[int, str, Sequence[Any]], None]] = {
+            **dict.fromkeys(_FLAGS, self._flag), 'held': self._held, 'released': self._held,
+            'waiting_began': self._queue, 'waiting_ended': self._queue, **dict.fromkeys(
+                ('entered', 'places'), lambda _now_ns, _name, row: self._areas.add(row[1])),
+            'charge': self._charge, 'charge_awaited': self._for_charger, 'charge_assigned': self._for_charger,
+            'order_arrived': self._arrived, 'order_assigned': self._assigned, 'order_done': self._done,
+            'order_returned': self._returned}
+
+    def take(self, time_ns: int, robot: str, kind: str, values: Sequence[Any]) -> None:
+        """Take a row; one that is not as this package writes it is left out: anybody may write rows."""
+        taker = self._take.get(kind)
+        if taker is not None:
+            try:
+                taker(time_ns, robot, (kind, *values))
+            except (TypeError, ValueError, IndexError, KeyError, OverflowError):
+                pass
+
+    def close(self, end_ns: int) -> None:
+        """The run is over at ``end_ns`` [ns]."""
+        for robot in self._robots.values():
+            robot.settle(end_ns)
+            for where, since_ns in robot.waits.items():
+                self._waits.setdefault(where, Waits()).add(end_ns - since_ns)
+        self.seconds = (end_ns - self._start_ns) / _S
+
+    # --- what came of it ---------------------------------------------------------------------------------------------
+
+    @property
+    def has_orders(self) -> bool:
+        """Whether orders arrived in this run."""
+        return bool(self._orders)
+
+    @property
+    def robots(self) -> Dict[str, Dict[str, float]]:
+        """Return {robot: {state: s, 'orders', 'failures', 'charges', 'energy_used', 'energy_charged' [kWh]}}."""
+        return {name: {**{state: robot.ns[state] / _S for state in STATES}, 'orders': robot.orders,
+                       'failures': robot.failures, 'charges': robot.charges, 'energy_used': robot.used / _KWH,
+                       'energy_charged': robot.charged / _KWH}
+                for name, robot in sorted(self._robots.items())}
+
+    @property
+    def has_energy(self) -> bool:
+        """Whether the log says how full batteries were."""
+        return any(robot.charge is not None for robot in self._robots.values())
+
+    @property
+    def waits(self) -> Dict[str, Waits]:
+        """Return {where: how long was waited there}, the longest first: 'place NAME', or the name of an area."""
+        found = {where: waits for where, waits in self._waits.items()
+                 if where in self._areas or where == CHARGERS or where.startswith('place ')}
+        return dict(sorted(found.items(), key=lambda item: (-item[1].total_ns, item[0])))
+
+    @property
+    def orders(self) -> OrderTimes:
+        """What became of orders."""
+        orders = list(self._orders.values())
+        done = [one for one in orders if one.code in ('done', 'late')]
+        return OrderTimes(
+            len(orders), len(done), sum(one.code == 'late' for one in done),
+            sum(one.code == 'failed' for one in orders), sum(not one.code for one in orders),
+            sum(one.returned for one in orders), [one.flow_ns / _S for one in done],
+            [(one.assigned_ns - one.arrived_ns) / _S for one in done if one.assigned_ns is not None],
+            [max(0, one.lateness_ns) / _S for one in done if one.lateness_ns is not None])
+
+    def metrics(self) -> Dict[str, Optional[float]]:
+        """Return the metrics of a trial; {} where no orders arrived."""
+        if not self.has_orders:
+            return {}
+        orders, robots = self.orders, self.robots.values()
+        time = math.fsum(one[state] for one in robots for state in STATES)
+        found: Dict[str, Optional[float]] = {
+            'orders_done': orders.done, 'orders_failed': orders.failed, 'orders_open': orders.open,
+            'order_flow': _mean(orders.flow), 'order_wait': _mean(orders.wait)}
+        if any(one.deadline_ns for one in self._orders.values()):
+            found.update(orders_late=100.0 * orders.late / len(orders.lateness) if orders.lateness else None,
+                         order_lateness=_mean(orders.lateness))
+        for state in STATES:
+            found['share_' + state] = round(100.0 * math.fsum(one[state] for one in robots) / time, 9) if time else None
+        found['failures'] = sum(one['failures'] for one in robots)
+        if self.has_energy:
+            found['charges'] = sum(one['charges'] for one in robots)
+            for what in ('energy_used', 'energy_charged'):
+                found[what] = round(math.fsum(one[what] for one in robots), 9)
+        return found
+
+    # --- rows --------------------------------------------------------------------------------------------------------
+
+    def _of(self, robot: str) -> _Robot:
+        if robot not in self._robots:
+            self._robots[robot] = _Robot(self._start_ns)
+        return self._robots[robot]
+
+    def _flag(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        kind, robot = row[0], self._of(name)
+        begins, ends = _FLAGS[kind]
+        robot.flags.difference_update(ends)
+        robot.flags.update(begins)
+        robot.failures += kind == 'failed'
+        robot.charges += kind == 'charging_began'
+        robot.settle(now_ns)
+
+    def _end_wait(self, robot: _Robot, where: str, now_ns: int) -> None:
+        since_ns = robot.waits.pop(where, None)
+        if since_ns is not None and now_ns > since_ns:
+            self._waits.setdefault(where, Waits()).add(now_ns - since_ns)
+
+    def _held(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        robot = self._of(name)
+        reasons = [part for reason in row[1:] for part in str(reason).split(', ')]
+        for where in list(robot.waits):
+            if where not in reasons and where != CHARGERS and not where.startswith('place '):
+                self._end_wait(robot, where, now_ns)
+        for where in reasons:
+            robot.waits.setdefault(where, now_ns)
+
+    def _queue(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        robot, where = self._of(name), 'place {}'.format(row[2])
+        if row[0] == 'waiting_began':
+            robot.flags.add('waiting')
+            robot.flags.discard('working')
+            robot.waits.setdefault(where, now_ns)
+        else:
+            robot.flags.discard('waiting')
+            self._end_wait(robot, where, now_ns)
+        robot.settle(now_ns)
+
+    def _for_charger(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        robot = self._of(name)
+        if row[0] == 'charge_awaited':
+            robot.waits.setdefault(CHARGERS, now_ns)
+        else:
+            self._end_wait(robot, CHARGERS, now_ns)
+        robot.settle(now_ns)
+
+    def _charge(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
+        robot, charge, energy = self._of(name), float(row[1]), float(row[2])
+        if robot.charge is not None and row[3] != 'set':
+            change = (charge - robot.charge) * energy
+            if row[3] == 'charged':
+                robot.charged += change
+            else:
+                robot.used -= change
+        robot.charge = charge
+
+    def _arrived(self, now_ns: int, _name: str, row: Sequence[Any]) -> None:
+        self._orders.setdefault(row[1], _Order(now_ns, int(row[3])))
+
+    def _assigned(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        self._of(name)
+        order = self._orders[row[1]]
+        if order.assigned_ns is None:
+            order.assigned_ns = now_ns
+
+    def _returned(self, _now_ns: int, _name: str, row: Sequence[Any]) -> None:
+        self._orders[row[1]].returned += 1
+
+    def _done(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
+        order = self._orders[row[1]]
+        order.code, order.flow_ns = str(row[2]), int(row[3])
+        order.lateness_ns = int(row[4]) if len(row) > 4 else None
+        self._of(name).orders += order.code != 'failed'
+
+
+#: {kind: (flags that begin, flags that end)}
+_FLAGS = {'departed': (('driving', 'goal'), ()), 'stands': ((), ('driving',)), 'ended': ((), ('goal',)),
+          'task_began': (('working',), ('waiting',)), 'task_ended': ((), ('working', 'waiting')),
+          'failed': (('failed',), ()), 'repaired': ((), ('failed',)), 'motion': ((), ()),
+          'charging_began': (('charging',), ()), 'charging_ended': ((), ('charging',))}
+
+
+def _mean(values: Sequence[float]) -> Optional[float]:
+    return round(math.fsum(values) / len(values), 9) if values else None

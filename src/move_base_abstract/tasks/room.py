@@ -1,0 +1,157 @@
+"""Room for some at a place: who works, who waits, who is refused, and who has to give way."""
+from __future__ import annotations
+
+import bisect
+import itertools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+
+if TYPE_CHECKING:
+    from ..engine.event_queue import EventQueue
+    from ..engine.simulation import Simulation
+    from .arrivals import Task
+
+from .places import Place
+
+#: who is let in is decided behind all that robots and users do at an instant
+_ADMISSION_INDEX = 2 ** 31 - 1
+#: a function that takes an instant [ns]
+Admission = Callable[[int], object]
+
+
+@dataclass
+class Guest:
+    """Somebody who asks for room: a robot, how urgent it is, and what it is told.
+
+    ``begin(due_ns)``: there is room; ``wait(due_ns)``: there is none yet, or no more; ``refuse(waiting)``: so many
+    wait already, and no more may. Each is told at the end of the instant.
+    """
+
+    robot_index: int
+    robot_name: str
+    begin: Admission
+    wait: Admission
+    refuse: Callable[[int], object] = lambda waiting: None
+    give_way: Admission = lambda due_ns: None
+    priority: int = 0
+    since_ns: int = 0
+    ticket: int = 0
+    is_settled: bool = False  # has been told to wait: it is not refused any more
+
+    @property
+    def key(self) -> Tuple[int, int, int, int]:
+        """Who comes first: a higher priority, who came first, a lower index."""
+        return -self.priority, self.since_ns, self.robot_index, self.ticket
+
+
+class Room:
+    """Who works at a :class:`.Place` that has a capacity, and who waits: by priority, first come, by lower index.
+
+    With ``preempts`` a guest of higher priority takes the place of the one who would come last of all who work; that
+    one waits again, as who comes now, even where the queue is full. ``queue``: how many newcomers may wait.
+    """
+
+    def __init__(self, queue: EventQueue, place: Place) -> None:
+        assert place.capacity is not None
+        self.capacity: int = place.capacity
+        self._most_waiting = place.queue
+        self._preempts = place.preemption
+        self._queue = queue
+        self._numbers = itertools.count()
+        self._waiting: List[Guest] = []
+        self._working: Dict[int, Guest] = {}  # by ticket, in the order in which they began
+        self._event: Any = None
+        self._followers: List[Callable[[], object]] = []
+
+    @property
+    def workers(self) -> Tuple[str, ...]:
+        """The names of the robots that work, in the order in which they began."""
+        return tuple(guest.robot_name for guest in self._working.values())
+
+    @property
+    def waiters(self) -> Tuple[str, ...]:
+        """The names of the robots that wait, in the order in which they will begin."""
+        return tuple(guest.robot_name for guest in self._waiting)
+
+    def follow(self, changed: Callable[[], object]) -> None:
+        """Call ``changed()`` when somebody else works or waits."""
+        self._followers.append(changed)
+
+    def ask(self, guest: Guest, now_ns: int) -> int:
+        """Have ``guest`` told at the end of this instant whether it begins, waits or is refused; return a ticket."""
+        guest.ticket, guest.since_ns, guest.is_settled = next(self._numbers), now_ns, False
+        self._line_up(guest)
+        self._look(now_ns)
+        return guest.ticket
+
+    def give_back(self, ticket: int, now_ns: int) -> None:
+        """Who got the ``ticket`` waits or works no more."""
+        self._working.pop(ticket, None)
+        self._waiting = [guest for guest in self._waiting if guest.ticket != ticket]
+        self._look(now_ns)
+        self._changed()
+
+    def _line_up(self, guest: Guest) -> None:
+        keys = [one.key for one in self._waiting]
+        self._waiting.insert(bisect.bisect_right(keys, guest.key), guest)
+
+    def _look(self, now_ns: int) -> None:
+        if self._waiting and self._event is None:
+            self._event = self._queue.schedule(now_ns, _ADMISSION_INDEX, self._admit)
+
+    def _admit(self, due_ns: int, _now_ns: int) -> None:
+        self._event = None
+        while self._waiting and (len(self._working) < self.capacity or self._make_way(due_ns)):
+            guest = self._waiting.pop(0)
+            self._working[guest.ticket] = guest
+            guest.begin(due_ns)
+        self._refuse()
+        for guest in self._waiting:
+            if not guest.is_settled:
+                guest.is_settled = True
+                guest.wait(due_ns)
+        self._changed()
+
+    def _make_way(self, due_ns: int) -> bool:
+        """Have the one who works and would come last wait, if the first one who waits is more urgent."""
+        if not self._preempts:
+            return False
+        last = max(self._working.values(), key=lambda one: one.key)
+        if last.priority >= self._waiting[0].priority:
+            return False
+        del self._working[last.ticket]
+        last.since_ns, last.is_settled = due_ns, True
+        self._line_up(last)
+        last.give_way(due_ns)
+        return True
+
+    def _refuse(self) -> None:
+        if self._most_waiting is None:
+            return
+        newcomers = [guest for guest in self._waiting if not guest.is_settled]
+        stay = max(0, self._most_waiting - (len(self._waiting) - len(newcomers)))
+        for guest in newcomers[stay:]:
+            self._waiting.remove(guest)
+            guest.refuse(self._most_waiting)
+
+    def _changed(self) -> None:
+        for changed in self._followers:
+            changed()
+
+
+class Rooms:
+    """The places (``{name: Place}``) of a world and the room at each."""
+
+    def __init__(self, simulation: Simulation, places: Dict[str, Place]) -> None:
+        self.simulation = simulation
+        self.places = places
+        self._rooms = {name: Room(simulation.queue, place) for name, place in places.items()
+                       if place.capacity is not None}
+
+    def of(self, place: str) -> Optional[Room]:
+        """Return the :class:`Room` at the place of this name, or None: there is no end of it."""
+        return self._rooms.get(place)
+
+    def place_of(self, task: Task) -> Place:
+        """Return the Place of a Task; of one without a name the place that its pose is."""
+        return self.places[task.place] if task.place else Place('its place', task.pose)

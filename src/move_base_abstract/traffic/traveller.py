@@ -1,0 +1,306 @@
+"""One robot in traffic: where it holds a place, for which it waits, and what it does at each border on its way."""
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+
+from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Places, Stands, Warned
+from ..goals.outcome import NO_CONTROL
+from .area import Area, Request
+from .outline import BORDER
+from .passages import instant_at
+from .rules import DeadlockPolicy
+from .safe_states import needs_of
+from .waiting_circle import waiting_circle
+from .way import crossings, stays_on_lanes, with_groups
+
+if TYPE_CHECKING:
+    from ..engine.stream import Stream
+    from ..goals.navigator import Navigator
+    from ..maps.lane_map import LaneMap
+    from ..motion.geometry import Pose2D
+    from .control import Traffic
+    from .way import Crossing, Stay
+
+#: who only leaves an area comes before all that robots do at the instant
+_LEAVING_INDEX = -1
+
+
+class Traveller:
+    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there.
+
+    ``needs``: the areas (Area, ...) that it has yet to come into on its way, up to where it holds no place at all.
+    """
+
+    def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
+                 priority: int = 0) -> None:
+        #: the higher comes first where it waits, from the next time on
+        self.priority = priority
+        self.index = navigator.robot.index
+        self.name = navigator.robot.name
+        self.held: Dict[Area, bool] = {}
+        self.request: Optional[Request] = None
+        self.needs: Tuple[Area, ...] = ()
+        self._traffic = traffic
+        self._navigator = navigator
+        self._source = lanes.source if lanes is not None and lanes.has_capacities else None
+        if lanes is not None and traffic.rules.lane_price:
+            source = lanes.source
+            navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
+        self._tell = stream.tell
+        self._leg: Any = None
+        self._pose: Any = None  # of one that stands
+        self._crossings: List[Crossing] = []
+        self._event: Any = None
+        self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
+        self._reason: Optional[str] = None  # for which it is held here
+        stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
+                                     BrokenOff: self._put_in_order})
+        navigator.travel.set_gate(self)
+
+    def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
+        """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
+        try:
+            step(self, now_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
+
+    def _put_in_order(self, event: BrokenOff) -> None:
+        """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
+        now_ns = event.time_ns
+        self._forget_crossings()
+        granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
+        self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
+        self.held.clear()
+        told: List[Union[Entered, Left]] = []
+        for area in self._traffic.areas():
+            for requests in (area.queue, area.watchers):
+                requests[:] = [request for request in requests if request.traveller is not self]
+            had = self in area.holders
+            has = area.contains(pose.x, pose.y) or (area.outline is None and had and area not in granted)
+            if has:
+                self.held[area] = area.holders[self] = True
+            else:
+                area.holders.pop(self, None)
+            if has != had:
+                told.append((Entered if has else Left)(now_ns, self.name, area.name))
+            self._traffic.changed(area)
+            self._traffic.freed(area)
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
+            rest.callback(self._traffic.serve, now_ns)
+            rest.callback(self._end_hold, now_ns)
+            for one in told:
+                self._tell(one)
+
+    def _end_hold(self, now_ns: int) -> None:
+        reason, self._reason = self._reason, None
+        if reason is not None:
+            self._navigator.travel.release(reason, now_ns)
+
+    def departs(self, leg: Any, now_ns: int) -> Optional[str]:
+        """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
+        self._leg = leg
+        self._granted = ()
+        stays: Sequence[Stay] = self._traffic.zones.stays(leg.way)
+        source = self._source
+        if source is not None:
+            stays = [*stays, *stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge))]
+        self._crossings = crossings(with_groups(stays), self.held) if leg.distance > BORDER else []
+        self.needs = needs_of(self._crossings, self.held)
+        if self._crossings and self._crossings[0].distance == 0.0:
+            return self._cross(now_ns)
+        self._await_crossing()
+        return None
+
+    def settle(self, now_ns: int) -> None:
+        """What :meth:`departs` and borders on the way lead to: who now waits may close a circle, others may come in."""
+        self.look_for_circle(now_ns)
+        self._traffic.serve(now_ns)
+
+    def _stands(self, event: Stands) -> None:
+        """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
+        now_ns = event.time_ns
+        pose = self._navigator.robot.pose_at(now_ns)
+        before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
+        self._leg = None
+        self._forget_crossings()
+        if before is None or (before.x, before.y) != (pose.x, pose.y):
+            self.placed(now_ns)
+        else:
+            self._pose = pose
+            self._take_what_holds_it(now_ns, pose)
+            self._traffic.serve(now_ns)
+
+    def placed(self, now_ns: int) -> None:
+        """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
+        self._forget_crossings()
+        pose = self._pose = self._navigator.robot.pose_at(now_ns)
+        self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
+        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
+        if self.request is not None:
+            self.abandons(now_ns)
+        self._traffic.serve(now_ns)
+
+    def abandons(self, now_ns: int) -> None:
+        """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
+        self.needs = ()
+        if self.request is not None:
+            request, self.request = self.request, None
+            request.withdraw()
+            self._traffic.changed(*request.areas)
+            for area in request.areas:
+                self._traffic.freed(area)
+            self._end_hold(now_ns)
+            self._traffic.serve(now_ns)
+        elif self._granted:  # something else holds it outside
+            self._give_back_what_was_granted(now_ns)
+            self._traffic.serve(now_ns)
+
+    def leave(self, now_ns: int) -> None:
+        """The robot is taken out of the world."""
+        self._forget_crossings()
+        self.abandons(now_ns)
+        self._give_back(list(self.held), now_ns)
+        self._traffic.left_by(self)
+        self._traffic.serve(now_ns)
+
+    def go_on(self, now_ns: int) -> None:
+        """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
+        request: Any = self.request
+        self.request = None
+        request.withdraw()
+        self._take(request.areas, now_ns)
+        self._granted = request.areas
+        for area in request.areas:
+            self._traffic.freed(area)  # there may be place for more
+        self._end_hold(now_ns)
+        # if there is no way any more
+        if self._leg is None and self.request is None and not self._navigator.travel.held_for:
+            self._give_back_what_was_granted(now_ns)
+
+    def _give_back_what_was_granted(self, now_ns: int) -> None:
+        granted, self._granted = self._granted, ()
+        self._give_back([area for area in granted if not area.contains(self._pose.x, self._pose.y)], now_ns)
+
+    def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
+        """Hold a place in each zone that the robot stands in, whether there is one or not."""
+        zones = self._traffic.zones.at(pose.x, pose.y)
+        for area in (*zones, *(zone.group for zone in zones if zone.group is not None)):
+            if area not in self.held:
+                if not area.has_room():
+                    self._warn(now_ns, '{} stands in {}, which has no free place: {} robots of {} are there'
+                               '{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
+                                           ', and it is closed' if area.is_closed else ''))
+                self._take((area,), now_ns)
+
+    def _await_crossing(self) -> None:
+        if not self._crossings:
+            return
+        crossing = self._crossings[0]
+        due_ns = instant_at(self._leg, crossing.distance)
+        index = self.index if crossing.enters else _LEAVING_INDEX
+        self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
+
+    def _happen(self, due_ns: int, _now_ns: int) -> None:
+        self._event = None
+        try:
+            if self._goes_another_way(due_ns):
+                return
+            reason = self._cross(due_ns)
+            if reason is not None:
+                self._navigator.travel.hold(reason, due_ns)
+            self.settle(due_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
+
+    def _goes_another_way(self, now_ns: int) -> bool:
+        """Where it would have to wait: whether another way is cheaper now, by which the robot goes on at once."""
+        enters = self._enters()
+        if not self._traffic.rules.lane_price or self._may_enter(enters, self._looks_at(enters)):
+            return False
+        travel = self._navigator.travel
+        corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), travel.target)
+        ahead = self._leg.corners_ahead(now_ns)
+        if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
+            return False
+        travel.change_way(corners, now_ns)
+        return True
+
+    def _enters(self) -> Tuple[Area, ...]:
+        return tuple(area for area in self._crossings[0].enters if area not in self.held)
+
+    def _cross(self, now_ns: int) -> Optional[str]:
+        """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
+        enters = self._enters()
+        ahead = self._looks_at(enters)
+        crossing = self._crossings.pop(0)
+        if self._may_enter(enters, ahead):
+            self._take(enters, now_ns)
+            self._give_back(crossing.leaves, now_ns)
+            self.needs = needs_of(self._crossings, self.held)
+            self._await_crossing()
+            return None
+        self._forget_crossings()
+        self.request = Request(now_ns, self, enters, ahead)
+        self._traffic.changed(*enters)
+        self._reason = self.request.reason
+        return self._reason
+
+    def _looks_at(self, enters: Tuple[Area, ...]) -> Tuple[Area, ...]:
+        """Return the areas behind those that it ``enters`` now in which there must be room, too."""
+        blocks = self._traffic.rules.blocks
+        if blocks == 1 or not enters:
+            return ()
+        ways = needs_of(self._crossings, self.held)
+        return tuple(area for area in ways if area not in self.held and area not in enters)[:max(
+            0, blocks - len(enters))]
+
+    def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
+        is_first = self._traffic.rules.policy is DeadlockPolicy.AVOID or not any(
+            area.queue and area.queue[0].traveller.priority >= self.priority for area in enters)
+        return (is_first and all(area.has_room() for area in enters) and all(area.has_room() for area in ahead)
+                and self._traffic.may_take(self, enters))
+
+    def look_for_circle(self, now_ns: int) -> None:
+        """The robot waits, and may close a circle of waiting: say so, once."""
+        rules, request = self._traffic.rules, self.request  # None: it was broken off
+        circle = waiting_circle(request, rules.policy is not DeadlockPolicy.AVOID) if request is not None else None
+        requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
+        if circle is None or all(one.is_in_circle for one in requests):
+            return
+        for one in requests:
+            one.is_in_circle = True
+        pairs = [(traveller.name, area.name) for traveller, area in circle]
+        self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
+        aborts = rules.policy is DeadlockPolicy.ABORT
+        self._warn(now_ns, 'Robots wait for one another in a circle: {}.{}'.format(
+            '; '.join('{} for {}'.format(*pair) for pair in pairs),
+            ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
+        if aborts:
+            self._navigator.shut_down(NO_CONTROL, now_ns)
+
+    def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
+        for area in areas:
+            self.held[area] = area.holders[self] = True
+            self._traffic.changed(area)
+            if area.capacity is not None and not area.is_told:
+                area.is_told = True
+                self._tell(Places(now_ns, self.name, area.name, area.capacity))
+            self._tell(Entered(now_ns, self.name, area.name))
+
+    def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
+        for area in areas:
+            if area in self.held:
+                del self.held[area], area.holders[self]
+                self._traffic.changed(area)
+                self._tell(Left(now_ns, self.name, area.name))
+                self._traffic.freed(area)
+
+    def _warn(self, now_ns: int, text: str) -> None:
+        self._tell(Warned(now_ns, self.name, text))
+
+    def _forget_crossings(self) -> None:
+        self._crossings = []
+        if self._event is not None:
+            self._event.cancel()
+            self._event = None

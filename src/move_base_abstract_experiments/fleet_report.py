@@ -1,0 +1,149 @@
+"""Say what a fleet did in one run: utilisation, orders, where robots waited, charging, failures.
+
+    rosrun move_base_abstract fleet_report RUN.jsonl [--json OUT.json]
+
+Exit codes: 0 it is said; 2 the log cannot be read, or the file cannot be written.
+"""
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any, Dict, List, Optional, Sequence
+
+from move_base_abstract.common import own_files
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+
+_FORMAT = '{"format": "move_base_abstract fleet report 1",\n'
+_MOST_PLACES, _MOST_ROBOTS = 20, 60  # in the terminal; the JSON has all
+
+
+def main(words: Optional[Sequence[str]] = None) -> None:
+    """Do what the command line asks for, and exit with the code."""
+    parser = argparse.ArgumentParser(prog='fleet_report', description='Say what a fleet did in one run, from its event '
+                                     'log: utilisation, orders, where robots waited, charging, failures.')
+    parser.add_argument('log', metavar='LOG', help='an event log: of lockstep_launch --event-log, of an experiment, or '
+                        'of Fleet.write_log')
+    parser.add_argument('--json', metavar='OUT.json', help='all figures as JSON; one that this program made is '
+                        'replaced, nothing else is; - for the standard output, in place of the text')
+    options = parser.parse_args(words)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]
+    try:
+        account, labels = account_of(options.log)
+        if options.json == '-':
+            print(json_text(account, labels), end='')
+        else:
+            print('\n'.join(lines_of(account, labels, options.log)))
+        if options.json not in (None, '-'):
+            own_files.check_file(options.json, lambda line: line == _FORMAT.encode())
+            with own_files.whole_file(options.json, 'w', encoding='utf-8') as stream:
+                stream.write(json_text(account, labels))
+    except SimulatorError as error:
+        print(f'fleet_report: {error}', file=sys.stderr)
+        sys.exit(2)
+
+
+def account_of(path: str) -> Any:
+    """Return the FleetAccount of the event log ``path``, and what must be known of it, [text, ...].
+
+    :raises EventLogError: if it cannot be read.
+    """
+    with event_log.open_text(path) as stream:
+        log = event_log.EventLog(stream, path)
+        account, last_ns = FleetAccount(log.start_ns), log.start_ns
+        for event in log:
+            last_ns = max(last_ns, event.time_ns)
+            account.take(event.time_ns, event.robot, event.kind, json.loads(event.values))
+    account.close(max(last_ns, (log.end or {}).get('at_ns', 0)))
+    return account, log.remarks()
+
+
+def lines_of(account: FleetAccount, labels: List[str], path: str) -> List[str]:
+    """Return the lines for a terminal."""
+    robots = account.robots
+    lines = [f'{path}: {len(robots)} robots, {account.seconds:.1f} s', *(f'  {label}' for label in labels)]
+    if not robots:
+        return lines
+    lines += ['', 'share of time, mean of the robots', '  ' + ', '.join(
+        f'{state} {100.0 * sum(one[state] for one in robots.values()) / max(_time(robots), 1e-9):.1f} %'
+        for state in STATES)]
+    return [*lines, *_orders(account), *_waits(account), *_charging(account), *_robots(account)]
+
+
+def _time(robots: Dict[str, Dict[str, float]]) -> float:
+    return sum(one[state] for one in robots.values() for state in STATES)
+
+
+def _orders(account: FleetAccount) -> List[str]:
+    if not account.has_orders:
+        return []
+    orders = account.orders
+    lines = ['', f'orders: {orders.arrived} arrived, {orders.done} done ({orders.late} of them late), {orders.failed} '
+             f'given up, {orders.open} open; came back {orders.returned} times']
+    for title, values in (('flow time', orders.flow), ('until a robot begins', orders.wait),
+                          ('lateness', orders.lateness)):
+        if values:
+            own = sorted(values)
+            lines.append(f'  {title + ":":<22}mean {sum(own) / len(own):.1f} s, median {own[len(own) // 2]:.1f} s, '
+                         f'95 % within {own[min(len(own) - 1, int(0.95 * len(own)))]:.1f} s, most {own[-1]:.1f} s')
+    return lines
+
+
+def _waits(account: FleetAccount) -> List[str]:
+    waits = account.waits
+    if not waits:
+        return []
+    width = max(len('waiting'), *(len(where) for where in waits))
+    lines = ['', f'{"waiting":<{width}}  {"times":>6}  {"in all [s]":>10}  {"mean [s]":>8}  {"longest [s]":>11}']
+    for where, one in list(waits.items())[:_MOST_PLACES]:
+        lines.append(f'{where:<{width}}  {one.count:>6}  {one.total_ns / 1e9:>10.1f}  '
+                     f'{one.total_ns / 1e9 / one.count:>8.1f}  {one.longest_ns / 1e9:>11.1f}')
+    return lines + ([f'... and {len(waits) - _MOST_PLACES} more: --json has all'] if len(waits) > _MOST_PLACES else [])
+
+
+def _charging(account: FleetAccount) -> List[str]:
+    robots = account.robots.values()
+    lines = []
+    charges = int(sum(one['charges'] for one in robots))
+    if charges or account.has_energy:
+        lines.append(f'charging: {charges} times, {sum(one["charging"] for one in robots):.1f} s')
+        if account.has_energy:
+            lines[-1] += f'; {_sum(account, "energy_charged"):.3f} kWh charged, ' \
+                         f'{_sum(account, "energy_used"):.3f} kWh used before it'
+    failures = int(sum(one['failures'] for one in robots))
+    if failures:
+        lines.append(f'failures: {failures}, {sum(one["failed"] for one in robots):.1f} s')
+    return ['', *lines] if lines else []
+
+
+def _sum(account: FleetAccount, what: str) -> float:
+    return sum(one[what] for one in account.robots.values())
+
+
+def _robots(account: FleetAccount) -> List[str]:
+    robots = account.robots
+    width = max(len('robot'), *(len(name) for name in robots))
+    lines = ['', f'{"robot":<{width}}  ' + '  '.join(f'{state + " %":>10}' for state in STATES) + '  orders  failures']
+    for name, one in list(robots.items())[:_MOST_ROBOTS]:
+        time = max(sum(one[state] for state in STATES), 1e-9)
+        lines.append(f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / time:>10.1f}' for state in STATES)
+                     + f'  {one["orders"]:>6.0f}  {one["failures"]:>8.0f}')
+    if len(robots) > _MOST_ROBOTS:
+        lines.append(f'... and {len(robots) - _MOST_ROBOTS} more: --json has all')
+    return lines
+
+
+def json_text(account: FleetAccount, labels: List[str]) -> str:
+    """Return all figures as JSON, whose first line says what it is."""
+    waits = {where: {'times': one.count, 'seconds': one.total_ns / 1e9, 'longest': one.longest_ns / 1e9}
+             for where, one in account.waits.items()}
+    content = {'seconds': account.seconds, 'remarks': labels, 'metrics': account.metrics(), 'robots': account.robots,
+               'waits': waits, 'orders': account.orders._asdict()}
+    return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,28 @@
+"""Where robots waited for room: at places, at zones, on lanes, for chargers; per trial, of all robots together."""
+
+from .. import frames
+from ..listings import cut
+from ..parts import Section, Table
+from ..wording import UNKNOWN, Scale, estimate_texts, whole
+
+HEADING = 'Where robots waited'
+_SECONDS = Scale(1.0, 's')
+
+
+def section(experiment):
+    """Return the section of an experiment in which somebody waited for room, or None."""
+    frame = frames.waits(experiment)
+    if frame.empty:
+        return None
+    factors = [name for name in frame.columns if name.startswith('factor.')]
+    rows = []
+    for record in frame.to_dict('records'):
+        value, low, high = estimate_texts(frames.estimate_of(record), _SECONDS)
+        levels = ', '.join(str(record[name]) for name in factors if record[name] != '')
+        rows.append((levels or UNKNOWN, record['where'], whole(record['n']), value,
+                     f'{low} to {high}' if low else UNKNOWN))
+    rows, note = cut(rows, 'Means of the complete trials; one in which nobody waited there counts as 0 s. Who waits '
+                     'for two areas at once counts at each of them.', 'tables/waits.csv')
+    table = Table('Waiting by place, zone and lane', ('configuration', 'where', 'trials', 'mean per trial',
+                                                      '95 % interval'), rows, note, is_open=len(rows) <= 24)
+    return Section(HEADING, ('Time for which robots stood until there was room, the sum of all robots.', table))

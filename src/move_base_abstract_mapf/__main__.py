@@ -1,0 +1,6 @@
+"""The command mapf, where there is no ROS: python3 -m move_base_abstract_mapf run FOLDER PLAN."""
+import sys
+
+from .command import main
+
+sys.exit(main())

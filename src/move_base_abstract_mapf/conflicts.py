@@ -1,0 +1,136 @@
+"""Conflicts: two robots in one cell, two that change places, two that come near each other."""
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+from .movingai import Cell
+from .plans import Plan
+
+
+class Visit(NamedTuple):
+    """A robot stands in a cell from ``arrive_ns`` to ``leave_ns`` [ns], None: for good."""
+
+    robot: int
+    cell: Cell
+    arrive_ns: int
+    leave_ns: Optional[int]
+
+
+class Move(NamedTuple):
+    """A robot goes from one cell to the next from ``begin_ns`` to ``end_ns`` [ns], None: it has not come there."""
+
+    robot: int
+    start: Cell
+    goal: Cell
+    begin_ns: int
+    end_ns: Optional[int]
+
+
+class Piece(NamedTuple):
+    """A robot goes straight and evenly from (x, y) to another place [m], from ``begin`` to ``end`` [s]."""
+
+    robot: int
+    begin: float
+    end: float
+    start: Tuple[float, float]
+    goal: Tuple[float, float]
+
+    def at(self, time: float) -> Tuple[float, float]:
+        """Return where it is at a time [s]."""
+        share = (time - self.begin) / (self.end - self.begin) if self.end > self.begin else 0.0
+        return tuple(a + share * (b - a) for a, b in zip(self.start, self.goal))  # type: ignore[return-value]
+
+
+def plan_conflicts(plan: Plan) -> Tuple[int, int]:
+    """Return how many vertex and swap conflicts a plan has: pairs of robots, at each step."""
+    vertex = swap = 0
+    for step in range(max(plan.costs) + 1):
+        cells: Dict[Cell, List[int]] = defaultdict(list)
+        moves: Dict[Tuple[Cell, Cell], int] = defaultdict(int)
+        for robot in range(len(plan.paths)):
+            cell = plan.at(robot, step)
+            cells[cell].append(robot)
+            before = plan.at(robot, step - 1) if step else cell
+            if before != cell:
+                swap += moves[cell, before]
+                moves[before, cell] += 1
+        vertex += sum(len(robots) * (len(robots) - 1) // 2 for robots in cells.values())
+    return vertex, swap
+
+
+def vertex_conflicts(visits: Iterable[Visit]) -> List[Tuple[Visit, Visit]]:
+    """Return the pairs of visits of two robots that stand in one cell at the same instant, by when they begin."""
+    by_cell: Dict[Cell, List[Visit]] = defaultdict(list)
+    for visit in visits:
+        by_cell[visit.cell].append(visit)
+    return [pair for group in by_cell.values() for pair in _overlapping(
+        sorted(group, key=lambda visit: (visit.arrive_ns, visit.robot)),
+        lambda visit, other: visit.leave_ns is None or other.arrive_ns <= visit.leave_ns)]
+
+
+def swap_conflicts(moves: Iterable[Move]) -> List[Tuple[Move, Move]]:
+    """Return the pairs of moves by which two robots change places: against each other at the same time."""
+    by_edge: Dict[Tuple[Cell, ...], List[Move]] = defaultdict(list)
+    for move in moves:
+        by_edge[tuple(sorted((move.start, move.goal)))].append(move)
+    return [(one, other) for group in by_edge.values() for one, other in _overlapping(
+        sorted(group, key=lambda move: (move.begin_ns, move.robot)),
+        lambda move, other: move.end_ns is None or other.begin_ns < move.end_ns) if one.start != other.start]
+
+
+def _overlapping(group: Sequence, lasts_until) -> Iterator[tuple]:
+    """Yield (one, other) of a group that is sorted by beginnings; ``lasts_until(one, other)``: they overlap."""
+    for index, other in enumerate(group):
+        for one in group[:index]:
+            if one.robot != other.robot and lasts_until(one, other):
+                yield one, other
+
+
+def nearest(pieces: Iterable[Piece], near: float, seconds: float) -> Dict[Tuple[int, int], float]:
+    """Return {(robot, robot): least distance [m]} of all pairs that come nearer than ``near`` [m].
+
+    ``seconds``: how long pieces are taken together at a time; the result does not depend on it.
+    """
+    boxes: Dict[Tuple[int, int, int], List[Piece]] = defaultdict(list)
+    for piece in pieces:
+        for box in _boxes(piece, near, seconds):
+            boxes[box].append(piece)
+    found: Dict[Tuple[int, int], float] = {}
+    seen: Set[Tuple[int, int]] = set()
+    for group in boxes.values():
+        for index, one in enumerate(group):
+            for other in group[:index]:
+                key = (id(one), id(other))
+                if one.robot == other.robot or key in seen:
+                    continue
+                seen.add(key)
+                distance = _least(one, other)
+                pair = min(one.robot, other.robot), max(one.robot, other.robot)
+                if distance < near and distance < found.get(pair, math.inf):
+                    found[pair] = distance
+    return found
+
+
+def _boxes(piece: Piece, near: float, seconds: float) -> Iterator[Tuple[int, int, int]]:
+    """Yield the boxes of time and place in which a piece, with ``near`` around it, has a part."""
+    sides = [range(math.floor((min(a, b) - near / 2.0) / near), math.floor((max(a, b) + near / 2.0) / near) + 1)
+             for a, b in zip(piece.start, piece.goal)]
+    for turn in range(math.floor(piece.begin / seconds), math.floor(piece.end / seconds) + 1):
+        for column in sides[0]:
+            for row in sides[1]:
+                yield turn, column, row
+
+
+def _least(one: Piece, other: Piece) -> float:
+    """Return the least distance [m] of two pieces while both last; infinite if there is no such time."""
+    begin, end = max(one.begin, other.begin), min(one.end, other.end)
+    if begin > end:
+        return math.inf
+    (ax, ay), (bx, by) = one.at(begin), other.at(begin)
+    (cx, cy), (dx, dy) = one.at(end), other.at(end)
+    px, py, vx, vy = ax - bx, ay - by, (cx - dx) - (ax - bx), (cy - dy) - (ay - by)
+    square = vx * vx + vy * vy
+    share = 0.0 if square <= 0.0 else min(1.0, max(0.0, -(px * vx + py * vy) / square))
+    return math.hypot(px + share * vx, py + share * vy)

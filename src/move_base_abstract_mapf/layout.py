@@ -1,0 +1,97 @@
+"""The folder in which a plan is driven: a map as map_server takes it, and a scenario, robots at their starts."""
+from __future__ import annotations
+
+import os
+from typing import Any, List, NamedTuple, Tuple
+
+import numpy as np
+import yaml
+
+from move_base_abstract.common import own_files
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
+from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.maps.map_files import load_map, read_description
+from move_base_abstract.scenario import Scenario, read_scenario
+
+from .movingai import Cell, Problem, is_free
+
+FOLDER = own_files.FolderKind('MAPF scenario', ['scenario.yaml', 'map.yaml', 'map.pgm'])
+_FREE, _OCCUPIED = 254, 0
+_RADIUS = 0.35  # cells
+
+
+class Grid(NamedTuple):
+    """Cells of ``size`` [m], ``blocked`` as of read_map(); the south-western corner of the map is (0, 0)."""
+
+    blocked: Any
+    size: float
+
+    def place(self, cell: Cell) -> Tuple[float, float]:
+        """Return the middle of a cell (x, y) [m]."""
+        column, row = cell
+        return (column + 0.5) * self.size, (self.blocked.shape[0] - row - 0.5) * self.size
+
+
+class Site(NamedTuple):
+    """A folder that was read: its Scenario, its Grid, and how long a step takes [ns]."""
+
+    scenario: Scenario
+    grid: Grid
+    step_ns: int
+
+
+def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: float, words: str) -> None:
+    """Write map and scenario of robots agent_0, agent_1, ..., which take ``seconds`` from cell to cell.
+
+    :raises ConfigurationError: if something else is in the folder, or a problem is not on free cells.
+    """
+    for number, problem in enumerate(problems):
+        for what, cell in zip(problem._fields, problem):
+            if not is_free(grid.blocked, cell):
+                raise ConfigurationError('problem {}: {}: got column {}, row {}; allowed: a free cell of the map'
+                                         .format(number, what, *cell))
+    head = '# Made by: {}\n'.format(words)
+    rows, columns = grid.blocked.shape
+    robots = []
+    for number, problem in enumerate(problems):
+        x, y = grid.place(problem.start)
+        robots.append({'name': 'agent_{}'.format(number), 'start_x': x, 'start_y': y})
+    marker = FOLDER.make(folder)
+    try:
+        with own_files.whole_file(os.path.join(folder, 'map.pgm'), 'wb') as stream:
+            stream.write('P5\n{} {}\n255\n'.format(columns, rows).encode()
+                         + np.where(grid.blocked, _OCCUPIED, _FREE).astype(np.uint8).tobytes())
+        _write(folder, 'map.yaml', head, {'image': 'map.pgm', 'resolution': grid.size, 'origin': [0.0, 0.0, 0.0],
+                                          'negate': 0, 'occupied_thresh': 0.65, 'free_thresh': 0.196})
+        _write(folder, 'scenario.yaml', head, {
+            'defaults': {'max_speed': grid.size / seconds, 'robot_radius': _RADIUS * grid.size, 'log_motion': True},
+            'robots': robots})
+    finally:
+        os.close(marker)
+
+
+def _write(folder: str, name: str, head: str, content: Any) -> None:
+    with own_files.whole_file(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
+        stream.write(head + yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120))
+
+
+def read_folder(folder: str, seed: Any = None) -> Site:
+    """Return the :class:`Site` in a folder; ``seed`` replaces the scenario's.
+
+    :raises ConfigurationError: if a file cannot be used, or robots differ in their speed.
+    """
+    path = os.path.join(folder, 'scenario.yaml')
+    scenario = read_scenario(path, None if seed is None else {'seed': seed})
+    description = read_description(os.path.join(folder, 'map.yaml'))
+    occupancy = load_map(description)
+    if (occupancy.origin.x, occupancy.origin.y, occupancy.origin.yaw) != (0.0, 0.0, 0.0):
+        raise ConfigurationError('{}: origin: got {}; allowed: [0, 0, 0]'.format(
+            os.path.join(folder, 'map.yaml'), shown(load_yaml_file(os.path.join(folder, 'map.yaml')).get('origin'))))
+    speeds = {spec.settings.limits.max_speed for spec in scenario.robots}
+    if len(speeds) != 1:
+        raise ConfigurationError('{}: max_speed: got {} different ones; allowed: one, since a step takes equally long '
+                                 'for all'.format(path, len(speeds)))
+    grid = Grid(occupancy.cells[::-1] > 0, occupancy.resolution)
+    return Site(scenario, grid, seconds_to_ns(grid.size / speeds.pop()))

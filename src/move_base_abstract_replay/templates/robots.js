@@ -1,0 +1,164 @@
+// Robots on the map: their ways, their charge, and the orders they work on. Sizes follow scale and number.
+const TRAIL_LEGS = 12, TRAILS = 120; // of one robot, and of all: more hide one another
+const FEW_ROBOTS = 12, MANY_ROBOTS = 200; // few have their whole names; of many the names come when one comes closer
+const NOBODY = 2 ** 32 - 1;
+const OPEN = 0;
+
+class RobotView {
+  constructor(run, view) {
+    Object.assign(this, {run, view});
+    this.trail = Math.max(2, Math.min(TRAIL_LEGS, Math.floor(TRAILS / Math.max(run.robots, 1))));
+    const names = run.rows.slice(0, run.robots).map(({name}) => name);
+    this.beginning = run.robots > FEW_ROBOTS ? commonBeginning(names).length : 0;
+  }
+
+  get player() {
+    return this.view.player;
+  }
+
+  isChosen(robot) {
+    return this.run.rows[robot].name === this.player.chosen;
+  }
+
+  state(robot) {
+    return this.run.states[this.run.stateAt(robot, this.player.time)];
+  }
+
+  get size() {
+    const {robots} = this.run, most = robots > MANY_ROBOTS ? 5 : robots > FEW_ROBOTS ? 8 : 9;
+    const least = robots > MANY_ROBOTS ? 2.5 : robots > FEW_ROBOTS ? 3.5 : 7;
+    return Math.min(most, Math.max(least, 0.42 * this.view.camera.scale));
+  }
+
+  drawTrail(context, robot, pose) {
+    const {run, view} = this, {motion} = pose, isChosen = this.isChosen(robot);
+    if (!this.player.showsTrails && !isChosen) return;
+    const first = run.firstOf(robot, motion, isChosen ? TRAIL_LEGS : this.trail);
+    context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
+    context.lineWidth = isChosen ? 3 : Math.min(2, 0.3 * this.size);
+    context.lineJoin = 'round';
+    context.globalAlpha = isChosen ? 0.8 : run.isUnderWay(motion, this.player.time) ? 0.55 : 0.3;
+    context.beginPath();
+    context.moveTo(view.toX(run.motion_x[first]), view.toY(run.motion_y[first]));
+    for (let k = first + 1; k <= motion; k += 1) {
+      const [x, y] = [view.toX(run.motion_x[k]), view.toY(run.motion_y[k])];
+      if (run.motion_law[k] === PLACED) context.moveTo(x, y);
+      else context.lineTo(x, y);
+    }
+    context.lineTo(view.toX(pose.x), view.toY(pose.y));
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  drawWay(context, robot, pose) {
+    const {run, view} = this, {motion} = pose, isChosen = this.isChosen(robot);
+    if (!run.isUnderWay(motion, this.player.time) || (run.robots > MANY_ROBOTS && !isChosen)) return;
+    const last = run.lastOf(motion), [x, y] = [view.toX(run.motion_goal_x[last]), view.toY(run.motion_goal_y[last])];
+    context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
+    context.lineWidth = isChosen ? 2 : 1.25;
+    context.globalAlpha = isChosen || run.robots <= FEW_ROBOTS ? 0.85 : 0.5;
+    context.setLineDash([3, 4]);
+    context.beginPath();
+    context.moveTo(view.toX(pose.x), view.toY(pose.y));
+    for (let k = motion; k <= last; k += 1) {
+      context.lineTo(view.toX(run.motion_goal_x[k]), view.toY(run.motion_goal_y[k]));
+    }
+    context.stroke();
+    context.setLineDash([]);
+    context.beginPath();
+    context.arc(x, y, 3, 0, 2 * Math.PI);
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  drawRobot(context, robot, pose) {
+    const isChosen = this.isChosen(robot), size = this.size * (isChosen ? 1.25 : 1);
+    this.drawCharge(context, robot, pose, size);
+    context.save();
+    context.translate(this.view.toX(pose.x), this.view.toY(pose.y));
+    context.rotate(-pose.yaw);
+    context.beginPath();
+    context.moveTo(1.25 * size, 0);
+    context.lineTo(-0.85 * size, 0.8 * size);
+    context.lineTo(-0.45 * size, 0);
+    context.lineTo(-0.85 * size, -0.8 * size);
+    context.closePath();
+    context.restore();
+    context.lineJoin = 'round';
+    context.lineWidth = Math.min(4, 0.5 * size);
+    context.strokeStyle = COLOURS.panel;
+    context.stroke();
+    context.fillStyle = COLOURS[this.state(robot)];
+    context.fill();
+    context.lineWidth = isChosen ? 2 : 1;
+    context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.ink;
+    context.stroke();
+  }
+
+  // The charge is a ring around the robot that is as full as its battery.
+  drawCharge(context, robot, pose, size) {
+    const share = this.run.chargeAt(robot, this.player.time);
+    if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
+    const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + Math.min(3, 0.45 * size)];
+    context.lineWidth = Math.max(1.75, 0.3 * size);
+    const full = share > 0.5 ? COLOURS.task : share > 0.2 ? COLOURS.waiting : COLOURS.failed;
+    for (const [colour, part] of [[COLOURS.line, 1], [full, share]]) {
+      if (part <= 0) continue;
+      context.strokeStyle = colour;
+      context.beginPath();
+      context.arc(x, y, radius, -Math.PI / 2, -Math.PI / 2 + 2 * Math.PI * part);
+      context.stroke();
+    }
+  }
+
+  name(robot) {
+    const {name} = this.run.rows[robot];
+    return this.isChosen(robot) ? name : name.slice(this.beginning);
+  }
+
+  // Names of the chosen one and of those who wait, or of the others.
+  write(labels, poses, areFirst) {
+    const areMany = this.run.robots > MANY_ROBOTS && this.view.camera.scale < NAMED_FROM;
+    poses.forEach((pose, robot) => {
+      const isChosen = this.isChosen(robot), isHindered = ['waiting', 'failed'].includes(this.state(robot));
+      if (!pose || (isChosen || isHindered) !== areFirst || (areMany && !isChosen)) return;
+      labels.write(this.name(robot), this.view.toX(pose.x), this.view.toY(pose.y), {
+        gap: this.size + 3, colour: isHindered && !isChosen ? COLOURS.alarm : COLOURS.ink, weight: areFirst ? '600' : '',
+        size: isChosen || this.run.robots <= FEW_ROBOTS ? 12 : 11, isKept: isChosen});
+    });
+  }
+
+  // Where orders are to be fetched or brought: a diamond, filled for those that nobody has.
+  drawOrders(context) {
+    const {run, view} = this, size = Math.min(6, Math.max(3, 0.3 * view.camera.scale));
+    context.lineWidth = 1.5;
+    for (const phase of run.phases.at(this.player.time)) {
+      const [x, y] = [view.toX(run.phase_x[phase]), view.toY(run.phase_y[phase])];
+      context.beginPath();
+      [[0, -size], [size, 0], [0, size], [-size, 0]].forEach(
+        ([dx, dy], k) => (k ? context.lineTo(x + dx, y + dy) : context.moveTo(x + dx, y + dy)));
+      context.closePath();
+      context.fillStyle = run.phase_kind[phase] === OPEN ? COLOURS.order : COLOURS.panel;
+      context.strokeStyle = COLOURS.order;
+      context.fill();
+      context.stroke();
+    }
+  }
+
+  // What the chosen robot does, in words.
+  words(robot, pose) {
+    const {run} = this, {time} = this.player, share = run.chargeAt(robot, time);
+    const order = [...run.phases.at(time)].find((phase) => run.phase_robot[phase] === robot);
+    return [run.rows[robot].name, this.state(robot), ...(pose ? [place(pose.x, pose.y, pose.yaw)] : []),
+            ...(share === null ? [] : [`${Math.round(100 * share)} % charged`]),
+            ...(order === undefined ? [] : [`order ${run.orders[run.phase_order[order]]}`,
+                                            `stop ${run.phase_stop[order]} of ${run.phase_stops[order]}`]),
+    ].join(' · ');
+  }
+}
+
+// The colour of a robot, by the number at the end of its name, else by its place; RViz has the same hues.
+function hue(name, robot) {
+  const digits = /(\d{1,9})$/.exec(name), number = digits ? +digits[1] : robot;
+  return `hsl(${Math.round(360 * ((number * 0.618033988749895) % 1))} ${COLOURS.vivid})`;
+}

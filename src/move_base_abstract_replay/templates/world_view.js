@@ -1,0 +1,130 @@
+// How the world is drawn: what is full or waited for stands out, the rest is quiet.
+const NAMED_FROM = 26; // px/m: from here on places and zones have their names, below only where something goes on
+
+class WorldView {
+  constructor(world, view) {
+    Object.assign(this, {world, view});
+  }
+
+  draw(context, uses) {
+    this.uses = uses;
+    const {things} = this.world;
+    things.forEach((thing, k) => thing.kind === 'zone' && this.drawZone(context, thing, uses.get(k)));
+    things.forEach((thing, k) => thing.kind === 'lane' && this.drawLane(context, thing, uses.get(k)));
+    this.drawNodes(context);
+    things.forEach((thing, k) => thing.kind === 'place' && this.drawPlace(context, thing, uses.get(k)));
+  }
+
+  colour(thing, use) {
+    if (use && use.waiting.length) return COLOURS.waiting;
+    if (this.world.isFull(thing, use)) return COLOURS.full;
+    if (use && use.inside.length) return COLOURS.task;
+    return thing.charger ? COLOURS.charging : COLOURS.muted;
+  }
+
+  trace(context, points) {
+    const {view} = this;
+    context.beginPath();
+    points.forEach(([x, y], k) => (k ? context.lineTo(view.toX(x), view.toY(y)) : context.moveTo(view.toX(x), view.toY(y))));
+  }
+
+  drawZone(context, thing, use) {
+    const colour = this.colour(thing, use);
+    this.trace(context, thing.points);
+    context.closePath();
+    context.fillStyle = context.strokeStyle = colour;
+    context.globalAlpha = use ? 0.2 : 0.1;
+    context.fill();
+    context.globalAlpha = 0.9;
+    context.lineWidth = 1.25;
+    context.stroke();
+    context.globalAlpha = 1;
+    if (thing.charger) this.drawBolt(context, thing, colour);
+  }
+
+  // A charger has a flash of lightning in its upper left corner.
+  drawBolt(context, thing, colour) {
+    const [left, top] = [Math.min(...thing.points.map(([x]) => x)), Math.max(...thing.points.map(([, y]) => y))];
+    const size = Math.min(12, Math.max(6, 0.5 * this.view.camera.scale));
+    const [x, y] = [this.view.toX(left) + 0.7 * size, this.view.toY(top) + 0.85 * size];
+    context.beginPath();
+    [[0.1, -0.6], [-0.35, 0.1], [-0.02, 0.1], [-0.12, 0.6], [0.35, -0.12], [0.02, -0.12]].forEach(
+      ([dx, dy], k) => (k ? context.lineTo(x + dx * size, y + dy * size) : context.moveTo(x + dx * size, y + dy * size)));
+    context.closePath();
+    context.fillStyle = colour;
+    context.fill();
+  }
+
+  drawLane(context, thing, use) {
+    const {scale} = this.view.camera;
+    this.trace(context, thing.points);
+    context.lineJoin = 'round';
+    context.lineCap = 'round';
+    context.strokeStyle = use ? this.colour(thing, use) : COLOURS.lane;
+    context.globalAlpha = use ? 0.85 : 1;
+    context.lineWidth = (use ? 1.6 : 1) * Math.min(3.5, Math.max(1, 0.11 * scale)) * (thing.capacity === null ? 0.75 : 1);
+    context.stroke();
+    context.globalAlpha = 1;
+    context.lineCap = 'butt';
+    if (thing.one_way) this.drawArrow(context, thing, context.strokeStyle);
+  }
+
+  drawArrow(context, thing, colour) {
+    const {at: [[ax, ay], [bx, by]], length} = longestPiece(thing.points), {view} = this, {scale} = view.camera;
+    const size = Math.min(7, Math.max(3, 0.24 * scale));
+    if (length * scale < 3 * size) return;
+    const course = Math.atan2(by - ay, bx - ax), [x, y] = [view.toX(0.4 * ax + 0.6 * bx), view.toY(0.4 * ay + 0.6 * by)];
+    const point = (along, aside) => [x + size * (along * Math.cos(course) + aside * Math.sin(course)),
+                                     y - size * (along * Math.sin(course) - aside * Math.cos(course))];
+    context.beginPath();
+    context.moveTo(...point(1, 0));
+    context.lineTo(...point(-0.8, 0.75));
+    context.lineTo(...point(-0.8, -0.75));
+    context.closePath();
+    context.fillStyle = colour;
+    context.fill();
+  }
+
+  drawNodes(context) {
+    const {view} = this, size = Math.min(3, 0.09 * view.camera.scale);
+    if (size < 1) return;
+    context.fillStyle = COLOURS.node;
+    for (const [, x, y] of this.world.nodes) {
+      context.beginPath();
+      context.arc(view.toX(x), view.toY(y), size, 0, 2 * Math.PI);
+      context.fill();
+    }
+  }
+
+  drawPlace(context, thing, use) {
+    const [[x, y]] = thing.points, {view} = this, size = Math.min(9, Math.max(2.5, thing.reach * view.camera.scale * 0.7));
+    context.fillStyle = COLOURS.panel;
+    context.strokeStyle = use ? this.colour(thing, use) : COLOURS.place;
+    context.lineWidth = use ? 2.5 : 1.25;
+    context.fillRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
+    context.strokeRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
+  }
+
+  // What waits is written first, then what is counted; names from a certain scale on.
+  write(labels, chosen) {
+    const {things} = this.world, isNear = this.view.camera.scale >= NAMED_FROM, order = [[], [], []];
+    things.forEach((thing, k) => {
+      const use = this.uses.get(k);
+      if (k === chosen || (use && use.waiting.length)) order[0].push(k);
+      else if (thing.capacity !== null && thing.kind !== 'lane' && use) order[1].push(k);
+      else if (thing.kind !== 'lane' && (thing.capacity !== null || isNear)) order[2].push(k);
+    });
+    return (rank) => order[rank].forEach((k) => this.writeOne(labels, things[k], this.uses.get(k), rank, k === chosen));
+  }
+
+  writeOne(labels, thing, use, rank, isChosen) {
+    const {view} = this, [x, y] = thing.middle, {scale} = view.camera;
+    const withName = isChosen || (thing.kind !== 'lane' ? scale > 9 || !rank : scale > 2 * NAMED_FROM);
+    const text = this.world.sign(thing, use, withName);
+    if (!withName && rank > 0) return;
+    const gap = Math.max(8, thing.kind === 'place' ? 0.7 * thing.reach * scale + 3 : thing.kind === 'zone' ? 0.8 * scale : 8);
+    labels.write(text, view.toX(x), view.toY(y), {
+      gap: Math.min(gap, 26), colour: rank === 0 ? COLOURS.alarm : COLOURS.muted, weight: rank === 0 ? '600' : '', size: 11,
+      isKept: isChosen});
+  }
+}

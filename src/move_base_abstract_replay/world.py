@@ -1,0 +1,107 @@
+"""The world of a scenario as the page has it: zones, lanes, places, and where robots stand before they leave."""
+import os
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from move_base_abstract.goals.events import MotionSet
+from move_base_abstract.maps.lane_map import LaneMap
+from move_base_abstract.scenario import read_scenario
+
+from .recording import ReplayError
+
+_BESIDE = 'scenario.yaml'  # beside a log
+_MAP = 'map.yaml'  # beside a scenario
+_MOST_THINGS = 20_000
+
+
+class Start(NamedTuple):
+    """Where a robot stands at first (x, y, yaw), its limits as of :class:`.Motions`, its BatterySettings or None."""
+
+    pose: Tuple[float, float, float]
+    limits: Tuple[float, ...]
+    battery: Any
+
+
+@dataclass
+class World:
+    """``things``: zones, lanes and places as dictionaries for the page; ``nodes``: [name, x, y] of lanes [m].
+
+    ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``:
+    the map beside the scenario, None if there is none.
+    """
+
+    things: List[Dict[str, Any]] = field(default_factory=list)
+    nodes: List[Any] = field(default_factory=list)
+    starts: Dict[str, Start] = field(default_factory=dict)
+    currents: Dict[str, Any] = field(default_factory=dict)
+    map_file: Optional[str] = None
+
+    @property
+    def numbers(self):
+        """The place of each thing among ``things``, by what the log calls it: 'zone gate', 'place dock'."""
+        return {'{kind} {name}'.format(**thing): number for number, thing in enumerate(self.things)}
+
+    @property
+    def points(self):
+        """All places that must be in sight [(x, y)] [m]."""
+        return ([tuple(point) for thing in self.things for point in thing['points']]
+                + [tuple(node[1:]) for node in self.nodes] + [start.pose[:2] for start in self.starts.values()])
+
+
+def find_world(scenario, recordings):
+    """Return the :class:`World` of a ``scenario`` (a path, a Scenario, None: the file beside the first log, if any).
+
+    A file beside the log counts only if the log (of some Recordings) names a robot of it.
+
+    :raises ConfigurationError: if the file cannot be read. :raises ReplayError: if it is of other robots than the log.
+    """
+    is_given = scenario is not None
+    if not is_given:
+        scenario = os.path.join(os.path.dirname(recordings[0].path), _BESIDE)
+        if not os.path.isfile(scenario):
+            return World()
+    where, map_file = 'scenario', None
+    if isinstance(scenario, (str, os.PathLike)):
+        where = os.fspath(scenario)
+        scenario = read_scenario(where)
+        map_file = os.path.join(os.path.dirname(where), _MAP)
+    world = make_world(scenario)
+    world.map_file = map_file if map_file and os.path.isfile(map_file) else None
+    names = [name for recording in recordings for name in recording.name_of]
+    if names and world.starts and not any(name in world.starts for name in names):
+        if is_given:
+            raise ReplayError('{}: got robots none of which is in the log; allowed: the scenario of the run'.format(
+                where))
+        return World()
+    return world
+
+
+def make_world(scenario):
+    """Return the :class:`World` of a Scenario."""
+    world = World()
+    for zone in scenario.zones:
+        world.things.append(_thing('zone', zone.name, zone.outline.points, zone.capacity,
+                                   charger=zone.charger is not None))
+        if zone.charger is not None:
+            world.currents[zone.name] = zone.charger
+    nets = {spec.settings.network.source: spec.settings.network for spec in scenario.robots
+            if isinstance(spec.settings.network, LaneMap)}
+    for net in nets.values():
+        world.nodes += [[name, pose.x, pose.y] for name, pose in net.nodes.items()]
+        world.things += [_thing('lane', '{} - {}'.format(edge.begin, edge.end), edge.points, edge.capacity,
+                                one_way=edge.one_way) for edge in net.edges]
+    for place in (scenario.places or {}).values():
+        world.things.append(_thing('place', place.name, [(place.pose.x, place.pose.y)], place.capacity,
+                                   reach=place.reach))
+    if len(world.things) > _MOST_THINGS:
+        raise ReplayError('replay: got {} zones, lanes and places; allowed: at most {}'.format(
+            len(world.things), _MOST_THINGS))
+    for spec in scenario.robots:
+        settings = spec.settings
+        row = MotionSet(0, spec.name, settings.start, settings.limits, settings.tolerances).row()
+        world.starts[spec.name] = Start(row[3:6], row[6:], settings.battery)
+    return world
+
+
+def _thing(kind, name, points, capacity, **more):
+    return {'kind': kind, 'name': name, 'points': [list(point) for point in points], 'capacity': capacity, **more}

@@ -1,0 +1,45 @@
+"""Orders and tasks as messages. Times are int64 nanoseconds on the core's side."""
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.msg import Order, OrderStop, Task
+from move_base_abstract.orders.order import WORK, Stop
+from move_base_abstract.orders.order import Order as OrderValue
+
+from . import conversions
+
+
+def to_task(task, frame, stamp_ns):
+    """Return the message of a Task that arrives at ``stamp_ns`` [ns]; ``frame``: of its pose."""
+    return Task(conversions.to_header(frame, stamp_ns), task.task_id, task.place, conversions.to_pose(task.pose),
+                conversions.to_duration(task.duration_ns), task.power, task.energy, task.priority)
+
+
+def to_order(order, frame, stamp_ns):
+    """Return the message of an Order that arrives at ``stamp_ns`` [ns]."""
+    deadline = conversions.to_time(0 if order.deadline_ns is None else stamp_ns + order.deadline_ns)
+    return Order(conversions.to_header(frame, stamp_ns), order.order_id,
+                 [OrderStop(stop.place, conversions.to_pose(stop.pose), stop.action,
+                            conversions.to_duration(stop.duration_ns), stop.power, stop.energy)
+                  for stop in order.stops], order.priority, deadline)
+
+
+def from_order(message, frame, places, now_ns):
+    """Return the Order in a message that comes at ``now_ns`` [ns]; ``places``: {name: Place}.
+
+    :raises ValueError: if a pose is none, or is of another frame than ``frame``.
+    """
+    given = message.header.frame_id.lstrip('/')
+    deadline_ns = message.deadline.to_nsec()
+    stops = []
+    for index, stop in enumerate(message.stops):
+        pose = Pose2D()
+        if stop.place in places:
+            pose = conversions.from_pose(conversions.to_pose(places[stop.place].pose))
+        elif not stop.place:
+            if given not in ('', frame):
+                raise ValueError('frame: got {}; allowed: {}'.format(given, frame))
+            try:
+                pose = conversions.from_pose(stop.pose)
+            except ValueError as error:
+                raise ValueError('stops[{}]: pose: {}'.format(index, error)) from None
+        stops.append(Stop(pose, stop.place, stop.action or WORK, stop.duration.to_nsec(), stop.power, stop.energy))
+    return OrderValue(message.id, 0, tuple(stops), deadline_ns - now_ns if deadline_ns else None, message.priority)

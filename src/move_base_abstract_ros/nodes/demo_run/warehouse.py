@@ -1,0 +1,91 @@
+"""The demo's warehouse: made by sizes, with orders that arrive and the dispatcher that ships."""
+import os
+import time
+
+import rospy
+
+from move_base_abstract.msg import RobotEvent
+from move_base_abstract.orders.settings import POLICY_NAMES
+from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+from move_base_abstract.scenario import read_scenario
+from move_base_abstract_worlds.layout import write_site
+from move_base_abstract_worlds.sites import KINDS, make_site
+
+from .nodes import WATCHED_POSES, shipped
+
+KIND = 'warehouse'
+POLICIES = POLICY_NAMES
+ORDERS = 200
+#: who takes part in lockstep, besides the demo
+PARTICIPANTS = ['/fleet', '/task_source', '/dispatcher']
+_OVER = ('order_done', 'order_refused')
+
+
+def make(folder, robots, orders, seed, speed, rviz):
+    """Make the warehouse in ``folder``; return the paths of its scenario and its map."""
+    _, sizes, defaults = KINDS[KIND]
+    values = {size.name: size.default for size in sizes}
+    values.update(robots=robots or values['robots'], orders=orders, seed=seed)
+    settings = {**defaults, 'max_speed': speed, 'log_motion': True, 'use_map': True,
+                **({'pose_update_freq': WATCHED_POSES} if rviz else {})}
+    write_site(make_site(KIND, values), values['robots'], settings, 'the demo', folder)
+    return os.path.join(folder, 'scenario.yaml'), os.path.join(folder, 'map.yaml')
+
+
+def start(ros, scenario, clock, map_path, policy, rviz):
+    """Start its nodes on the master of ``ros`` (Loopback); ``clock``: the time master's parameters."""
+    ros.run('time_master', 'time_master', parameters=clock)
+    ros.run('map_server', 'map_server', arguments=(map_path,))
+    ros.run('fleet', 'fleet', parameters={'scenario': scenario})
+    ros.run('task_source', 'task_source', parameters={'scenario': scenario})
+    ros.run('dispatcher', 'dispatcher', parameters={'scenario': scenario, **({'policy': policy} if policy else {})})
+    if rviz:
+        ros.spawn('rviz', ['rviz', '-d', shipped('rviz', 'simulator.rviz')])
+
+
+class OrdersRun:
+    """Looks on until all orders are done; ``participant``: as of MissionRun."""
+
+    def __init__(self, scenario, participant=None):
+        read = read_scenario(scenario)
+        self.robots, self.count = len(read.robots), sum(1 for _ in read.orders())
+        self.done = 0
+        self._participant = participant
+        self._since = self._until = None
+        rospy.Subscriber('/dispatcher/events', RobotEvent, self._take, queue_size=1000, tcp_nodelay=True)
+
+    def _take(self, message):
+        self.done += message.kind in _OVER
+        self._until = message.stamp.to_sec(), time.monotonic()
+
+    def elapsed(self):
+        """Return the (simulated, wall) seconds since :meth:`run` began, up to the last order."""
+        if self._since is None or self._until is None:
+            return 0.0, 0.0
+        return self._until[0] - self._since[0], self._until[1] - self._since[1]
+
+    def run(self, tick, period=0.1):
+        """Wait until all orders are done; call ``tick``, which may raise, every ``period`` [s, wall]."""
+        self._since = rospy.get_time(), time.monotonic()
+        next_tick = 0.0
+        while self.done < self.count:
+            if time.monotonic() >= next_tick:
+                tick()
+                next_tick = time.monotonic() + period
+            done = self.done
+            if self._participant is None:
+                time.sleep(period)
+            else:
+                self._participant.wait_until(lambda done=done: self.done > done, what='the end of an order')
+
+
+def table_of(start_ns, rows):
+    """Return columns and rows of a table of what robots did, of the ``rows`` of a log, (ns, robot, kind, values)."""
+    account, last_ns = FleetAccount(start_ns), start_ns
+    for row in rows:
+        account.take(*row)
+        last_ns = max(last_ns, row[0])
+    account.close(last_ns)
+    return ('robot', 'orders', *(f'{state} [s]' for state in STATES)), [
+        (name, f'{one["orders"]:.0f}', *(f'{one[state]:.1f}' for state in STATES))
+        for name, one in account.robots.items()]

@@ -1,0 +1,1 @@
+"""Programs that are no nodes, and live in packages of their own."""

@@ -1,0 +1,198 @@
+"""The node ``dispatcher``: gives orders to the robots of a fleet as they arrive, and has robots charged.
+
+It hears orders and what happens to robots, and sends goals: topics and actions, and nothing else. What is decided is
+decided in the core (:class:`.Dispatcher`), as in plain Python.
+"""
+from dataclasses import asdict, replace
+
+import rospy
+from actionlib_msgs.msg import GoalID
+from move_base_msgs.msg import MoveBaseActionGoal
+
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.parameter_table import Parameter, read_table, text, topic, unknown_names
+from move_base_abstract.fleet.dispatch import CHARGE_LOOK_NS
+from move_base_abstract.fleet.dispatch_world import Distances, chargers_of, check_levels, starts_of
+from move_base_abstract.msg import Order, PlaceTaskActionGoal, PlaceTaskGoal, RobotEvent
+from move_base_abstract.orders.dispatcher import Dispatcher, Drive, GiveUp
+from move_base_abstract.orders.policies import make_policy
+from move_base_abstract.orders.rows import DISPATCHER
+from move_base_abstract.orders.settings import DISPATCHER_TABLE, DispatchSettings, settings_of
+from move_base_abstract.scenario import make_scenario, read_scenario
+
+from ...clocks.timing import make_timing
+from ...messages import conversions, orders, packing
+from ...messages.outlets import Outlet
+from ...process.node_process import parse_no_arguments, run_node
+from ...process.own_parameters import own_parameters
+from ...robot.events_topic import EventsTopic
+from ...robot.work_server import ACTION as WORK
+from ..fleet_node import INLINE
+from ..move_base_node import LOCKSTEP_PARAMETERS
+
+_CONNECT_SECONDS = 30.0  # of the clock's wait_until
+_QUEUE_SIZE = 1000
+
+
+def _topics(value):
+    if not isinstance(value, list) or not value:
+        raise ValueError
+    return [topic(one) for one in value]
+
+
+_TABLE = (
+    Parameter('scenario', '', text, 'the path of a scenario file'),
+    Parameter('events', ['fleet/events'], _topics, 'a list of topics'),
+    Parameter('orders_topic', 'orders', topic, 'a topic name'),
+    *(replace(one, default=None) for one in DISPATCHER_TABLE),
+)
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    parse_no_arguments('dispatcher', __doc__)
+    run_node('dispatcher', _build)
+
+
+def _build():
+    where = rospy.get_name()
+    raw = own_parameters()
+    values = read_table(raw, _TABLE, where)
+    known = (*(parameter.name for parameter in _TABLE), *INLINE, *LOCKSTEP_PARAMETERS)
+    for warning in unknown_names(raw, known, where):
+        rospy.logwarn(warning)
+    scenario = _read_scenario(raw, values, where)
+    given = {one.name: values[one.name] for one in DISPATCHER_TABLE if values[one.name] is not None}
+    settings = settings_of({**asdict(scenario.dispatcher or DispatchSettings()), **given}, where)
+    check_levels(scenario, settings, where)
+    policy = make_policy(settings.policy, where)
+    clock = make_timing().make_clock()
+    if not clock.start():
+        return None
+    node = DispatcherNode(clock, scenario, settings, policy, values)
+    clock.serve()
+    return node
+
+
+def _read_scenario(raw, values, where):
+    inline = {key: raw[key] for key in INLINE if key in raw}
+    if values['scenario'] and inline:
+        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
+            where, sorted(inline)[0]))
+    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
+    if not scenario.robots:
+        raise ConfigurationError('parameter {}/robots: got none; allowed: at least one, here or in the '
+                                 'scenario'.format(where))
+    return scenario
+
+
+class DispatcherNode:
+    """Between topics and the core's :class:`.Dispatcher`."""
+
+    def __init__(self, clock, scenario, settings, policy, values):
+        self._clock = clock
+        self._frame = str(scenario.defaults.get('global_frame', 'map'))
+        self._places = scenario.places or {}
+        self._in_frame = packing.InFrame(self._frame)
+        self._decides = self._looks = False
+        self._record = EventsTopic(clock).record(0)
+        self._core = Dispatcher(starts_of(scenario), chargers_of(scenario), self._places, settings, policy,
+                                Distances(scenario, settings.distances == 'ways'), self._tell)
+        self._goals = {spec.name: _Goals(spec) for spec in scenario.robots}
+        heard = [rospy.Subscriber(one, RobotEvent, self._on_event, queue_size=_QUEUE_SIZE, tcp_nodelay=True)
+                 for one in values['events']]
+        clock.wait_until(lambda: all(one.get_num_connections() for one in heard)
+                         and all(goals.are_heard() for goals in self._goals.values()), _CONNECT_SECONDS, 'the robots')
+        if not all(goals.are_heard() for goals in self._goals.values()):
+            rospy.logwarn('%s: not all robots of the scenario are there: what they get is lost', rospy.get_name())
+        self._order_topic = rospy.Subscriber(values['orders_topic'], Order, self._on_order, queue_size=_QUEUE_SIZE,
+                                             tcp_nodelay=True)
+        with clock.lock:
+            self._decide_soon(clock.now_ns())
+
+    def _on_order(self, message):
+        with self._clock.lock:
+            now_ns = self._present()
+            try:
+                order = orders.from_order(message, self._frame, self._places, now_ns)
+            except ValueError as error:
+                self._tell((DISPATCHER, 'order_refused', message.id, str(error)))
+                return
+            self._core.arrived(order, now_ns)
+            self._decide_soon(now_ns)
+
+    def _on_event(self, message):
+        if not self._core.hears(message.robot, message.kind):
+            return
+        with self._clock.lock:
+            now_ns = self._present()
+            if message.kind == 'battery':
+                values = [*message.numbers, *message.texts]
+            else:
+                values = [*message.texts, *message.numbers]
+            self._core.happened(message.robot, message.kind, values)
+            self._decide_soon(now_ns)
+
+    def _present(self):
+        """Return the time [ns]; what is to be decided at it is decided later, behind all messages."""
+        return self._clock.simulation.now_ns if self._decides else self._clock.now_ns()
+
+    def _decide_soon(self, now_ns):
+        """Decide when all messages of this instant have come in."""
+        if not self._decides:
+            self._decides = True
+            self._clock.simulation.queue.schedule(now_ns, 0, self._decide)
+
+    def _decide(self, _due_ns, now_ns):
+        self._decides = False
+        try:
+            commands = self._core.decide(now_ns)
+        except SimulatorError as error:
+            rospy.logerr('%s: %s', rospy.get_name(), error)
+            return
+        for command in commands:
+            self._goals[command.robot].do(command, self._in_frame, self._frame, now_ns)
+        if self._core.waits_for_charge and not self._looks:
+            self._looks = True
+            self._clock.simulation.queue.schedule(now_ns + CHARGE_LOOK_NS, 0, self._look)
+
+    def _look(self, _due_ns, now_ns):
+        self._looks = False
+        self._decide_soon(now_ns)
+
+    def _tell(self, row):
+        self._record((self._clock.simulation.now_ns, *row))
+        if row[1] == 'order_refused':
+            rospy.logwarn('%s: order %s is refused: %s', rospy.get_name(), *row[2:])
+
+
+class _Goals:
+    """The topics by which one robot gets its goals."""
+
+    def __init__(self, spec):
+        self._drive = Outlet('{}/move_base/goal'.format(spec.name), MoveBaseActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
+        self._work = Outlet('{}/{}/goal'.format(spec.name, WORK), PlaceTaskActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
+        self._cancels = {is_work: rospy.Publisher('{}/{}/cancel'.format(spec.name, action), GoalID, queue_size=10,
+                                                  tcp_nodelay=True)
+                         for is_work, action in ((False, 'move_base'), (True, WORK))
+                         } if spec.settings.failures is not None or spec.settings.buggify is not None else {}
+
+    def are_heard(self):
+        """Return whether the robot is there."""
+        return bool(self._drive.is_heard() and self._work.is_heard()
+                    and all(one.get_num_connections() for one in self._cancels.values()))
+
+    def do(self, command, in_frame, frame, now_ns):
+        """Do a command of the core's."""
+        if isinstance(command, GiveUp):
+            if self._cancels:
+                self._cancels[command.is_work].publish(GoalID(id=command.goal_id))
+        elif isinstance(command, Drive):
+            pose = command.pose
+            target = in_frame.target(pose.x, pose.y, pose.yaw)
+            self._drive.send(lambda seq: packing.action_goal(seq, command.goal_id, now_ns, target))
+        else:
+            message = PlaceTaskActionGoal(goal=PlaceTaskGoal(orders.to_task(command.task, frame, now_ns)))
+            message.header.stamp = conversions.to_time(now_ns)
+            message.goal_id = GoalID(conversions.to_time(now_ns), command.goal_id)
+            self._work.send(packing.of_message(message))

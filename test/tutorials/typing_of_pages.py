@@ -1,0 +1,65 @@
+"""Type the commands of a page, and compare what the shell shows with what the page says.
+
+Blocks ``sh`` of a page are typed, all of them in one shell and in one folder that was empty. A block ``text`` that
+comes next is what the shell then shows; ``...`` in it stands for any text, and on a line of its own for any lines. The
+first command that fails ends the page. Blocks of other kinds are not run: those need a screen, the network or time.
+"""
+import os
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+LIMIT = 1500.0  # wall s; only ends what would never end
+#: environments that pages have their readers make, {page: folder}: pip needs the network
+ENVIRONMENTS = {'plain_python': ROOT / '.ws' / 'plain'}
+FENCE = re.compile(r'^```(\w*)\n(.*?)^```$', re.DOTALL | re.MULTILINE)
+COLOUR = re.compile(r'\x1b\[[0-9;]*m|\x1b\][^\x07]*\x07')
+
+
+def tutorials():
+    """Return the tutorials in the order of the site's navigation."""
+    index = (ROOT / 'docs' / 'site' / 'index.md').read_text(encoding='utf-8')
+    [group] = re.findall(r'^:caption: Tutorials\n(.*?)^```', index, re.DOTALL | re.MULTILINE)
+    return [ROOT / (line + '.md') for line in group.split() if line.startswith('docs/')]
+
+
+def steps(text):
+    """Return [(commands, what is shown, or None)] of a page."""
+    blocks = FENCE.findall(text)
+    return [(words, after[1] if after[0] == 'text' else None)
+            for (kind, words), after in zip(blocks, [*blocks[1:], ('', '')]) if kind == 'sh']
+
+
+def pattern(told):
+    """Return the regular expression of what a page says is shown."""
+    lines = [r'(?:.*\n)*?' if line.strip() == '...' else '.*?'.join(map(re.escape, line.split('...'))) + r'\n'
+             for line in told.splitlines()]
+    return re.compile(''.join(lines))
+
+
+def shown(folder, number):
+    """Return what a terminal would show of a step, without colours and spaces at the ends of lines."""
+    text = COLOUR.sub('', (folder / str(number)).read_text(encoding='utf-8'))
+    return ''.join(line.rpartition('\r')[2].rstrip() + '\n' for line in text.splitlines())
+
+
+def run(page, folder, outputs, python=None):
+    """Type the commands of a page in a folder, and return [(commands, told, shown)] of the steps that were begun."""
+    todo = steps(page)
+    script = ['set -e', *(f'exec >{outputs / str(number)} 2>&1\n{words}' for number, (words, _) in enumerate(todo))]
+    environment = dict(os.environ, ROS_LOG_DIR=str(outputs / 'log'))
+    if python:
+        environment['PATH'] = f'{python / "bin"}:{environment["PATH"]}'
+    code = subprocess.run(['bash', '-c', '\n'.join(script)], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                          timeout=LIMIT, check=False).returncode
+    done = [(words, told, shown(outputs, number)) for number, (words, told) in enumerate(todo)
+            if (outputs / str(number)).exists()]
+    assert code == 0, f'exit code {code} of\n{done[-1][0]}\nwhich shows\n{done[-1][2]}'
+    return done
+
+
+def differences(done):
+    """Return the steps that show something else than their page says."""
+    return [f'{words}\nshows\n{seen}\ninstead of\n{told}' for words, told, seen in done
+            if told is not None and not pattern(told).fullmatch(seen)]

@@ -1,0 +1,1 @@
+"""The documentation site: pages that are made from sources and from runs."""

@@ -1,0 +1,77 @@
+"""Reference pages from the sources: public names of Python from the rooms' own lists, messages from their files."""
+import ast
+import importlib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CORE = 'move_base_abstract'
+#: what users' nodes and tests import besides, {module: names of it; none: all that it has}
+FOR_NODES = {'move_base_abstract_ros.lockstep': ('join', 'is_lockstep', 'participant', 'Participant'),
+             'move_base_abstract_ros.goal_client': (), 'move_base_abstract_ros.time_master_client': (),
+             'move_base_abstract_testing.system_under_test': ()}
+INTERFACES = (('msg', 'Messages'), ('srv', 'Services'), ('action', 'Actions'))
+
+
+
+def interfaces():
+    """Return the page of all messages, services and actions, from their files."""
+    lines = ['# Messages, services, actions', '', 'As their files have them, with units and frames.', '']
+    for folder, title in INTERFACES:
+        lines += ['## ' + title, '']
+        for path in sorted((ROOT / folder).glob('*.' + folder)):
+            lines += ['### ' + path.stem, '', '```', path.read_text(encoding='utf-8').rstrip(), '```', '']
+    return '\n'.join(lines)
+
+
+def python():
+    """Return the page of the public names of Python, room by room."""
+    lines = ['# Python', '',
+             'Public names, from their docstrings. What each room is for: [architecture](architecture.md).', '',
+             '## Without ROS', '', 'Robots in plain Python, and the core of the nodes.', '']
+    shown = set()
+    for room, names in _rooms(CORE):
+        if room:
+            lines += ['### {}.{}'.format(CORE, room), '', importlib.import_module(CORE + '.' + room).__doc__ or '', '']
+        for name, home in names:
+            if (home, name) not in shown:
+                shown.add((home, name))
+                lines += _entry(_kind(home, name), '.'.join(part for part in (CORE, room, name) if part))
+    lines += ['## For nodes and tests', '']
+    for module, names in FOR_NODES.items():
+        lines += ['### ' + module, '']
+        lines += [] if names else _entry('automodule', module)
+        for name in names:
+            lines += _entry('autoclass' if name[0].isupper() else 'autofunction', module + '.' + name)
+    return '\n'.join(lines)
+
+
+def _entry(kind, name):
+    options = '\n    :members:' if kind in ('autoclass', 'automodule') else ''
+    return ['```{eval-rst}', '.. {}:: {}{}'.format(kind, name, options), '```', '']
+
+
+def _kind(home, name):
+    """Return what Sphinx is to show a name of a module as; from its source, for not everything can be imported."""
+    path = (ROOT / 'src').joinpath(*home.split('.'))
+    text = (path / '__init__.py' if path.is_dir() else path.with_suffix('.py')).read_text(encoding='utf-8')
+    found = {getattr(node, 'name', ''): node for node in ast.parse(text).body}.get(name)
+    return {ast.ClassDef: 'autoclass', ast.FunctionDef: 'autofunction'}.get(type(found), 'autodata')
+
+
+def _rooms(package):
+    """Yield (room, [(public name, its module)]), the package itself as ''."""
+    folder = ROOT / 'src' / package
+    for path in [folder / '__init__.py', *sorted(folder.glob('*/__init__.py'))]:
+        room = '' if path.parent == folder else path.parent.name
+        here = '.'.join(part for part in (package, room) if part)
+        names = [(name, here + '.' + module) for module, own in _handed_on(path).items() for name in own.split()]
+        if names:
+            yield room, names
+
+
+def _handed_on(path):
+    """Return the table of names that a package hands on, {module: names}, from its source."""
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'handed_on':
+            return ast.literal_eval(node.args[1])
+    return {}

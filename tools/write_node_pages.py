@@ -1,0 +1,167 @@
+#!/usr/bin/python3
+"""Write docs/nodes/*.md, one page for each node, and the tables of parameters within other pages.
+
+usage: tools/write_node_pages.py
+
+Parameters come from the tables that the nodes check against; topics, services and actions from
+docs/nodes/interfaces.yaml, which a rostest holds to the nodes. A table within a page stands between
+`<!-- parameters: NAME -->` and `<!-- end -->`. A unit test holds the pages to this program.
+"""
+import ast
+import re
+import sys
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / 'src'))
+DOCS = ROOT / 'docs'
+NODES = DOCS / 'nodes'
+
+from move_base_abstract.common.parameter_table import SCHEMAS  # noqa: E402
+from move_base_abstract.config import node_tables, robot_table  # noqa: E402
+from move_base_abstract.energy import battery  # noqa: E402
+from move_base_abstract.faults import buggify, failures  # noqa: E402
+from move_base_abstract.lockstep import node_parameters  # noqa: E402
+from move_base_abstract.motion import durations  # noqa: E402
+from move_base_abstract.sensing import laser  # noqa: E402
+
+UNIT = re.compile(r' \[([^\[\]_]*)\]')
+CPP_TABLE = ROOT / 'src' / 'time_master' / 'parameters' / 'parameter_table.h'
+HEAD = ('| parameter | what | type | unit | default | range |', '|---|---|---|---|---|---|')
+KINDS = {'boolean': 'true or false', 'integer': 'whole number', 'string': 'text', 'array': 'list'}
+
+
+def _robot(*beginnings):
+    return [parameter for parameter in robot_table.TABLE if parameter.name.startswith(beginnings)]
+
+
+#: tables within pages, {name: Parameters}
+WITHIN = {'durations': durations.TABLE, 'failures': failures.TABLE, 'buggify': buggify.TABLE, 'battery': battery.TABLE,
+          'laser': laser.TABLE, 'stage': _robot('stage_'), 'gazebo': _robot('gazebo_'),
+          'map': _robot('use_map', 'map_topic', 'allow_')}
+_LOCKSTEP = ('Of every node that takes part in lockstep', node_parameters.TABLE)
+_SCENARIO = 'Keys of a scenario, instead of the file'
+_ACTIONLIB = ('Of actionlib, found as actionlib finds them', node_tables.ACTIONLIB)
+#: {node: [(heading of its table or '', Parameters)]}
+TABLES = {
+    'move_base': [('', robot_table.LIMITS + robot_table.TABLE), _LOCKSTEP, _ACTIONLIB],
+    'fleet': [('', node_tables.FLEET), (_SCENARIO, node_tables.FLEET_INLINE), _LOCKSTEP, _ACTIONLIB],
+    'task_server': [('', node_tables.TASK_SERVER), (_SCENARIO, node_tables.TASK_SERVER_INLINE), _LOCKSTEP, _ACTIONLIB],
+    'task_source': [('', node_tables.TASK_SOURCE), (_SCENARIO, node_tables.TASK_SOURCE_INLINE), _LOCKSTEP],
+    'map_server': [('', (node_tables.MAP_FRAME, *node_tables.MAP_OLD_FORM))],
+}
+
+
+def kind_of(parameter):
+    """Return the type of a Parameter in a word."""
+    schema = SCHEMAS.get(parameter.convert, {})
+    if 'enum' in schema:
+        return 'text'
+    if schema:
+        return KINDS.get(schema['type'], schema['type'])
+    return 'mapping' if parameter.allowed.startswith('a mapping') else 'list'
+
+
+def shown(value):
+    """Return a default as YAML would have it."""
+    if value in (None, '') or value == ():
+        return ''
+    if isinstance(value, (tuple, list)):
+        return '`{}`'.format('[{}]'.format(', '.join("''" if item == '' else '{}'.format(item) for item in value)))
+    if isinstance(value, bool):
+        return str(value).lower()
+    return '{:.6g}'.format(value) if isinstance(value, float) else str(value)
+
+
+def row(parameter):
+    """Return the row of a Parameter: name, what, type, unit, default, range."""
+    units = UNIT.findall(parameter.allowed)
+    return '| `{}` | {} | {} | {} | {} | {} |'.format(
+        parameter.name, parameter.what, kind_of(parameter), units[-1] if units else '', shown(parameter.default),
+        UNIT.sub('', parameter.allowed).replace('|', '\\|'))
+
+
+def table(parameters):
+    """Return the lines of a table of Parameters."""
+    lost = [parameter.name for parameter in parameters if not parameter.what.endswith('.')]
+    if lost:
+        raise SystemExit(f'{lost[0]}: its Parameter has no sentence that says what it is for')
+    return [*HEAD, *map(row, parameters)]
+
+
+def cpp_rows():
+    """Return the rows of the time master's table: name, type, unit, default, range, what."""
+    text = CPP_TABLE.read_text(encoding='utf-8')
+    text = text[text.index('kParameterTable[] = {'):text.index('\n};\n\n/** @return')]
+    rows = [[ast.literal_eval(f'({cell})') for cell in re.findall(r'"(?:[^"\\]|\\.)*"(?:\s+"(?:[^"\\]|\\.)*")*', one)]
+            for one in re.findall(r'\{((?:\s*"(?:[^"\\]|\\.)*",?)+)\}', text)]
+    assert rows and all(len(one) == 6 for one in rows), rows
+    return rows
+
+
+def parameters_of(node):
+    """Return the lines of a node's section on parameters."""
+    lines = ['## Parameters', '', 'Private parameters, which the node reads once at the start. A wrong value is fatal: '
+             'the text names key, namespace, value and what is allowed. A name that is not known gets a warning.', '']
+    if node == 'time_master':
+        rows = ('| `{}` | {} | {} | {} | {} | {} |'.format(one[0], one[5], *one[1:5]) for one in cpp_rows())
+        return [*lines, *HEAD, *rows, '']
+    for heading, parameters in TABLES[node]:
+        lines += ([f'### {heading}', ''] if heading else []) + [*table(parameters), '']
+    return lines
+
+
+def interfaces_of(described):
+    """Return the lines of a node's sections on actions, topics and services."""
+    lines = []
+    for part in ('actions', 'topics', 'services'):
+        if part in described:
+            columns = ['name', 'type', *(['direction'] if part == 'topics' else []), 'only with', 'what']
+            lines += ['## ' + part.capitalize(), '', '| {} |'.format(' | '.join(columns)), '|---' * len(columns) + '|']
+            for one in described[part]:
+                cells = [', '.join(f'`{name}`' for name in one['names']), one['type'],
+                         *([one['direction']] if part == 'topics' else []),
+                         ' or '.join(f'`{name}`' for name in one['when'].split(' or ')) if 'when' in one else '',
+                         one['what']]
+                lines.append('| {} |'.format(' | '.join(cells)))
+            lines.append('')
+    return lines
+
+
+def page(node, described):
+    """Return the text of a node's page."""
+    lines = [f'# Node `{node}`', '', described['what'] + ' How to use it: [guide]({}).'.format(described['guide']), '',
+             'This page is written by `tools/write_node_pages.py` from the tables that the node checks against; a test '
+             'holds it to the node.', '']
+    if 'like' in described:
+        lines += [described['like']['text'], '']
+    if 'actions' in described or node == 'move_base':
+        lines += ['`<ns>` is the namespace of a robot, `~` is the name of the node.', '']
+    return '\n'.join([*lines, *parameters_of(node), *interfaces_of(described)]).rstrip() + '\n'
+
+
+def filled(text):
+    """Return a page's text with its tables of parameters made anew."""
+    def fill(match):
+        return '\n'.join([match.group(1), *table(WITHIN[match.group(2)]), match.group(3)])
+    return re.sub(r'(<!-- parameters: (\w+) -->)\n.*?(<!-- end -->)', fill, text, flags=re.DOTALL)
+
+
+def pages():
+    """Return {path: text} of all pages that this program writes, or writes into."""
+    interfaces = yaml.safe_load((NODES / 'interfaces.yaml').read_text(encoding='utf-8'))
+    made = {NODES / (node + '.md'): page(node, described) for node, described in interfaces.items()}
+    for path in sorted(DOCS.glob('*.md')):
+        text = path.read_text(encoding='utf-8')
+        if '<!-- parameters: ' in text:
+            made[path] = filled(text)
+    return made
+
+
+if __name__ == '__main__':
+    if len(sys.argv) > 1:
+        sys.exit(__doc__)
+    for where, content in pages().items():
+        where.write_text(content, encoding='utf-8')
