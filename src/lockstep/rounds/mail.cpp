@@ -49,6 +49,9 @@ void RoundMail::post(MemberId id, Mail mail) {
  * any other. So the run is the same one, with fewer rounds.
  */
 void RoundMail::keepPosted() {
+  if (posted_.empty()) {
+    return;
+  }
   for (const MemberId id : takePosted()) {
     MemberState* const member = members_.find(id);
     if (member == nullptr || !member->present || member->ready) {

@@ -6,16 +6,6 @@
 
 namespace move_base_abstract {
 
-MemberState* RoundMembers::find(MemberId id) {
-  const auto found = members_.find(id);
-  return found == members_.end() ? nullptr : &found->second;
-}
-
-const MemberState* RoundMembers::find(MemberId id) const {
-  const auto found = members_.find(id);
-  return found == members_.end() ? nullptr : &found->second;
-}
-
 MemberState& RoundMembers::add(MemberId id, const std::string& name, std::int32_t rank) {
   MemberState& member = members_[id];
   member.name = name;
@@ -135,16 +125,6 @@ void RoundMembers::wakeResting() {
   resting_.clear();
 }
 
-void RoundMembers::expectReport(MemberState& member) {
-  ++owing_;
-  member.owes = true;
-}
-
-void RoundMembers::settle(MemberState& member) {
-  member.owes = false;
-  --owing_;
-}
-
 /** @brief The earliest turn that the member has told already is now. */
 void RoundMembers::takeForeseen(MemberId id, MemberState& member) {
   member.foreseen.pop_front();
@@ -169,14 +149,19 @@ MailOrder RoundMembers::order(MemberId id, std::uint32_t sub, std::uint64_t numb
   return {member ? member->rank : 0, sub, places_.of(id), number};
 }
 
-bool RoundMembers::before(MemberId a, MemberId b) const {
-  const MailOrder left = order(a, 0, 0);
-  const MailOrder right = order(b, 0, 0);
-  return std::tie(left.rank, left.place, a) < std::tie(right.rank, right.place, b);
-}
-
 void RoundMembers::sort(std::vector<MemberId>& ids) const {
-  std::sort(ids.begin(), ids.end(), [this](MemberId a, MemberId b) { return before(a, b); });
+  if (ids.size() < 2) {
+    return;
+  }
+  std::vector<std::tuple<std::int32_t, std::uint32_t, MemberId>> keys;  // looked up once each
+  keys.reserve(ids.size());
+  for (const MemberId id : ids) {
+    const MailOrder of = order(id, 0, 0);
+    keys.emplace_back(of.rank, of.place, id);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::transform(keys.begin(), keys.end(), ids.begin(),
+                 [](const auto& key) { return std::get<2>(key); });
 }
 
 }  // namespace move_base_abstract

@@ -89,8 +89,14 @@ class RoundMembers {
   const Map& all() const { return members_; }
   MemberState& at(MemberId id) { return members_.at(id); }
   /** @return null for one that is not there. */
-  MemberState* find(MemberId id);
-  const MemberState* find(MemberId id) const;
+  MemberState* find(MemberId id) {
+    const auto found = members_.find(id);
+    return found == members_.end() ? nullptr : &found->second;
+  }
+  const MemberState* find(MemberId id) const {
+    const auto found = members_.find(id);
+    return found == members_.end() ? nullptr : &found->second;
+  }
   MemberState& add(MemberId id, const std::string& name, std::int32_t rank);
   /** @brief It will not report any more; until remove() it still counts as a receiver. */
   void gone(MemberId id);
@@ -116,9 +122,15 @@ class RoundMembers {
   void rest(MemberId id);
   void wakeResting();
   /** @brief It is granted: a report of it is to come. */
-  void expectReport(MemberState& member);
+  void expectReport(MemberState& member) {
+    ++owing_;
+    member.owes = true;
+  }
   /** @brief The report of its latest grant is in, or will never be. @pre owes */
-  void settle(MemberState& member);
+  void settle(MemberState& member) {
+    member.owes = false;
+    --owing_;
+  }
   /** @return how many owe a report. */
   std::size_t owing() const { return owing_; }
   void takeForeseen(MemberId id, MemberState& member);
@@ -137,9 +149,7 @@ class RoundMembers {
   /** @brief Where an action of @p id comes. A member that joins or leaves moves the others' places:
    * keep none from one decision to the next. */
   MailOrder order(MemberId id, std::uint32_t sub, std::uint64_t number) const;
-  /** @brief Whether @p a comes before @p b: by rank, then name. */
-  bool before(MemberId a, MemberId b) const;
-  /** @brief Put them into this order. */
+  /** @brief Put them into their order: by rank, then name. */
   void sort(std::vector<MemberId>& ids) const;
 
  private:

@@ -240,7 +240,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin
     grants.back().time = next;
     grants.back().later += windows_.enter(member, next);
   }
-  watch_.begin(std::move(ids), wall);
+  watch_.begin(wall) = std::move(ids);
   return grants;
 }
 
@@ -251,7 +251,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   idle_ = false;
   std::vector<Grant> grants;
   grants.reserve(ids.size());
-  std::vector<MemberId> granted;
+  std::vector<MemberId>& granted = watch_.begin(wall);
   for (const MemberId id : ids) {
     MemberState& member = members_.at(id);
     if (isForeseen(member)) {
@@ -264,7 +264,6 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   }
   clock_.played += granted.empty() ? 1 : 0;
   members_.dropGranted();
-  watch_.begin(std::move(granted), wall);
   return grants;
 }
 

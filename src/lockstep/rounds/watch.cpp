@@ -1,7 +1,6 @@
 #include "watch.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace move_base_abstract {
 namespace {
@@ -10,9 +9,10 @@ constexpr Nanoseconds kLongReport = kNanosecondsPerSecond;  // longer is shown a
 
 }  // namespace
 
-void RoundWatch::begin(std::vector<MemberId> granted, Nanoseconds wall) {
-  granted_ = std::move(granted);
+std::vector<MemberId>& RoundWatch::begin(Nanoseconds wall) {
   next_look_ = limit_ == 0 ? kNever : addSaturated(wall, limit_);
+  granted_.clear();
+  return granted_;
 }
 
 std::vector<MemberId> RoundWatch::look(Nanoseconds wall) {

@@ -15,8 +15,8 @@ class RoundWatch {
   /** @param limit of a report [ns]; 0: there is none. */
   RoundWatch(RoundMembers& members, Nanoseconds limit) : members_(members), limit_(limit) {}
 
-  /** @brief These have been granted, in this order. */
-  void begin(std::vector<MemberId> granted, Nanoseconds wall);
+  /** @brief A round begins. @return the list for those who are granted, in their order. */
+  std::vector<MemberId>& begin(Nanoseconds wall);
   const std::vector<MemberId>& granted() const { return granted_; }
   /** @return when to look, or kNever. */
   Nanoseconds nextLook() const { return next_look_; }
