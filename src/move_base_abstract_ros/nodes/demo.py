@@ -97,7 +97,7 @@ def _run_warehouse(arguments, log):
         _carry_out(run, ros, report.make_progress(run.count, 'orders', sys.stderr))
     log.close()
     print(report.aligned(*warehouse.table_of(*log.rows())))
-    print(log.make_page(map_path))
+    print(log.make_page(map_path, scenario))
     print(report.closing_line(*run.elapsed()), flush=True)
 
 

@@ -67,12 +67,12 @@ class RunLog:
             log = event_log.EventLog(stream, self.path)
             return log.start_ns, [(one.time_ns, one.robot, one.kind, json.loads(one.values)) for one in log]
 
-    def make_page(self, map_path):
-        """Make the page; return a line that says where it is, or why there is none."""
+    def make_page(self, map_path, scenario=None):
+        """Make the page, with the world of a scenario (a path); return a line that says where it is, or why not."""
         try:
             from move_base_abstract_replay.page import write_page
             os.makedirs(os.path.dirname(os.path.abspath(self._output)), exist_ok=True)
-            write_page([self.path], self._output, map_path)
+            write_page([self.path], self._output, map_path, scenario)
         except (SimulatorError, OSError) as error:
             return 'no replay: {}'.format(error)
         return 'replay: {}'.format(os.path.abspath(self._output))
