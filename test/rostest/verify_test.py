@@ -137,6 +137,15 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertIn('identical: 3 runs (plain, hash, split)', said)
         self.assertNotIn(', 0 events', said)
 
+    def test_a_fleet_that_counts_robots_stays_in_one_process_and_one_run_is_not_called_identical(self):
+        file = self.write('zone.launch', FLEET.replace('5.0}]}<', '5.0}], zones: [{name: dock, capacity: 1, polygon: '
+                                                       '[[20, 0], [30, 0], [30, 9]]}]}<'))
+        code, said = self.verify('--conditions', 'plain,split', file)
+        self.assertEqual(code, 4, said)
+        self.assertIn('split: not run: /fleet: one process must count the robots in its zones', said)
+        self.assertIn('nothing is compared: only one run was made (plain)', said)
+        self.assertNotIn('identical', said)
+
     def test_what_is_not_called_repeatable_is_said(self):
         code, said = self.verify('--runs', '2', '--until', '10', self.launch_file(
             NODE.format('ticks'), NODE.format('quiet'), '<param name="quiet/lockstep_charge" value="measured"/>'))

@@ -36,7 +36,7 @@ class Run(NamedTuple):
     message_bytes: str  # path of a file with what participants have sent each other
     bags: dict  # {(node, number of its bag from 1 on): path}
     crashes: list  # of its nodes, in words; they are allowed
-    fleets: list  # names of those that could be in several processes
+    fleets: list  # [name, why it cannot be in several processes; '': it can]
 
     @property
     def labels(self):
@@ -84,12 +84,15 @@ class Verification:
         return self._conclude()
 
     def _can_split(self):
-        """Return whether the first run's fleets may run in two processes each, and be compared with it."""
-        fleets = self.runs[0].fleets
-        crashed = [crash for crash in self.runs[0].crashes if crash.partition(' ')[0] in fleets]
-        if crashed:
-            self._say('split: not run: in two processes a fleet has other names, and {}'.format(crashed[0]))
-        return bool(fleets) and not crashed
+        """Return whether the first run's fleets may run in two processes each, and be compared with it; say why not."""
+        first = self.runs[0]
+        names = [name for name, _why in first.fleets]
+        crashed = [crash for crash in first.crashes if crash.partition(' ')[0] in names]
+        why = ['in two processes a fleet has other names, and ' + crash for crash in crashed[:1]] or [
+            '{}: {}'.format(name, why) for name, why in first.fleets if why]
+        if why:
+            self._say('split: not run: ' + why[0])
+        return bool(names) and not why
 
     def _run(self, condition):
         folder = os.path.join(self._folder, '{}_{}'.format(len(self.runs) + 1, condition.name))
@@ -170,13 +173,17 @@ class Verification:
 
     def _conclude(self):
         counts = run_difference.compare(self.runs[0].log, self.runs[0].log)
+        names = ', '.join(run.condition.name for run in self.runs)
+        is_compared = len(self.runs) > 1
         self._say('identical: {} runs ({}), {} events and {} messages each{}'.format(
-            len(self.runs), ', '.join(run.condition.name for run in self.runs), counts.events, counts.messages,
-            self._told_of_bags()))
+            len(self.runs), names, counts.events, counts.messages, self._told_of_bags())
+            if is_compared else 'nothing is compared: only one run was made ({})'.format(names))
         self._say('not compared: other files that nodes write, and what they print')
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
         labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
+        if not is_compared:
+            labels.append('but one run says nothing of another: more --conditions make more runs')
         if not (counts.events or counts.messages or self.runs[0].bags):
             labels.append('but there was nothing to compare: no robot did anything, and no message went from one '
                           'participant to another')

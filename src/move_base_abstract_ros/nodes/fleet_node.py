@@ -5,13 +5,13 @@ import time
 
 import rospy
 
-from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table, unknown_names
-from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
+from move_base_abstract.config.node_tables import FLEET
 from move_base_abstract.encounters.control import make_encounters
-from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
+from move_base_abstract.scenario import check_one_process
 
 from ..clocks.timing import make_timing
+from ..fleet.fleet_scenario import INLINE, read_fleet_scenario
 from ..fleet.fleet_server import FleetServer, robot_names
 from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_parameters
@@ -19,10 +19,6 @@ from ..robot.host import Host
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
 _LAST_WORDS_SECONDS = 0.2
-#: parameters of the node that come before the scenario's defaults of the same name
-_OVERRIDES = ('use_map', 'backend', 'seed')
-#: the scenario itself, instead of a file
-INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
 
 
 def main():
@@ -49,7 +45,7 @@ def _build():
         rospy.logwarn(warning)
     timing = make_timing()
     clock = timing.make_clock()
-    scenario = _read_scenario(raw, values, where, timing.base_settings)
+    scenario = read_fleet_scenario(raw, values, where, timing.base_settings)
     part, parts = values['part'], values['parts']
     check_one_process(scenario, parts, where)
     specs = _share(scenario.robots, part, parts)
@@ -62,19 +58,6 @@ def _build():
     fleet = FleetServer(namespace, host, specs, scenario, itertools.count(len(scenario.robots) + part, parts))
     clock.serve()
     return fleet
-
-
-def _read_scenario(raw, values, where, base):
-    inline = {key: raw[key] for key in INLINE if key in raw}
-    if values['scenario'] and inline:
-        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
-            where, sorted(inline)[0]))
-    if values['part'] >= values['parts']:
-        raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
-            where, values['part'], values['parts']))
-    overrides = {name: values[name] for name in _OVERRIDES if values[name] is not None}
-    return (read_scenario(values['scenario'], overrides, base) if values['scenario']
-            else make_scenario(inline, where, overrides, base))
 
 
 def _allow_many_connections():

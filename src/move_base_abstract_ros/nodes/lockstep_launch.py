@@ -241,7 +241,7 @@ def _conclude(parent, made, found, log, options):
     broken = judged.chosen(names)
     if options.outcome:
         with open(options.outcome, 'x', encoding='utf-8') as stream:
-            json.dump({'bags': [[bag.node, bag.path] for bag in found], 'fleets': list(map(shown_text, made.fleets)),
+            json.dump({'bags': [[bag.node, bag.path] for bag in found], 'fleets': _fleets(made),
                        'crashes': [shown_text(end.words) for end in crashed], 'properties': judged.told()}, stream)
     for end in crashed:
         print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
@@ -256,6 +256,13 @@ def _conclude(parent, made, found, log, options):
     if broken:
         return _BROKEN
     return _CRASHED if crashed and options.crashes == FAIL and not parent.code else parent.code
+
+
+def _fleets(made):
+    """Return [name, why it cannot be split into processes; '': it can] of each fleet that lives in one."""
+    from ..fleet.fleet_scenario import why_one_process
+    params = {key: param.value for key, param in made.config.params.items()}
+    return [[shown_text(name), shown_text(why_one_process(params, name))] for name in made.fleets]
 
 
 def _tell_bags(made, found):

@@ -21,13 +21,13 @@ from move_base_abstract.orders.settings import DISPATCHER_TABLE, DispatchSetting
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 from ...clocks.timing import make_timing
+from ...fleet.fleet_scenario import INLINE
 from ...messages import conversions, orders, packing
 from ...messages.outlets import Outlet
 from ...process.node_process import parse_no_arguments, run_node
 from ...process.own_parameters import own_parameters
 from ...robot.events_topic import EventsTopic
 from ...robot.work_server import ACTION as WORK
-from ..fleet_node import INLINE
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
 _CONNECT_SECONDS = 30.0  # of the clock's wait_until

@@ -1,0 +1,52 @@
+"""The scenario that the private parameters of a node ``fleet`` name or hold; nothing here needs a running ROS."""
+from typing import Any, Dict, Mapping, Optional
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import read_table
+from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
+from move_base_abstract.scenario import Scenario, counted_places, make_scenario, read_scenario
+
+#: parameters of the node that come before the scenario's defaults of the same name
+_OVERRIDES = ('use_map', 'backend', 'seed')
+#: the scenario itself, instead of a file
+INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
+
+
+def read_fleet_scenario(raw: Mapping[str, Any], values: Mapping[str, Any], where: str,
+                        base: Optional[Dict[str, Any]] = None) -> Scenario:
+    """Return the scenario of a fleet.
+
+    :param raw: the node's private parameters as they are; values: what the table FLEET makes of them.
+    :param where: the node's name, for errors; base: settings that stand below those of the scenario.
+    :raises ConfigurationError: if there are two scenarios, or one that cannot be used.
+    """
+    inline = {key: raw[key] for key in INLINE if key in raw}
+    if values['scenario'] and inline:
+        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
+            where, sorted(inline)[0]))
+    if values['part'] >= values['parts']:
+        raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
+            where, values['part'], values['parts']))
+    overrides = {name: values[name] for name in _OVERRIDES if values[name] is not None}
+    return (read_scenario(values['scenario'], overrides, base) if values['scenario']
+            else make_scenario(inline, where, overrides, base))
+
+
+def why_one_process(params: Mapping[str, Any], name: str) -> str:
+    """Return why the fleet of this name cannot be split into several processes, in a few words; '': it can.
+
+    :param params: {full name: value} of a launch file.
+    """
+    raw: Dict[str, Any] = {}
+    for key in params:
+        if key.startswith(name + '/'):
+            *folders, last = key[len(name) + 1:].split('/')
+            level = raw
+            for folder in folders:
+                level = level.setdefault(folder, {})
+            level[last] = params[key]
+    try:
+        counted = counted_places(read_fleet_scenario(raw, read_table(raw, FLEET, name), name))
+    except ConfigurationError as error:  # for instance calibrated encounters, whose calibration stands elsewhere
+        return str(error)
+    return 'one process must count the robots in its {}'.format(counted) if counted else ''
