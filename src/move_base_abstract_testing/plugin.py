@@ -33,10 +33,17 @@ def pytest_cmdline_main(config):
 
 def pytest_generate_tests(metafunc):
     """Make a test of each chaos seed that a marker asks for."""
-    seeds = _marked(metafunc.definition).get('chaos_seeds')
-    if seeds is not None and 'lockstep' in metafunc.fixturenames:
-        metafunc.parametrize('lockstep', range(seeds), ids=['chaos_{}'.format(seed) for seed in range(seeds)],
-                             indirect=True)
+    given = _marked(metafunc.definition).get('chaos_seeds')
+    if given is None or 'lockstep' not in metafunc.fixturenames:
+        return
+    from move_base_abstract.common.errors import ConfigurationError
+
+    from .settings import chaos_seeds
+    try:
+        seeds = chaos_seeds(given)
+    except ConfigurationError as error:
+        pytest.fail('{}: {}'.format(metafunc.definition.nodeid, error), pytrace=False)
+    metafunc.parametrize('lockstep', seeds, ids=['chaos_{}'.format(seed) for seed in seeds], indirect=True)
 
 
 def pytest_runtest_protocol(item, nextitem):

@@ -1,4 +1,5 @@
 """What a test asks for: the keywords of ``@pytest.mark.lockstep``, which ``lockstep.start`` takes as well."""
+import operator
 import os
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, List, Optional, Tuple, Union
@@ -10,6 +11,7 @@ from move_base_abstract.lockstep.property_names import ALL, NAMES
 DEPARTURE, IDLE = 'test', 'idle'
 #: of the marker, and not of a run
 OF_TESTS = ('chaos_seeds', 'wall_limit')
+_MOST_SEEDS = 100_000  # each is a test
 
 
 @dataclass
@@ -37,6 +39,22 @@ class Settings:
             if not isinstance(name, str) or name.split()[:1] == [] or name.split()[0].count('/') != 1:
                 raise ConfigurationError('lockstep: nodes, replace: must be PACKAGE/TYPE, got '
                                          + shown(name))
+
+
+def chaos_seeds(given: Any) -> List[int]:
+    """Return the seeds that a marker asks for: of 4 they are 0 to 3, of ``range(2, 9)`` or ``[1, 7]`` those.
+
+    :raises ConfigurationError: for what is neither a number nor a row of numbers, each 0 to 2**32 - 1.
+    """
+    found = list(range(given)) if isinstance(given, int) and 0 < given <= _MOST_SEEDS else given
+    try:
+        seeds = [operator.index(one) for one in found]
+    except TypeError:
+        seeds = []
+    if not 0 < len(seeds) <= _MOST_SEEDS or isinstance(given, bool) or not all(0 <= one < 1 << 32 for one in seeds):
+        raise ConfigurationError('lockstep: chaos_seeds: must be a number of seeds, or the seeds in a list or range '
+                                 '(1 to {} of them, each 0 to 2**32 - 1), got {}'.format(_MOST_SEEDS, shown(given)))
+    return seeds
 
 
 def _check(what: str, wrong: List[Any], allowed: Tuple[str, ...]) -> None:

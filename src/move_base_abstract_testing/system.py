@@ -106,7 +106,8 @@ class System:
         """
         def look(*_signal: Any) -> None:
             processes.reap(self._statuses)
-            gone = [one for one in self._processes if one.takes_part and one.pid in self._statuses]
+            needed = [*self._processes[:1], *(one for one in self._processes if one.takes_part)]  # the time master
+            gone = [one for one in needed if one.pid in self._statuses]
             if gone:
                 raise SimulatorError('\n'.join(['{} ended ({}) before time started; it printed last:'.format(
                     gone[0].name, ends.described(processes.code_of(self._statuses[gone[0].pid]))),

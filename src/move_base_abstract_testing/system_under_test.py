@@ -86,8 +86,8 @@ class Lockstep:
         try:
             self._system = System(self._settings, self.folder)
             rospy_start.prepare()
-            rospy.init_node(TEST.strip('/'), argv=[], disable_signals=True, disable_rosout=True)
             with self._system.watched():
+                rospy.init_node(TEST.strip('/'), argv=[], disable_signals=True, disable_rosout=True)
                 self._joined = lockstep.join()
         except BaseException:
             self._system = None
