@@ -121,7 +121,7 @@ FAILS = {
     'test_what_never_comes_fails': 'the impossible is not true 100 s later, at 101.000000000 s',
     'test_who_is_not_there_is_named': "there is no robot 'robot_7': no node serves /robot_7/move_base",
     'test_a_node_that_ends_too_soon_is_named': '/recorder ended (exit code 1) before time started; it printed last:',
-    'test_a_time_master_that_ends_too_soon_is_named': '/time_master ended (exit code 1) before time started; it printed',
+    'test_a_time_master_that_ends_too_soon_is_named': '/time_master ended (exit code 1) before time started; it',
     'test_a_file_that_is_not_there_is_named': 'three.yaml is not there',
     'test_a_word_that_is_not_known_is_named': "lockstep: there is no 'robot'; there are args, chaos_seeds, launch",
     'test_a_test_that_hangs_is_ended': 'the test was not over after 3 s of wall time (wall_limit)'}

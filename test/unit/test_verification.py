@@ -13,7 +13,8 @@ from move_base_abstract_ros.launching import verification  # noqa: TID251 - it k
         'split: not run: in two processes a fleet has other names, and /fleet crashed at 3.0 s: exit code 1']),
     ([['/a', ''], ['/fleet', 'one process must count the robots in its zones']], [], False, [
         'split: not run: /fleet: one process must count the robots in its zones'])])
-def test_a_fleet_that_crashed_or_counts_robots_is_not_compared_with_one_in_two_processes(tmp_path, fleets, crashes, can, said):
+def test_a_fleet_that_crashed_or_counts_robots_is_not_compared_with_one_in_two_processes(
+        tmp_path, fleets, crashes, can, said):
     told = []
     run = verification.Verification([], [], str(tmp_path), 1.0, told.append)
     run.runs.append(SimpleNamespace(fleets=fleets, crashes=crashes))
