@@ -1,5 +1,4 @@
 """What a test asks for: the keywords of ``@pytest.mark.lockstep``, which ``lockstep.start`` takes as well."""
-import operator
 import os
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, List, Optional, Tuple, Union
@@ -44,17 +43,14 @@ class Settings:
 def chaos_seeds(given: Any) -> List[int]:
     """Return the seeds that a marker asks for: of 4 they are 0 to 3, of ``range(2, 9)`` or ``[1, 7]`` those.
 
-    :raises ConfigurationError: for what is neither a number nor a row of numbers, each 0 to 2**32 - 1.
+    :raises ConfigurationError: for what is neither a number nor a list, tuple or range of numbers, 0 to 2**32 - 1.
     """
-    found = list(range(given)) if isinstance(given, int) and 0 < given <= _MOST_SEEDS else given
-    try:
-        seeds = [operator.index(one) for one in found]
-    except TypeError:
-        seeds = []
-    if not 0 < len(seeds) <= _MOST_SEEDS or isinstance(given, bool) or not all(0 <= one < 1 << 32 for one in seeds):
+    seeds = range(given) if type(given) is int else given  # a bool is no number
+    if not (isinstance(seeds, (range, list, tuple)) and 0 < len(seeds[:_MOST_SEEDS + 1]) <= _MOST_SEEDS
+            and all(type(one) is int and 0 <= one < 1 << 32 for one in seeds)):
         raise ConfigurationError('lockstep: chaos_seeds: must be a number of seeds, or the seeds in a list or range '
                                  '(1 to {} of them, each 0 to 2**32 - 1), got {}'.format(_MOST_SEEDS, shown(given)))
-    return seeds
+    return list(seeds)
 
 
 def _check(what: str, wrong: List[Any], allowed: Tuple[str, ...]) -> None:

@@ -3,6 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from move_base_abstract_ros.fleet.fleet_scenario import why_one_process  # noqa: TID251 - it knows no ROS
 from move_base_abstract_ros.launching import verification  # noqa: TID251 - it knows no ROS
 
 
@@ -35,3 +36,20 @@ def test_what_a_run_says_for_programs_is_read_once_and_gone(tmp_path):
     path.write_text('{"bags": [], "fleets": ["/fleet"], "crashes": []}')
     assert verification._outcome(str(path)) == {'bags': [], 'fleets': ['/fleet'], 'crashes': []}
     assert not path.exists()
+
+
+@pytest.mark.parametrize('below, why', [
+    ({'/robots': [{'name': 'a'}]}, ''), ({}, ''), ({'': 3}, ''),
+    ({'/robots': [{'name': 'a'}], '/defaults/max_speed': 2.0}, ''),
+    ({'/robots': [{'name': 'a'}], '/robots/x': 1, '/defaults': 3, '/defaults/max_speed': 2.0}, 'a list of robots'),
+    ({'/robots': [{'name': 'a'}], '/zones': [{'name': 'z', 'capacity': 1, 'polygon': [[0, 0], [1, 0], [1, 1]]}]},
+     'one process must count the robots in its zones'),
+    ({'/robots': [{'name': 'a'}], '/places': [{'name': 'dock', 'x': 1.0, 'y': 2.0, 'capacity': 1}]},
+     'in its places'),
+    ({'/robots': [{'name': 'a', 'calibration': 'move_base_dwa_stage'}], '/encounters': 'calibrated'},
+     'in its encounters'),
+    ({'/scenario': '/nowhere/at_all.yaml'}, 'at_all.yaml')])
+def test_why_a_fleet_stays_in_one_process_follows_from_its_parameters(below, why):
+    params = {'/fleet' + key: value for key, value in below.items()}
+    found = why_one_process({**params, '/fleet2/zones': 7, '/other': 'x'}, '/fleet')
+    assert (why in found and bool(found)) if why else found == ''

@@ -12,7 +12,7 @@ namespace move_base_abstract {
 
 /** @brief The present of a run, which its rounds move on. */
 struct RoundClock {
-  Nanoseconds time;
+  Nanoseconds time;  // simulated
   std::uint32_t microstep = 0;
   std::optional<Nanoseconds> applied = {};  // the instant whose turns are being applied
   std::uint64_t rounds = 0;

@@ -4,6 +4,7 @@ from typing import Any, Dict, Mapping, Optional
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
+from move_base_abstract.lockstep.parameters import MISSING, PendingParameters
 from move_base_abstract.scenario import Scenario, counted_places, make_scenario, read_scenario
 
 #: parameters of the node that come before the scenario's defaults of the same name
@@ -37,16 +38,13 @@ def why_one_process(params: Mapping[str, Any], name: str) -> str:
 
     :param params: {full name: value} of a launch file.
     """
-    raw: Dict[str, Any] = {}
-    for key in params:
-        if key.startswith(name + '/'):
-            *folders, last = key[len(name) + 1:].split('/')
-            level = raw
-            for folder in folders:
-                level = level.setdefault(folder, {})
-            level[last] = params[key]
+    tree = PendingParameters()  # as the ROS master has them
+    for key, value in params.items():
+        tree.set(key, value)
+    found = tree.seen(name, MISSING)
+    raw = found if isinstance(found, dict) else {}
     try:
         counted = counted_places(read_fleet_scenario(raw, read_table(raw, FLEET, name), name))
-    except ConfigurationError as error:  # for instance calibrated encounters, whose calibration stands elsewhere
+    except ConfigurationError as error:  # for instance of a file that is gone since the fleet has read it
         return str(error)
     return 'one process must count the robots in its {}'.format(counted) if counted else ''
