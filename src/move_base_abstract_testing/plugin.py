@@ -39,10 +39,13 @@ def pytest_generate_tests(metafunc):
     from move_base_abstract.common.errors import ConfigurationError
 
     from .settings import chaos_seeds
+    seeds, problem = [], ''
     try:
         seeds = chaos_seeds(given)
     except ConfigurationError as error:
-        pytest.fail('{}: {}'.format(metafunc.definition.nodeid, error), pytrace=False)
+        problem = '{}: {}'.format(metafunc.definition.nodeid, error)
+    if problem:  # not within except: pytest would show the first error, too, with its traceback
+        pytest.fail(problem, pytrace=False)
     metafunc.parametrize('lockstep', seeds, ids=['chaos_{}'.format(seed) for seed in seeds], indirect=True)
 
 
