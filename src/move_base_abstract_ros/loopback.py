@@ -184,14 +184,23 @@ class Loopback:
 
     def spawn(self, name, command):
         """Start a process in a group of its own that the kernel kills when this process ends."""
-        log_path = os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
-        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        log_path = self._log_path(name)
         with _open_log(log_path) as log:
-            process = subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
-                                       env=self.environment, start_new_session=True)
-        child = Child(name, process, log_path)
-        self._children.append(child)
-        return child
+            process = self._start(command, log)
+        return self._child(name, process, log_path)
+
+    def _start(self, command, log):
+        """Start a process; return its subprocess.Popen, or processes.Forked."""
+        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        return subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                                env=self.environment, start_new_session=True)
+
+    def _log_path(self, name):
+        return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
+
+    def _child(self, name, process, log_path):
+        self._children.append(Child(name, process, log_path))
+        return self._children[-1]
 
 
 def _open_log(path):
