@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <stdexcept>
 #include <string_view>
 
 #include "clock/shown_text.h"
+#include "new_file.h"
 #include "parameters/chaos_parameters.h"
 
 namespace move_base_abstract {
@@ -48,6 +46,13 @@ void log(const LockstepMessage& message) {
     case LockstepMessage::Level::kError:
       ROS_ERROR("%s", message.text.c_str());
       break;
+  }
+}
+
+/** @param problem '': none. */
+void complain(const std::string& problem) {
+  if (!problem.empty()) {
+    ROS_ERROR("%s", problem.c_str());
   }
 }
 
@@ -132,13 +137,20 @@ LockstepServer::Listeners LockstepMode::listeners() {
 
 /** @brief Leave the file that says to whoever has started this node that time has started. */
 void LockstepMode::noteStart() const {
-  const std::string& path = parameters_.note_of_start;
-  if (!path.empty()) {
-    if (std::FILE* const note = std::fopen(path.c_str(), "wxe")) {
-      std::fclose(note);
-    } else {
-      ROS_ERROR("note_of_start %s: %s", path.c_str(), std::strerror(errno));
-    }
+  if (!parameters_.note_of_start.empty()) {
+    complain(writeNewFile("note_of_start", parameters_.note_of_start, ""));
+  }
+}
+
+/** @brief Leave the file that says to whoever has started this node how the run has ended. */
+void LockstepMode::noteEnd(const LockstepStatus& status) const {
+  if (!parameters_.note_of_end.empty()) {
+    complain(writeNewFile("note_of_end", parameters_.note_of_end,
+                          "{\"ended_by\":\"" + status.ended_by +
+                              "\",\"at_ns\":" + std::to_string(status.time) +
+                              ",\"rounds\":" + std::to_string(status.rounds) +
+                              ",\"leaps\":" + std::to_string(status.leaps) +
+                              ",\"messages\":" + std::to_string(status.messages) + "}\n"));
   }
 }
 
@@ -153,17 +165,20 @@ bool LockstepMode::finish(const std::string& reason) {
   parameters_of_ros_.stop();
   logMessages();
   if (const std::string& path = parameters_.chaos_decisions; !path.empty()) {
-    const std::string problem = writeDecisions(
-        path, server_->with([](LockstepSession& session) { return session.takeDecisions(); }));
-    if (!problem.empty()) {
-      ROS_ERROR("%s", problem.c_str());
-    }
+    complain(writeDecisions(
+        path, server_->with([](LockstepSession& session) { return session.takeDecisions(); })));
   }
   if (ros_master_->gone().empty()) {
     deleteParameter(kAddressParameter);
   }
+  const LockstepStatus status = server_->status();
+  finishLog(status, reason);
+  noteEnd(status);
+  return !event_log_failed_;
+}
+
+void LockstepMode::finishLog(const LockstepStatus& status, const std::string& reason) {
   if (event_log_) {
-    const LockstepStatus status = server_->status();
     const std::string why = status.reason.empty() ? reason : status.reason;
     EventLogWriter::End end{why, status.not_repeatable, status.degraded, ended_ && !ended_->good,
                             status.cut ? std::make_optional(status.time) : std::nullopt};
@@ -177,12 +192,9 @@ bool LockstepMode::finish(const std::string& reason) {
     end.ended_with = status.ended_with;
     end.at_ns = status.time;
     const std::string error = event_log_->finish(end);
-    if (!error.empty()) {
-      ROS_ERROR("%s", error.c_str());
-      event_log_failed_ = true;
-    }
+    complain(error);
+    event_log_failed_ = event_log_failed_ || !error.empty();
   }
-  return !event_log_failed_;
 }
 
 bool LockstepMode::work() {

@@ -58,6 +58,8 @@ class LockstepMode : public TimeMode {
 
   LockstepServer::Listeners listeners();
   void noteStart() const;
+  void noteEnd(const LockstepStatus& status) const;
+  void finishLog(const LockstepStatus& status, const std::string& reason);
   void logMessages();
   void sample(Nanoseconds wall, Nanoseconds time);
   void lookForEnd(const LockstepStatus& status);

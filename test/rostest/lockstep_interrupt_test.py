@@ -133,7 +133,8 @@ class InterruptTest(unittest.TestCase):
             wait_for_end(child, nodes)
         self.assertEqual(master.process.returncode, 0, read(master))
         run = Run(path, {}, {name: read(node) for name, node in nodes.items()})
-        self.assertEqual(run.end['reason'], "'/ends_soon' left at 3.5 s, and the run ends with it")
+        self.assertEqual([run.end[key] for key in ('ended_by', 'node', 'at_ns')],
+                         ['departure', '/ends_soon', 3500000000])
         self.assertTrue(run.end['repeatable'])
         self.assertEqual(run.of('ticks')[-1], (3.0, 'ticks', 2))
 

@@ -378,19 +378,19 @@ class LaunchTest(unittest.TestCase):
 
     def test_an_interrupt_ends_the_run_in_order(self):
         log = self.path('a.jsonl')
-        process = subprocess.Popen(
-            self.command('--event-log', log, '--speed-limit', '10', self.file(TICKING.format(more=''))),
-            env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        words = ['--event-log', log, '--notes', self.folder, '--speed-limit', '10', self.file(TICKING.format(more=''))]
+        process = subprocess.Popen(self.command(*words), env=self.environment, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True)
         self.addCleanup(process.stdout.close)
-        for line in process.stdout:
-            if 'the clock starts' in line:
-                break
-        time.sleep(0.5)  # somewhere in the run; nothing depends on where
+        while not os.path.exists(self.path('start')) and process.poll() is None:
+            time.sleep(0.2)  # then it is somewhere in the run; nothing depends on where
         process.send_signal(signal.SIGINT)
         rest = process.stdout.read()
         self.assertEqual(process.wait(GUARD), 0, rest)
-        with open(log) as stream:
-            end = json.loads(stream.readlines()[-1])['end']
+        with open(log) as stream, open(self.path('end')) as told:
+            end, note = json.loads(stream.readlines()[-1])['end'], json.load(told)
+        self.assertEqual({**note, **{key: end[key] for key in ('ended_by', 'at_ns')}}, note)
+        self.assertEqual(sorted(note), ['at_ns', 'ended_by', 'leaps', 'messages', 'rounds'])
         self.assertIn('cut_ns', end)  # another run may be told to end elsewhere
         self.assertEqual(end['not_repeatable_because'] + end['degraded_because'], [])
         self.assertFalse(re.search('Traceback', rest), rest)

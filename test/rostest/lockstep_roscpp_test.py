@@ -177,7 +177,13 @@ class OutsideTest(unittest.TestCase):
     def start(self, ros, *participants, **parameters):
         RUNS.ros = ros
         return ros.run('time_master', 'time_master',
-                       parameters=dict(mode='lockstep', participants=list(participants), **parameters))
+                       parameters=dict(mode='lockstep', participants=list(participants),
+                                       note_of_start=self.note_of_start(ros), **parameters))
+
+    @staticmethod
+    def note_of_start(ros):
+        """Return the path of the file that is there from the start of the clock on."""
+        return os.path.join(ros.log_dir, 'started')
 
     def test_where_the_time_master_is_not_in_lockstep_nothing_changes(self):
         with Loopback() as RUNS.ros:
@@ -210,16 +216,16 @@ class OutsideTest(unittest.TestCase):
             master = self.start(ros, '/listener', '/rate')
             listener = RUNS.start(Program('listener', own('shim_listener')))
             child = RUNS.start(rate(frequency=1.0, ticks=20000))
-            wait_for(lambda: 'the clock starts' in read(master))
+            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
             listener.signal(signal.SIGKILL)
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertIn("'/listener' died", read(master))
 
     def test_a_program_whose_name_is_taken_says_so_and_ends_with_an_error(self):
         with Loopback() as ros:
-            master = self.start(ros, '/rate')
+            self.start(ros, '/rate')
             child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
-            wait_for(lambda: 'the clock starts' in read(master))
+            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
             take_name(ros, '/rate')
             self.assertEqual(child.process.wait(GUARD), 1, read(child))
             self.assertRegex(read(child), 'FATAL.*/rate: another node of its name has taken its place')

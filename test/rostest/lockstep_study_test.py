@@ -36,15 +36,16 @@ class Run:
                            ROS_PACKAGE_PATH=os.pathsep.join([folder, os.environ['ROS_PACKAGE_PATH']]))
         process = subprocess.Popen(
             [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', *options,
-             os.path.join(folder, 'study.launch'), 'bag:=' + os.path.join(self.folder, 'all.bag')],
+             '--notes', self.folder, os.path.join(folder, 'study.launch'),
+             'bag:=' + os.path.join(self.folder, 'all.bag')],
             env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        said = []
-        for line in process.stdout:
-            said.append(line)
-            if 'the clock starts' in line and disturb is not None:
+        while disturb is not None and process.poll() is None:
+            if os.path.exists(os.path.join(self.folder, 'start')):
                 disturb(process)
-        process.stdout.close()
-        self.said, self.code = ''.join(said), process.wait(GUARD)
+                break
+            time.sleep(0.01)
+        self.said = process.communicate(timeout=GUARD)[0]
+        self.code = process.returncode
         with open(log) as stream:
             read = EventLog(stream.readlines(), 'the run')
         self.events = [event.compared for event in read]

@@ -142,7 +142,7 @@ class WindowsTest(unittest.TestCase):
             with busy(load):
                 events, end = self.run_it(name, self.path('all.launch'), 'path:=' + self.path(name), prefix=prefix,
                                           disturb=disturb)
-            self.assertIn("'/hears' left at 9 s", end['reason'])
+            self.assertEqual((end['ended_by'], end['node'], end['at_ns']), ('departure', '/hears', 9 * 10 ** 9))
             runs.append((events, end, self.lines(name + '.hears'), self.lines(name + '.asks')))
         self.assertEqual(runs[0], runs[1])
         self.assertEqual(runs[0], runs[2])

@@ -14,9 +14,11 @@
 #include <string>
 
 #include "time_master/json_array.h"
+#include "time_master/new_file.h"
 
 using move_base_abstract::EventLogWriter;
 using move_base_abstract::isJsonArray;
+using move_base_abstract::writeNewFile;
 
 namespace {
 
@@ -98,6 +100,20 @@ TEST(JsonArray, OtherThings) {
   }
   EXPECT_FALSE(isJsonArray(std::string("[1\0]", 4)));
   EXPECT_FALSE(isJsonArray(std::string(1'000'000, '[')));  // no deep recursion
+}
+
+TEST(NewFile, IsThereWhenItIsWholeAndReplacesNothing) {
+  const Folder folder;
+  EXPECT_EQ(writeNewFile("note", folder / "a.csv", "first"), "");
+  EXPECT_EQ(writeNewFile("note", folder / "a.csv", "second"),
+            "note " + (folder / "a.csv") + ": File exists");
+  EXPECT_EQ(contents(folder / "a.csv"), "first");
+  {
+    const FullDisk disk(3);
+    EXPECT_NE(writeNewFile("note", folder / "other", "longer"), "");
+  }
+  EXPECT_FALSE(exists(folder / "other") || exists(folder / "other.part") ||
+               exists(folder / "a.csv.part"));
 }
 
 TEST(EventLogWriter, JsonLines) {

@@ -96,6 +96,8 @@ def read_words(words):
     parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
+    # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
+    parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
@@ -181,6 +183,8 @@ def _run(options, files, warm):
     parameters = {key: value for key, value in (
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
         ('message_bytes', options.message_bytes),
+        *((f'note_of_{one}', options.notes and os.path.join(os.path.abspath(options.notes), one))
+          for one in ('start', 'end')),
         ('log_messages', options.log_messages or None),
         ('end_when_idle', options.end_when_idle or options.check or None)) if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)

@@ -1,12 +1,9 @@
 // What was decided, as JSON. No ROS.
 #include "chaos_parameters.h"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-
 #include "clock/json_text.h"
 #include "clock/number_text.h"
+#include "time_master/new_file.h"
 
 namespace move_base_abstract {
 
@@ -27,14 +24,7 @@ std::string writeDecisions(const std::string& path, const std::vector<chaos::Dec
     appendJson(text, one.says);
     text += "}\n";
   }
-  const std::string part = path + ".part";
-  std::FILE* const file = std::fopen(part.c_str(), "wxe");
-  bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  good = (file == nullptr || std::fclose(file) == 0) && good;
-  if (!good || std::rename(part.c_str(), path.c_str()) != 0) {
-    return "chaos_decisions " + path + ": " + std::strerror(errno);
-  }
-  return "";
+  return writeNewFile("chaos_decisions", path, text);
 }
 
 }  // namespace move_base_abstract

@@ -85,6 +85,9 @@ constexpr ParameterRow kParameterTable[] = {
      "it."},
     {"note_of_start", "text", "", "", "path of a new file",
      "New empty file that appears once time has started."},
+    {"note_of_end", "text", "", "", "path of a new file",
+     "New file of JSON that appears when the run has ended and the log is written: `ended_by`, "
+     "`at_ns`, `rounds`, `leaps`, `messages`."},
     {"log_messages", "true or false", "", "false", "true, false",
      "Whether messages and calls between participants are events of the log, too."},
     {"event_log_of_ends", "true or false", "", "false", "true, false",

@@ -213,7 +213,8 @@ struct NodeParameters {
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
-  std::string message_bytes, note_of_start, chaos_decisions;  // paths of new files; '': none
+  // Paths of new files; '': none.
+  std::string message_bytes, note_of_start, note_of_end, chaos_decisions;
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -256,6 +257,7 @@ inline std::vector<std::string> absoluteNames(const std::string& key,
 
 inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("note_of_start", parameters.note_of_start);
+  reader.read("note_of_end", parameters.note_of_end);
   LockstepSettings& lockstep = parameters.lockstep;
   reader.read("end_at", lockstep.end_at);
   reader.read("end_with", lockstep.end_with);
