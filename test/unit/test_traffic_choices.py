@@ -69,6 +69,16 @@ def test_what_priority_may_be():
         fleet_of([{'name': 'a', 'priority': 1.5}])
 
 
+def test_who_finds_one_place_at_one_instant_gets_it_by_name():
+    for order in ('ab', 'ba'):
+        fleet = fleet_of([{'name': name, 'start_y': float('ab'.index(name))} for name in order], zones=[
+            {'name': 'gate', 'rectangle': [4, -50, 6, 50], 'capacity': 1}])
+        for name in order:
+            fleet.send(name, 10.0, 'ab'.index(name))
+        fleet.run()
+        assert [row[1] for row in rows(fleet, 'entered')] == ['a', 'b']
+
+
 # ---- blocks
 
 ROW = [{'name': name, 'rectangle': [x, -5, x + 4, 5], 'capacity': 1} for name, x in (

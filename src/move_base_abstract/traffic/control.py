@@ -1,7 +1,7 @@
 """Traffic: zones and lanes with place for some robots only, on top of Travel.hold.
 
 A robot asks for a place when it comes to the border. If there is none it waits there, outside, its goal active; first
-come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
+come, first served, at one instant by name, and nobody overtakes. It gives a place back when it
 comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
 """
 from __future__ import annotations
@@ -78,6 +78,8 @@ class Traffic:
             self._put_zones_on(network)
         traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
         self._travellers[traveller] = True
+        for place, one in enumerate(sorted(self._travellers, key=lambda one: one.rank)):
+            one.place = place
         traveller.placed(self.simulation.now_ns)
         return traveller
 
@@ -133,7 +135,7 @@ class Traffic:
 
     def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
         """Return whether ``traveller`` may have one of the places in ``areas``; see :mod:`.safe_states`."""
-        return self.rules.policy is not DeadlockPolicy.AVOID or not areas or is_safe(self._travellers, traveller, areas)
+        return not traveller.is_careful or not areas or is_safe(self._travellers, traveller, areas)
 
     def left_by(self, traveller: Traveller) -> None:
         """``traveller`` is no more."""
@@ -160,17 +162,9 @@ class Traffic:
             return  # who called it further up goes on with it
         self._serves = True
         try:
-            if self.rules.policy is DeadlockPolicy.AVOID:
-                self._serve_safely(now_ns)
-            while self._dirty:
-                area = self._dirty[0]
-                request = area.queue[0] if area.queue else None
-                if request is not None and request.is_first():
-                    request.traveller.serve(Traveller.go_on, now_ns)
-                    continue
-                self._dirty.pop(0)
-                if request is not None:  # it may have been opened, or have held more robots than there is place for
-                    request.traveller.serve(Traveller.look_for_circle, now_ns)
+            self._serve_in_order(now_ns)
+            while self.rules.policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT) and self._serve_safely(now_ns):
+                self._serve_in_order(now_ns)
         finally:
             self._serves = False
         if not self._is_told:
@@ -178,12 +172,25 @@ class Traffic:
             for changed in self._followers:
                 changed()
 
-    def _serve_safely(self, now_ns: int) -> None:
-        """Let those in who may, in the order in which they asked; who may not is passed over."""
-        while self._has_moved:
-            self._has_moved = False
-            self._dirty.clear()
-            request = first_to_go_on(self._travellers)
-            if request is not None:
+    def _serve_in_order(self, now_ns: int) -> None:
+        """Let those in who are the first where they wait."""
+        while self._dirty:
+            area = self._dirty[0]
+            request = area.first()
+            if request is not None and request.is_first():
                 request.traveller.serve(Traveller.go_on, now_ns)
-                self._has_moved = True
+                continue
+            self._dirty.pop(0)
+            if request is not None:  # it may have been opened, or have held more robots than there is place for
+                request.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+
+    def _serve_safely(self, now_ns: int) -> bool:
+        """Let the first one in, in the order in which they asked, who may; who may not is passed over."""
+        if not self._has_moved:
+            return False
+        self._has_moved = False
+        request = first_to_go_on(self._travellers)
+        if request is None:
+            return False
+        request.traveller.serve(Traveller.go_on, now_ns)
+        return True
