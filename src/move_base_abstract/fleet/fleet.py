@@ -201,6 +201,13 @@ class Fleet:
         """
         self.traffic.close_zone(name, closed)
 
+    def set_zone_limit(self, name, max_speed=None):
+        """Have robots drive at most at ``max_speed`` [m/s] in a zone from now on, None: as fast as they are.
+
+        :raises ConfigurationError: if there is no zone of that name, or the speed is none.
+        """
+        self.traffic.set_zone_limit(name, max_speed)
+
     @property
     def zones(self):
         """Who is in the zones, and on the lanes with a capacity, and who waits: [:class:`.AreaState`, ...]."""

@@ -24,6 +24,24 @@ class Places(NamedTuple):
     capacity: int
 
 
+class ZoneLimit(NamedTuple):
+    """The ``zone`` has another ``max_speed`` [m/s], 0: none; told once, of the first robot by name."""
+
+    time_ns: int
+    robot: str
+    zone: str
+    max_speed: float
+
+
+class Paced(NamedTuple):
+    """The robot goes on by the limit that ``zone`` has now, from rest, before which it is told that it stands."""
+
+    time_ns: int
+    robot: str
+    zone: str
+    max_speed: float
+
+
 class Left(NamedTuple):
     """The robot has given its place in an area back."""
 
@@ -57,4 +75,4 @@ class GaveWay(NamedTuple):
 
 
 #: as of :data:`.events.PLAIN_ROWS`
-PLAIN_ROWS = {Places: 'places', Entered: 'entered', Left: 'left'}
+PLAIN_ROWS = {Places: 'places', Entered: 'entered', Left: 'left', ZoneLimit: 'zone_limit', Paced: 'paced'}

@@ -25,6 +25,8 @@ class Travel:
         self._tell = stream.tell
         self._durations = durations
         self._gate = None
+        #: limited(start, corners, goal): the way with the speed limits that there are on it, None: there are none
+        self.limited = None
         #: the pose in the global frame that the robot works on, or None
         self.target = None
         #: the reasons for which the robot is held, texts in the order in which they came; none: it may travel
@@ -59,6 +61,8 @@ class Travel:
             return
         place = aside or self.target
         try:
+            if self.limited is not None:
+                corners = self.limited(self._robot.pose_at(now_ns), corners, place)
             leg = self._robot.depart(place, now_ns, corners, self._durations and self._durations.paced)
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
@@ -137,13 +141,16 @@ class Travel:
             self._waits_for_release = False
             self._go_on(now_ns)
 
-    def change_way(self, corners, now_ns):
-        """Leave the way under way, and go on by ``corners`` from where the robot is, from rest."""
+    def change_way(self, now_ns, corners=None):
+        """Leave the way under way, and go on from where it is, from rest: by ``corners``, None: by a way that is new."""
         if self._durations is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()
         self.halt(now_ns)
-        self.go(corners, now_ns)
+        if corners is None:
+            self._go_on(now_ns)
+        else:
+            self.go(corners, now_ns)
 
     def forget_holds(self, now_ns):
         """Hold the robot, which has no goal, for nothing any more."""

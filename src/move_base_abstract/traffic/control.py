@@ -6,22 +6,26 @@ comes to the border on its way out, and where it comes out of one area into anot
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 from ..common.errors import ConfigurationError
+from ..common.parameter_table import checked
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
 from .area import Area
 from .rules import DeadlockPolicy, TrafficRules
 from .safe_states import first_to_go_on, is_safe
+from .speed_limits import limited
 from .traveller import Traveller
 from .way import ZoneIndex
+from .zones import MAX_SPEED
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
+    from ..motion.geometry import Pose2D
     from .area import AreaState
     from .zones import Zone
 
@@ -44,6 +48,7 @@ class Traffic:
                        for zone in zones}
         #: the areas of all zones (ZoneIndex), in the order of the scenario
         self.zones = ZoneIndex(self._zones.values())
+        self._limits = {zone.name: zone.max_speed for zone in zones if zone.max_speed is not None}
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
         self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which who drives there has a place
         self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
@@ -74,6 +79,8 @@ class Traffic:
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None, self._group(edge.group))
         if lanes is None and not self._zones:
             return None
+        if self._limits:
+            _check_law(navigator)
         if self.rules.lane_price and isinstance(network, LaneMap):
             self._put_zones_on(network)
         traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
@@ -112,14 +119,44 @@ class Traffic:
 
         :raises ConfigurationError: if there is no zone of that name.
         """
-        area = self._zones.get(name)
-        if area is None:
-            raise ConfigurationError("zone '{}' is unknown; there are: {}".format(
-                shown_text(name), ', '.join(list(self._zones)[:10]) or 'none'))
+        area = self._zone(name)
         area.is_closed = is_closed
         self.changed(area)
         self.freed(area)
         self.serve(self.simulation.now_ns)
+
+    def set_zone_limit(self, name: str, max_speed: Optional[float]) -> None:
+        """Have robots drive at most at ``max_speed`` [m/s] in a zone, None: as fast as they are; at once.
+
+        Who has yet to leave it on its way goes on from rest, by a way that is planned now.
+        :raises ConfigurationError: if there is no zone of that name, for a speed that is not allowed, and where the law
+            of motion of any robot has no room for limits.
+        """
+        area = self._zone(name)
+        travellers = sorted(self._travellers, key=lambda one: one.rank)
+        if max_speed is None:
+            self._limits.pop(name, None)
+        else:
+            speed = checked(max_speed, 'max_speed', MAX_SPEED, "zone '{}'".format(name))
+            for one in travellers:
+                _check_law(one.navigator)
+            self._limits[name] = speed
+        if travellers:
+            travellers[0].tell_limit(name, max_speed or 0.0, self.simulation.now_ns)
+        for one in travellers:
+            one.serve(lambda one, at_ns: one.keep_limit(area, name, max_speed or 0.0, at_ns), self.simulation.now_ns)
+
+    def limited(self, start: Pose2D, corners: Any, goal: Pose2D) -> Any:
+        """Return the way by ``corners`` with the speed limits of zones."""
+        zones = [(self._zones[name].outline, speed) for name, speed in self._limits.items()]
+        return limited(start, corners, goal, zones) if zones else corners  # type: ignore[arg-type]
+
+    def _zone(self, name: str) -> Area:
+        area = self._zones.get(name)
+        if area is None:
+            raise ConfigurationError("zone '{}' is unknown; there are: {}".format(
+                shown_text(name), ', '.join(list(self._zones)[:10]) or 'none'))
+        return area
 
     def lane(self, source: str, edge: int) -> Optional[Area]:
         """Return the area of an edge, or None if its place is not limited."""
@@ -194,3 +231,9 @@ class Traffic:
             return False
         request.traveller.serve(Traveller.go_on, now_ns)
         return True
+
+
+def _check_law(navigator: Navigator) -> None:
+    if not navigator.robot.keeps_piece_limits:
+        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, knows no limits of "
+                                 'zones; allowed: zones without max_speed'.format(navigator.robot.name))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 
 from ..common.ros_names import natural_order
 from ..goals.events import Abandoned, BrokenOff, Stands, Warned
-from ..goals.traffic_events import Entered, GaveWay, Left, Places
+from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, ZoneLimit
 from .area import Area, Request
 from .circles import Circles
 from .outline import BORDER
@@ -68,6 +68,7 @@ class Traveller:
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
         navigator.travel.set_gate(self)
+        navigator.travel.limited = traffic.limited
 
     def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
         """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
@@ -152,6 +153,25 @@ class Traveller:
             self._pose = pose
             self._take_what_holds_it(now_ns, pose)
             self._traffic.serve(now_ns)
+
+    @property
+    def navigator(self) -> Navigator:
+        """Who works on its goals."""
+        return self._navigator
+
+    def tell_limit(self, zone: str, max_speed: float, now_ns: int) -> None:
+        """Tell that a zone has another limit."""
+        self._tell(ZoneLimit(now_ns, self.name, zone, max_speed))
+
+    def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
+        """A zone has another limit: go on by that, if the way under way has not left it yet."""
+        leg = self._navigator.robot.leg
+        if leg is None:
+            return
+        driven = leg.distance_at(now_ns) + BORDER
+        if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in self.stays(leg)):
+            self._tell(Paced(now_ns, self.name, zone, max_speed))
+            self._navigator.travel.change_way(now_ns)
 
     def placed(self, now_ns: int) -> None:
         """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
@@ -247,7 +267,7 @@ class Traveller:
         ahead = self._leg.corners_ahead(now_ns)
         if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
             return False
-        travel.change_way(corners, now_ns)
+        travel.change_way(now_ns, corners)
         return True
 
     def _enters(self) -> Tuple[Area, ...]:
