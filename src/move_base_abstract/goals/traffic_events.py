@@ -42,6 +42,14 @@ class Paced(NamedTuple):
     max_speed: float
 
 
+class Prioritized(NamedTuple):
+    """The robot has this priority from now on."""
+
+    time_ns: int
+    robot: str
+    priority: int
+
+
 class Left(NamedTuple):
     """The robot has given its place in an area back."""
 
@@ -75,4 +83,5 @@ class GaveWay(NamedTuple):
 
 
 #: as of :data:`.events.PLAIN_ROWS`
-PLAIN_ROWS = {Places: 'places', Entered: 'entered', Left: 'left', ZoneLimit: 'zone_limit', Paced: 'paced'}
+PLAIN_ROWS = {Places: 'places', Entered: 'entered', Left: 'left', ZoneLimit: 'zone_limit', Paced: 'paced',
+              Prioritized: 'priority'}

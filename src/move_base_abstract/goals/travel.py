@@ -142,7 +142,7 @@ class Travel:
             self._go_on(now_ns)
 
     def change_way(self, now_ns, corners=None):
-        """Leave the way under way, and go on from where it is, from rest: by ``corners``, None: by a way that is new."""
+        """Leave the way under way; go on from where it is, from rest, by ``corners``, None: by a way that is new."""
         if self._durations is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()

@@ -5,7 +5,7 @@ from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
 #: of what happens to robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
-         'paced', 'held',
+         'paced', 'priority', 'held',
          'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended', 'charge', 'motion',
          'waiting_began', 'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded',
          'beyond', 'lapse_began', 'lapse_ended')
@@ -23,7 +23,7 @@ class TraceEntry(NamedTuple):
     ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
     area, ...): it closed a circle of waiting; ``gave_way`` (area, ...): it drives back out of these for such a circle;
     ``zone_limit`` (zone, max_speed, 0: none) of the first robot by name, where a zone has another limit, and ``paced``
-    (zone, max_speed) of each that goes on by it;
+    (zone, max_speed) of each that goes on by it; ``priority`` (number): it has this one from now on;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
     ``lapse_began`` (kind, cause, of a jump x, y, yaw by which the pose that it tells lies beside the true one) and

@@ -117,6 +117,13 @@ class Request:
         firsts = [area.first() for area in self.areas]
         return all(one is None or not one < self for one in firsts) and self.has_room()
 
+    def renewed(self) -> Request:
+        """Return the request that takes the place of this one, by the priority that its robot has now."""
+        self.withdraw()
+        request = Request(self.key[1], self.traveller, self.areas, self.ahead)
+        request.is_in_circle = self.is_in_circle
+        return request
+
     def withdraw(self) -> None:
         """Leave the queues."""
         for area in self.areas:

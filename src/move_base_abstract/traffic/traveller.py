@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 
 from ..common.ros_names import natural_order
 from ..goals.events import Abandoned, BrokenOff, Stands, Warned
-from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, ZoneLimit
+from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
 from .area import Area, Request
 from .circles import Circles
 from .outline import BORDER
@@ -36,7 +36,7 @@ class Traveller:
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
                  priority: int = 0) -> None:
-        #: the higher comes first where it waits, from the next time on
+        #: the higher comes first where it waits
         self.priority = priority
         self.index = navigator.robot.index
         self.name = navigator.robot.name
@@ -153,6 +153,19 @@ class Traveller:
             self._pose = pose
             self._take_what_holds_it(now_ns, pose)
             self._traffic.serve(now_ns)
+
+    def set_priority(self, priority: int, now_ns: int) -> None:
+        """It has another priority from now on, also where it waits."""
+        if priority == self.priority:
+            return
+        self.priority = priority
+        self._tell(Prioritized(now_ns, self.name, priority))
+        if self.request is not None:
+            self.request = self.request.renewed()
+            self._traffic.changed(*self.request.areas)
+            for area in self.request.areas:
+                self._traffic.freed(area)
+            self.settle(now_ns)
 
     @property
     def navigator(self) -> Navigator:
