@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
-from .lane_map import path_length
+from .lane_map import NEAR, path_length
 from .planning import StraightLinePlanner, WorldBounds
 from .priced_ways import cheapest
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from .map_check import MapCheck
     from .priced_ways import Prices
 
-NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _KEPT_WAYS = 10_000
 _KEPT_NETS = 64
 _FREE = PieceLimit()
