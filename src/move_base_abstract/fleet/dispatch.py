@@ -13,8 +13,8 @@ from ..common.arguments import check_kind
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
-from ..orders.dispatcher import Dispatcher, Drive, GiveUp
-from ..orders.order import Order
+from ..orders.dispatcher import Dispatcher, Drive, GiveUp, PolicyError
+from ..orders.order import Order, fault_of
 from ..orders.policies import make_policy
 from ..orders.settings import DispatchSettings
 from ..runs.fleet_account import FleetAccount
@@ -50,20 +50,29 @@ class Dispatch:
                                Distances(scenario, settings.distances == 'ways'), self._tell)
         self._decides = self._looks = self._goes_on = False
         self._commands = deque()
+        self._failure = None  # what the policy did wrong first, as a text
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
         self._decide_soon()
 
     def order(self, order):
-        """Have an :class:`.Order` arrive now, whenever it says that it does."""
+        """Have an :class:`.Order` arrive now, whenever it says that it does; one that cannot be done is refused."""
         check_kind(order, Order, 'order')
-        self.core.arrived(_as_message(order), self.fleet.now_ns)
+        is_wrong = fault_of(order, self.fleet.scenario.places or {}) is not None
+        self.core.arrived(order if is_wrong else _as_message(order), self.fleet.now_ns)
         self._decide_soon()
 
     def run(self, until_ns=None, until=None):
-        """Let all happen, as :meth:`Fleet.run`; return the time [ns]."""
-        return self.fleet.run(until_ns, until)
+        """Let all happen, as :meth:`Fleet.run`; return the time [ns].
+
+        :raises PolicyError: when that is over, if the policy has failed, or has chosen what cannot be done.
+        """
+        now_ns = self.fleet.run(until_ns, until)
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise PolicyError(failure)
+        return now_ns
 
     def metrics(self):
         """Return {name: number} of what has happened so far, as experiments have it of orders and of robots' time.
@@ -133,6 +142,8 @@ class Dispatch:
             self.fleet.work(command.robot, command.task, command.goal_id)
 
     def _tell(self, row):
+        if row[1] == 'policy_failed' and self._failure is None:
+            self._failure = row[2]
         row = (self.fleet.now_ns, *row)
         if self.fleet._write is not None:
             self.fleet._write(row)

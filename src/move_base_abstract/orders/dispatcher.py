@@ -112,7 +112,8 @@ class Dispatcher:
         if fault is None and order.order_id in self._seen:
             fault = 'id: {} was given to an order before; allowed: another one for each'.format(shown(order.order_id))
         if fault is not None:
-            self._tell(rows.DISPATCHER, 'order_refused', order.order_id, fault)
+            order_id = order.order_id if isinstance(order.order_id, str) else shown(order.order_id)
+            self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
             return
         self._seen[order.order_id] = 0
         deadline_ns = None if order.deadline_ns is None else now_ns + order.deadline_ns
@@ -123,13 +124,15 @@ class Dispatcher:
     def decide(self, now_ns: int) -> List[Command]:
         """Return what is to be done now, by the robots' indices; what is given up comes first.
 
-        :raises PolicyError: if the policy chooses what cannot be done; the rest has been decided, and comes next time.
+        Where the policy fails, or chooses what cannot be done, a row says so, and nobody is given an order now.
         """
         for robot in self._robots:
             self._go_on(robot, now_ns)
         self._charging.look(self._robots)
         try:
             self._assign(now_ns)
+        except PolicyError as error:
+            self._tell(rows.DISPATCHER, 'policy_failed', str(error))
         finally:
             self._charging.send(self._robots, now_ns)
         commands = [*self._cancels, *(self._commands[robot.name] for robot in self._robots

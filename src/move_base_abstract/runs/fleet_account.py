@@ -41,6 +41,7 @@ class _Order:
     flow_ns: int = 0
     lateness_ns: Optional[int] = None
     returned: int = 0
+    where: str = 'no robot has begun it'
 
 
 @dataclass
@@ -81,6 +82,7 @@ class OrderTimes(NamedTuple):
     flow: List[float]
     wait: List[float]
     lateness: List[float]  # of those that have a deadline; 0 for who is in time
+    refused: int
 
 
 class FleetAccount:
@@ -90,6 +92,7 @@ class FleetAccount:
         self._start_ns = start_ns
         self._robots: Dict[str, _Robot] = {}
         self._orders: Dict[str, _Order] = {}
+        self._refused = 0
         self._waits: Dict[str, Waits] = {}
         self._areas: Set[str] = set()  # only looked into
         self.seconds = 0.0
@@ -99,7 +102,7 @@ class FleetAccount:
                 ('entered', 'places'), lambda _now_ns, _name, row: self._areas.add(row[1])),
             'charge': self._charge, 'charge_awaited': self._for_charger, 'charge_assigned': self._for_charger,
             'order_arrived': self._arrived, 'order_assigned': self._assigned, 'order_done': self._done,
-            'order_returned': self._returned}
+            'order_stop': self._stop, 'order_returned': self._returned, 'order_refused': self._refuse}
 
     def take(self, time_ns: int, robot: str, kind: str, values: Sequence[Any]) -> None:
         """Take a row; one that is not as this package writes it is left out: anybody may write rows."""
@@ -123,7 +126,7 @@ class FleetAccount:
     @property
     def has_orders(self) -> bool:
         """Whether orders arrived in this run."""
-        return bool(self._orders)
+        return bool(self._orders) or self._refused > 0
 
     @property
     def robots(self) -> Dict[str, Dict[str, float]]:
@@ -155,11 +158,16 @@ class FleetAccount:
             sum(one.code == 'failed' for one in orders), sum(not one.code for one in orders),
             sum(one.returned for one in orders), [one.flow_ns / _S for one in done],
             [(one.assigned_ns - one.arrived_ns) / _S for one in done if one.assigned_ns is not None],
-            [max(0, one.lateness_ns) / _S for one in done if one.lateness_ns is not None])
+            [max(0, one.lateness_ns) / _S for one in done if one.lateness_ns is not None], self._refused)
+
+    @property
+    def undone(self) -> Dict[str, str]:
+        """Return {order that is open: what became of it}, in the order of their arrival."""
+        return {name: one.where for name, one in self._orders.items() if not one.code}
 
     def metrics(self) -> Dict[str, Optional[float]]:
         """Return the metrics of a trial; {} where no orders arrived."""
-        if not self.has_orders:
+        if not self._orders:
             return {}
         orders, robots = self.orders, self.robots.values()
         time = math.fsum(one[state] for one in robots for state in STATES)
@@ -243,11 +251,20 @@ class FleetAccount:
     def _assigned(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
         self._of(name)
         order = self._orders[row[1]]
+        order.where = 'with {}'.format(name)
         if order.assigned_ns is None:
             order.assigned_ns = now_ns
 
-    def _returned(self, _now_ns: int, _name: str, row: Sequence[Any]) -> None:
-        self._orders[row[1]].returned += 1
+    def _stop(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
+        self._orders[row[1]].where = 'with {}, stop {}: {}'.format(name, *row[2:4])
+
+    def _returned(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
+        order = self._orders[row[1]]
+        order.returned += 1
+        order.where = 'came back from {}: {}'.format(name, row[2])
+
+    def _refuse(self, _now_ns: int, _name: str, _row: Sequence[Any]) -> None:
+        self._refused += 1
 
     def _done(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
         order = self._orders[row[1]]
