@@ -81,7 +81,7 @@ class Dispatch:
         """
         if self.fleet.trace is None:
             raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
-        account = FleetAccount(self._begin_ns)
+        account = FleetAccount(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
             account.take(*entry)
         account.close(self.fleet.now_ns)

@@ -86,11 +86,14 @@ class OrderTimes(NamedTuple):
 
 
 class FleetAccount:
-    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began."""
+    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began.
 
-    def __init__(self, start_ns: int) -> None:
+    ``robots``: the names of those that count also where no row tells of them.
+    """
+
+    def __init__(self, start_ns: int, robots: Sequence[str] = ()) -> None:
         self._start_ns = start_ns
-        self._robots: Dict[str, _Robot] = {}
+        self._robots: Dict[str, _Robot] = {name: _Robot(start_ns) for name in robots}
         self._orders: Dict[str, _Order] = {}
         self._refused = 0
         self._waits: Dict[str, Waits] = {}
@@ -117,8 +120,8 @@ class FleetAccount:
         """The run is over at ``end_ns`` [ns]."""
         for robot in self._robots.values():
             robot.settle(end_ns)
-            for where, since_ns in robot.waits.items():
-                self._waits.setdefault(where, Waits()).add(end_ns - since_ns)
+            for where in list(robot.waits):
+                self._end_wait(robot, where, end_ns)
         self.seconds = (end_ns - self._start_ns) / _S
 
     # --- what came of it ---------------------------------------------------------------------------------------------
