@@ -150,13 +150,13 @@ def check(path, rows, begin_ns, end_ns):
     over = [one for one in orders.values() if 'order_done' in one]
     done = [one for one in over if one['code'] != 'failed']
     late = [max(0, one['order_done'] - one['deadline']) / S for one in done if one['deadline']]
-    assert account.orders == (
+    assert account.orders.times == (
         len(orders), len(done), sum(one['order_done'] > (one['deadline'] or end_ns) for one in done),
         len(over) - len(done), len(orders) - len(over), sum(row[2] == 'order_returned' for row in rows),
         [(one['order_done'] - one['arrived']) / S for one in done],
         [(one['order_assigned'] - one['arrived']) / S for one in done], late,
         sum(row[2] == 'order_refused' for row in rows))
-    assert list(account.undone) == [name for name, one in orders.items() if 'order_done' not in one]
+    assert list(account.orders.undone) == [name for name, one in orders.items() if 'order_done' not in one]
     return account
 
 
@@ -172,16 +172,16 @@ def test_a_run_that_is_stopped_leaves_orders_open_and_says_with_whom(tmp_path, c
     path = tmp_path / 'run.jsonl'
     rows = log_of(path, 2, until=200.0)
     account = check(path, rows, S, 200 * S)
-    assert account.undone
-    for name, text in account.undone.items():
+    assert account.orders.undone
+    for name, text in account.orders.undone.items():
         last = [row for row in rows if row[2].startswith('order_') and row[3][0] == name][-1]
         assert text.startswith({'order_arrived': 'no robot', 'order_returned': 'came back from ' + last[1]}.get(
             last[2], 'with ' + last[1]))
     main([str(path)])
     out = capsys.readouterr().out
     assert '1 more were refused' in out
-    assert all('open: {}, {}'.format(*one) in out for one in account.undone.items())
-    assert json.loads(json_text(account, []))['undone'] == account.undone
+    assert all('open: {}, {}'.format(*one) in out for one in account.orders.undone.items())
+    assert json.loads(json_text(account, []))['undone'] == account.orders.undone
 
 
 @pytest.mark.parametrize('share', [0.1, 0.37, 0.8])
