@@ -359,6 +359,22 @@ def test_a_policy_that_fails_ends_nothing_else():
     assert dispatch.run() == dispatch.fleet.now_ns  # what was wrong is said once
 
 
+def test_a_run_that_cannot_go_on_says_which_orders_are_not_done_and_why():
+    class InTurn:
+        def choose(self, question):
+            return [(question.robots[0].name, question.orders[0].order.order_id)]
+    dispatch = dispatch_of(policy=InTurn(), zones=[
+        {'name': name, 'rectangle': [x, -1.0, x + 6.0, 1.0], 'capacity': 1} for name, x in (('west', -1.0), ('east', 5.0))])
+    for one in (order('a', (9.5, 0.0)), order('b', (0.5, 0.0)), order('c', (5.0, 5.0))):
+        dispatch.order(one)
+    dispatch.run(until=1.0)
+    assert dispatch.fleet.warnings == []  # there is more to come
+    dispatch.run()
+    assert dispatch.fleet.warnings[-1] == (5 * S, '/dispatcher', '', (
+        'The run cannot go on: 3 orders are not done: a with r_0, held for zone east; b with r_1, held for zone west; '
+        'c with nobody'))
+
+
 @pytest.mark.parametrize('name, text', [
     ('no_such_module:Policy', 'ModuleNotFoundError'), ('math:Policy', 'AttributeError'),
     ('collections:OrderedDict', 'has no method choose')])
@@ -418,7 +434,7 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     left = [name for name, what in state.items() if what == 'open']
     assert sorted(left) == sorted(dispatch.core.open_orders)
     assert set(doing.values()) == {name for name, what in state.items() if what.startswith('done by')}
-    usable = [robot for robot in dispatch.core._robots if not robot.works_not and not robot.must_charge]
+    usable = [robot for robot in dispatch.core.robots if not robot.works_not and not robot.must_charge]
     assert not left or not [robot for robot in usable if robot.name not in doing]  # else somebody could do them
     for name in doing:  # it stands where somebody with an empty battery is in its way
         assert dispatch.fleet.robot(name).activity.startswith('held: zone')
