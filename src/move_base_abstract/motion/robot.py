@@ -49,6 +49,11 @@ class Robot:
         return self._limits
 
     @property
+    def phases(self):
+        """The MotionPhases of its legs, or None."""
+        return self._phases
+
+    @property
     def tolerances(self):
         """The Tolerances of the next leg."""
         return self._tolerances

@@ -10,7 +10,7 @@ from typing import NamedTuple, Optional
 
 from ..common.units import NS_PER_S, seconds_to_ns
 from .geometry import Pose2D, normalize_angle
-from .leg import SpeedProfile, Tolerances, turn_within
+from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
 from .planned_way import PieceLimit, PlannedWay
 
@@ -57,6 +57,9 @@ class Route:
     """
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
+
+    #: as of :class:`.leg.Leg`
+    manner = ()
 
     def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
         segments, place = _segments(start, goal, corners, tolerances.xy)
@@ -326,7 +329,7 @@ def _first_within(begin, end, length, goal, tolerance):
     Where a line enters a circle: the root of a quadratic equation.
     """
     if end is goal:
-        return max(0.0, length - tolerance)
+        return left_to_drive(length, tolerance)
     if tolerance == 0.0 or length <= 0.0:
         return None
     dx, dy = goal.x - begin.x, goal.y - begin.y
