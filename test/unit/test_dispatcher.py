@@ -79,6 +79,12 @@ def test_the_earliest_deadline_comes_first_and_none_comes_last():
     (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: >= 0'),
     (order('past', (0.0, 0.0), deadline_ns=-S), 'deadline: got 1 s before its arrival'),
     (order('twice', (0.0, 0.0)), "id: 'twice' was given to an order before"),
+    (Order('many', 0, 7), 'stops: got 7; allowed: stops in a row'), (order('when', (0.0, 0.0), deadline_ns='soon'), 'deadline'),
+    (order('who', (0.0, 0.0), priority='high'), "priority: got 'high'; allowed: a whole number"),
+    (Order('none', 0, (None,)), 'stops[0]: pose: got None'), (Order('flat', 0, (Stop((1.0, 2.0)),)), 'stops[0]: pose'),
+    (Order('yes', 0, (Stop(Pose2D(), power=True),)), 'stops[0]: power: got True'),
+    (Order('nan', 0, (Stop(Pose2D(), energy=float('nan')),)), 'stops[0]: energy: got nan; allowed: >= 0'),
+    (Order('place', 0, (Stop(Pose2D(), ['a']),)), 'stops[0]: place: got'),
 ])
 def test_a_wrong_order_is_refused_with_the_reason_and_moves_nobody(wrong, text):
     dispatch = dispatch_of()
@@ -329,6 +335,44 @@ def test_what_a_policy_cannot_choose_is_an_error_that_says_so(choice, text):
         dispatch.run()
     assert text in str(error.value)
     assert dispatch.core.open_orders == ['a', 'b']
+    assert told(dispatch, 'policy_failed')[0][1:] == ('/dispatcher', 'policy_failed', str(error.value))
+
+
+def test_a_policy_that_fails_ends_nothing_else():
+    class FailsOnce:
+        def __init__(self):
+            self.asked = 0
+
+        def choose(self, question):
+            self.asked += 1
+            if self.asked == 2:
+                raise RuntimeError('thought too hard')
+            return Nearest().choose(question)
+    dispatch = dispatch_of(policy=FailsOnce())
+    dispatch.order(order('a', (0.0, 5.0)))
+    dispatch.fleet.at(2 * S, lambda fleet: dispatch.order(order('b', (10.0, 9.0))))
+    with pytest.raises(PolicyError, match='thought too hard'):
+        dispatch.run()
+    assert [one[:4] for one in told(dispatch, 'policy_failed', 'order_done')] == [
+        (2.0, '/dispatcher', 'policy_failed', told(dispatch, 'policy_failed')[0][3]), (5.0, 'r_0', 'order_done', 'a'),
+        (14.0, 'r_1', 'order_done', 'b')]
+    assert dispatch.run() == dispatch.fleet.now_ns  # what was wrong is said once
+
+
+def test_a_run_that_cannot_go_on_says_which_orders_are_not_done_and_why():
+    class InTurn:
+        def choose(self, question):
+            return [(question.robots[0].name, question.orders[0].order.order_id)]
+    dispatch = dispatch_of(policy=InTurn(), zones=[
+        {'name': name, 'rectangle': [x, -1.0, x + 6.0, 1.0], 'capacity': 1} for name, x in (('west', -1.0), ('east', 5.0))])
+    for one in (order('a', (9.5, 0.0)), order('b', (0.5, 0.0)), order('c', (5.0, 5.0))):
+        dispatch.order(one)
+    dispatch.run(until=1.0)
+    assert dispatch.fleet.warnings == []  # there is more to come
+    dispatch.run()
+    assert dispatch.fleet.warnings[-1] == (5 * S, '/dispatcher', '', (
+        'The run cannot go on: 3 orders are not done: a with r_0, held for zone east; b with r_1, held for zone west; '
+        'c with nobody'))
 
 
 @pytest.mark.parametrize('name, text', [
@@ -390,7 +434,7 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     left = [name for name, what in state.items() if what == 'open']
     assert sorted(left) == sorted(dispatch.core.open_orders)
     assert set(doing.values()) == {name for name, what in state.items() if what.startswith('done by')}
-    usable = [robot for robot in dispatch.core._robots if not robot.works_not and not robot.must_charge]
+    usable = [robot for robot in dispatch.core.robots if not robot.works_not and not robot.must_charge]
     assert not left or not [robot for robot in usable if robot.name not in doing]  # else somebody could do them
     for name in doing:  # it stands where somebody with an empty battery is in its way
         assert dispatch.fleet.robot(name).activity.startswith('held: zone')

@@ -6,6 +6,7 @@ Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.Tra
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
 
 from ..engine.stream import Stream
@@ -58,7 +59,7 @@ class Departed(NamedTuple):
 
     def route(self) -> Row:
         """Return the row of its corners."""
-        return (self.time_ns, self.robot, 'route', *(value for corner in self.corners for value in corner))
+        return (self.time_ns, self.robot, 'route', *chain.from_iterable(self.corners))
 
 
 class Stands(NamedTuple):

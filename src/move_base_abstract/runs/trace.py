@@ -9,8 +9,8 @@ KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'd
          'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
          'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
 #: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
-ORDER_KINDS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done',
-               'charge_assigned', 'charge_awaited', 'charge_over')
+ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
+               'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
 
 
 class TraceEntry(NamedTuple):
