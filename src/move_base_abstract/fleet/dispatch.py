@@ -155,6 +155,8 @@ class Dispatch:
     def _do(self, command):
         if isinstance(command, Drive):
             pose = command.pose
+            if command.priority is not None:
+                self.fleet.set_priority(command.robot, command.priority)
             self.fleet.send(command.robot, pose.x, pose.y, pose.yaw, command.goal_id)
         elif isinstance(command, GiveUp):
             (self.fleet.cancel_work if command.is_work else self.fleet.cancel)(command.robot, command.goal_id)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable
 
-from ..goals import events
+from ..goals import events, traffic_events
 from ..goals.events import ChargeRead, Departed, MotionSet, Phased, Recorded, motion_of
 
 if TYPE_CHECKING:
@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from ..motion.robot import Robot
 
 _WITH_MOTION = (MotionSet, Phased, ChargeRead)
-_OTHER_ROWS = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
+_OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars(module).values()
+                    if hasattr(kind, 'row'))
+_PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 
 
 def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
@@ -32,7 +34,7 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
             take(event.route())
         if with_motion and event.manner:
             take((event.time_ns, event.robot, 'manner', *event.manner))
-    stream.subscribe(name, {**{event: plain(kind) for event, kind in events.PLAIN_ROWS.items()},
+    stream.subscribe(name, {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
                             **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
                             Departed: departed})
 

@@ -44,7 +44,7 @@ def robot_stream() -> Stream:
 
 
 class Departed(NamedTuple):
-    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: as of PacedLeg, where it differs from its law."""
+    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: how it differs from its law, as of PacedLeg."""
 
     time_ns: int
     robot: str
@@ -277,43 +277,6 @@ class Encounter(NamedTuple):
     seconds: float
 
 
-class Entered(NamedTuple):
-    """The robot has got a place in an area."""
-
-    time_ns: int
-    robot: str
-    area: str
-
-
-class Places(NamedTuple):
-    """The area has room for so many robots; told once, of the first robot that gets a place there, before that."""
-
-    time_ns: int
-    robot: str
-    area: str
-    capacity: int
-
-
-class Left(NamedTuple):
-    """The robot has given its place in an area back."""
-
-    time_ns: int
-    robot: str
-    area: str
-
-
-class Deadlock(NamedTuple):
-    """The robot has closed a circle of waiting: ``circle`` is (robot, area, ...)."""
-
-    time_ns: int
-    robot: str
-    circle: Tuple[str, ...]
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'deadlock', *self.circle)
-
-
 class TaskWaits(NamedTuple):
     """A task waits for room at ``place``."""
 
@@ -411,6 +374,5 @@ def motion_of(robot: Robot, now_ns: int) -> MotionSet:
 
 #: of the events whose fields are their rows, the kinds of these rows
 PLAIN_ROWS = {
-    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Places: 'places', Entered: 'entered',
-    Left: 'left', Meets: 'meets', Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended',
-    WorksAt: 'works_at', TaskBegan: 'task_began'}
+    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Meets: 'meets', Encounter: 'encounter',
+    TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', WorksAt: 'works_at', TaskBegan: 'task_began'}

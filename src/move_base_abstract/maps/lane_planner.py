@@ -12,7 +12,7 @@ import numpy as np
 from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
 from ..motion.route import segments_along
-from .lane_map import path_length
+from .lane_map import NEAR, path_length
 from .planning import StraightLinePlanner, WorldBounds
 from .priced_ways import cheapest, times_to
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from .map_check import MapCheck
     from .priced_ways import Prices
 
-NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _KEPT_WAYS = 10_000
 _KEPT_NETS = 64
 _KEPT_PLACES = 10_000

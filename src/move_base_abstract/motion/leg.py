@@ -265,7 +265,7 @@ class Leg:
 def left_to_drive(gap, tolerance):
     """Return how far [m] it is until a goal ``gap`` [m] away is within ``tolerance`` [m].
 
-    Who has stopped at the edge of the tolerance is within it, whatever rounding says: it does not turn to drive 1e-16 m.
+    A robot that has stopped at the edge of the tolerance is within it, whatever rounding says: 1e-16 m are not driven.
     """
     left = gap - tolerance
     return left if left > (_ROUNDING if tolerance else 0.0) else 0.0

@@ -99,7 +99,7 @@ class PacedLeg:
 
 
 class TimedLeg(PacedLeg):
-    """A :class:`Leg` or :class:`Route` that takes ``duration_ns`` [ns] after ``delay_ns`` [ns], whatever its law says."""
+    """A :class:`Leg` or :class:`Route` that rests ``delay_ns`` [ns] and takes ``duration_ns`` [ns], whatever its law is."""
 
     __slots__ = ()
 

@@ -11,6 +11,8 @@ class PieceLimit(NamedTuple):
 
     speed: float = math.inf
     share: float = 1.0
+    #: whether it is driven into without a stop, whatever happens at corners: only the limit changes there
+    goes_on: bool = False
 
     def of(self, max_speed):
         """Return the top speed [m/s] on the piece for a robot of ``max_speed`` [m/s]."""

@@ -54,6 +54,11 @@ class Robot:
         return self._phases
 
     @property
+    def keeps_piece_limits(self):
+        """Whether pieces of a way may have speeds of their own: its law of motion is not a recorded or a copied one."""
+        return self._phases is None and self._original is None
+
+    @property
     def tolerances(self):
         """The Tolerances of the next leg."""
         return self._tolerances

@@ -62,7 +62,7 @@ class Route:
 
     def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
         segments, place = _segments(start, goal, corners, tolerances.xy)
-        drives = [segments] if law is CornerLaw.KEEP and segments else [[segment] for segment in segments]
+        drives = [segments] if law is CornerLaw.KEEP and segments else _drives(segments)
         self.start = start
         self.corners = corners if isinstance(corners, PlannedWay) else tuple(corners)
         #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
@@ -296,6 +296,17 @@ class _Drive:
 
     def distance_at(self, elapsed_ns):
         return self._driven + self.profile.covered(elapsed_ns / NS_PER_S)
+
+
+def _drives(segments):
+    """Return the segments [[Segment, ...], ...] that are driven from rest to rest where each corner is a stop."""
+    drives = []
+    for segment in segments:
+        if drives and segment.limit is not None and segment.limit.goes_on:
+            drives[-1].append(segment)
+        else:
+            drives.append([segment])
+    return drives
 
 
 def _segments(start, goal, corners, tolerance):

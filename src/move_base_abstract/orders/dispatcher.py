@@ -36,11 +36,12 @@ class PolicyError(SimulatorError):
 
 
 class Drive(NamedTuple):
-    """Send the robot a goal."""
+    """Send the robot a goal; ``priority``: that of the robot from before on, None: the one that it has."""
 
     robot: str
     goal_id: str
     pose: Pose2D
+    priority: Optional[int] = None
 
 
 class WorkOn(NamedTuple):
@@ -219,7 +220,9 @@ class Dispatcher:
 
     def _send(self, robot: RobotState, pose: Pose2D, goal_id: str) -> None:
         robot.goal_id = goal_id
-        self._commands[robot.name] = Drive(robot.name, goal_id, pose)
+        priority = robot.own_priority if robot.order is None else max(robot.own_priority, robot.order.order.priority)
+        is_new, robot.priority = priority != robot.priority, priority
+        self._commands[robot.name] = Drive(robot.name, goal_id, pose, priority if is_new else None)
 
     # --- all of them -------------------------------------------------------------------------------------------------
 

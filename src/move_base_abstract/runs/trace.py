@@ -4,10 +4,10 @@ from __future__ import annotations
 from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
 #: of what happens to robots, see :class:`TraceEntry`
-KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
-         'repaired', 'battery', 'charging_began', 'charging_ended', 'charge', 'motion', 'phases', 'manner',
-         'waiting_began', 'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded',
-         'beyond', 'lapse_began', 'lapse_ended')
+KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
+         'paced', 'priority', 'held', 'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended',
+         'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
+         'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
 #: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
 ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
                'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
@@ -20,7 +20,9 @@ class TraceEntry(NamedTuple):
     ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
     ``places`` (area, how many), before the first ``entered`` of an area with room for some robots only;
     ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
-    area, ...): it closed a circle of waiting;
+    area, ...): it closed a circle of waiting; ``gave_way`` (area, ...): it drives back out of these for such a circle;
+    ``zone_limit`` (zone, max_speed, 0: none) of the first robot by name, where a zone has another limit, and ``paced``
+    (zone, max_speed) of each that goes on by it; ``priority`` (number): it has this one from now on;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
     ``lapse_began`` (kind, cause, of a jump x, y, yaw by which the pose that it tells lies beside the true one) and

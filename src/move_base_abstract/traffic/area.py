@@ -49,6 +49,10 @@ class Area:
         """Return whether as many as there is place for, or more, hold one."""
         return self.capacity is not None and len(self.holders) >= self.capacity
 
+    def first(self) -> Optional[Request]:
+        """Return the first request of those whose turn it is to be: who goes on where that is safe only has none."""
+        return next((request for request in self.queue if not request.traveller.is_careful), None)
+
     def contains(self, x: float, y: float) -> bool:
         """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
         if self.outline is not None:
@@ -84,7 +88,7 @@ class Request:
 
     def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
                  ahead: Tuple[Area, ...] = ()) -> None:
-        self.key = -traveller.priority, since_ns, traveller.index
+        self.key = -traveller.priority, since_ns, traveller.rank
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
@@ -96,7 +100,7 @@ class Request:
             area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
-        """Return whether this one comes first: a higher priority, who asked first, a lower robot index."""
+        """Return whether this one comes first: a higher priority, who asked first, by name."""
         return self.key < other.key
 
     @property
@@ -110,7 +114,15 @@ class Request:
 
     def is_first(self) -> bool:
         """Return whether there is a place in all the areas, and nobody comes before."""
-        return all(area.queue[0] is self for area in self.areas) and self.has_room()
+        firsts = [area.first() for area in self.areas]
+        return all(one is None or not one < self for one in firsts) and self.has_room()
+
+    def renewed(self) -> Request:
+        """Return the request that takes the place of this one, by the priority that its robot has now."""
+        self.withdraw()
+        request = Request(self.key[1], self.traveller, self.areas, self.ahead)
+        request.is_in_circle = self.is_in_circle
+        return request
 
     def withdraw(self) -> None:
         """Leave the queues."""
