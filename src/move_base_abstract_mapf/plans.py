@@ -105,8 +105,8 @@ def _of_steps(path: str, text: str) -> List[List[Cell]]:
         cells = [] if found is None else [(int(column), int(row)) for column, row in _PLACE.findall(found.group(2))]
         if found is None or int(found.group(1)) != len(steps) or len(cells) != len((steps or [cells])[0]):
             if line.strip():
-                raise ConfigurationError('{}:{}: got {}; allowed: {}:(column,row),... with a cell for each agent'.format(
-                    path, number, shown(line[:80]), len(steps)))
+                raise ConfigurationError('{}:{}: got {}; allowed: {}:(column,row),... with a cell for each '
+                                         'agent'.format(path, number, shown(line[:80]), len(steps)))
             continue
         steps.append(cells)
     return [list(one) for one in zip(*steps)]

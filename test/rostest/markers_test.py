@@ -87,7 +87,8 @@ class Looks:
 
     def test_the_nodes_of_a_net_are_dots_with_names_and_sent_once_to_each_who_looks(self):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as stream:
-            stream.write('{nodes: [{name: a, x: 1, y: 2}, {name: b, x: 4, y: 2}], edges: [{from: a, to: b, one_way: true}]}')
+            stream.write('{nodes: [{name: a, x: 1, y: 2}, {name: b, x: 4, y: 2}], '
+                         'edges: [{from: a, to: b, one_way: true}]}')
             stream.flush()
             scenario = make_scenario({'robots': [{'name': 'r', 'count': 2, 'routes': 'lanes', 'lanes': stream.name}]})
         board, traffic = mock.Mock(), mock.Mock()

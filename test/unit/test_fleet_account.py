@@ -1,4 +1,4 @@
-"""The figures of a fleet's report, each held to what the raw rows of the log say when they are looked at in another way.
+"""The figures of a fleet's report, each held to what the raw rows of the log say, looked at in another way.
 
 The account takes row after row; here each span between two instants is judged by the last rows before it.
 """
@@ -141,7 +141,8 @@ def check(path, rows, begin_ns, end_ns):
         assert figures['orders'] == sum(row[2] == 'order_done' and row[3][1] != 'failed' for row in own)
         charges = [row[3] for row in own if row[2] == 'charge']
         for what, sign in (('used', -1), ('charged', 1)):
-            joules = [sign * (now[0] - before[0]) * now[1] for before, now in zip(charges, charges[1:]) if now[2] == what]
+            joules = [sign * (now[0] - before[0]) * now[1] for before, now in zip(charges, charges[1:])
+                      if now[2] == what]
             assert figures['energy_' + what] == pytest.approx(math.fsum(joules) / 3.6e6)
     waits = waits_of(rows, end_ns)
     assert {where: (one.count, one.total_ns / S, one.longest_ns / S) for where, one in account.waits.items()} == {

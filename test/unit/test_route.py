@@ -193,7 +193,8 @@ def test_robots_of_other_limits_share_no_route():
 def test_a_goal_at_minus_zero_ends_there_also_if_another_went_to_zero():
     way = PlannedWay([(4.0, 3.0)], [PieceLimit()] * 2)
     for zero in (0.0, -0.0):
-        route = route_along(Pose2D(4.0, 0.0), Pose2D(0.0, zero), way, MotionLimits(1.0), Tolerances(), 0, CornerLaw.KEEP)
+        goal = Pose2D(0.0, zero)
+        route = route_along(Pose2D(4.0, 0.0), goal, way, MotionLimits(1.0), Tolerances(), 0, CornerLaw.KEEP)
         assert math.copysign(1.0, route.end.y) == math.copysign(1.0, zero)
 
 
@@ -203,7 +204,8 @@ def test_pieces_that_are_known_are_those_that_would_be_found(places, limits, law
     points = [(-2000.0, 0.0), *places, (2000.0, 0.0)]
     limit = PieceLimit(0.7, 0.5)
     ends = Pose2D(*points[0]), Pose2D(*points[-1], 1.0)
-    known = PlannedWay(places, [limit] * (len(points) - 1), known=(points[0], points[-1], segments_along(points, limit)))
+    known = PlannedWay(places, [limit] * (len(points) - 1), known=(
+        points[0], points[-1], segments_along(points, limit)))
     route, found = (Route(*ends, way, limits, law=law) for way in (known, PlannedWay(places, known.limits)))
     assert (route.way, route.distance, route.arrive_ns) == (found.way, found.distance, found.arrive_ns)
     assert route.pose_at(instant(route, 0.4)) == found.pose_at(instant(found, 0.4))

@@ -86,8 +86,9 @@ class Dispatch:
                  for robot in self.core.robots if robot.order is not None]
         texts += ['{} with nobody'.format(order) for order in self.core.open_orders]
         if texts:
-            self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', 'The run cannot go on: {} orders are not done: {}{}'.format(
-                len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')))
+            text = 'The run cannot go on: {} orders are not done: {}{}'.format(
+                len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
+            self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
 
     def _what_holds(self, robot):
         held_for = self.fleet._members[robot].navigator.travel.held_for

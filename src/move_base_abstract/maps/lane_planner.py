@@ -63,7 +63,7 @@ class _Access(NamedTuple):
 
 
 class _Towards(NamedTuple):
-    """``times`` {node: ns at full speed} to one goal node, and the lane on which one leaves each node that was asked."""
+    """``times`` {node: ns at full speed} to one goal node, and by which lane one leaves each node that was asked."""
 
     times: Dict[str, int]
     onward: Dict[str, _Lane]

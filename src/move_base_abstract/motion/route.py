@@ -14,7 +14,6 @@ from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
 from .planned_way import PieceLimit, PlannedWay
 
-
 _KEPT_ROUTES = 16  # of a way
 
 
@@ -40,7 +39,7 @@ class Segment(NamedTuple):
 
 
 def segments_along(points, limit):
-    """Return the pieces (:class:`Segment`, ...) along ``points`` ((x, y), ...) [m], of which no two in a row are one."""
+    """Return the pieces (:class:`Segment`, ...) along ``points`` ((x, y), ...) [m]; no two in a row are one."""
     return tuple(Segment(a, b, math.atan2(y - b, x - a), math.hypot(x - a, y - b), limit)
                  for (a, b), (x, y) in zip(points, points[1:]))
 

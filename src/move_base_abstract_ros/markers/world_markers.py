@@ -248,7 +248,7 @@ def _longest_piece(look):
 
 
 def _lane_sign(look, use, colour):
-    """Return the sign of a lane: for how many there is room, how many are on it, who waits; none of one that any may use."""
+    """Return the sign of a lane: how many are on it, for how many there is room, who waits; none where all may go."""
     if not use.waiting and use.capacity is None and not use.closed:
         sign = Marker(ns=look.name, id=SIGN, action=Marker.DELETE)
         sign.header.frame_id = look.frame_id
