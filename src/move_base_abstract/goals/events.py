@@ -6,11 +6,13 @@ Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.Tra
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
 
 from ..engine.stream import Stream
 
 if TYPE_CHECKING:
+    from ..motion.approach import MotionPhases
     from ..motion.geometry import Pose2D
     from ..motion.leg import MotionLimits, Tolerances
     from ..motion.recorded_range import Recorded as RecordedRange
@@ -42,21 +44,22 @@ def robot_stream() -> Stream:
 
 
 class Departed(NamedTuple):
-    """The robot starts for ``goal``, by ``corners`` [(x, y)]."""
+    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: as of PacedLeg, where it has one."""
 
     time_ns: int
     robot: str
     goal: Pose2D
     corners: Sequence[Tuple[float, float]] = ()
+    manner: Tuple[float, ...] = ()
 
     def row(self) -> Row:
         """Return its row; one of a way that has corners has a :meth:`route` behind it."""
-        time_ns, robot, goal, _ = self
+        time_ns, robot, goal, _, _ = self
         return time_ns, robot, 'departed', goal.x, goal.y, goal.yaw
 
     def route(self) -> Row:
         """Return the row of its corners."""
-        return (self.time_ns, self.robot, 'route', *(value for corner in self.corners for value in corner))
+        return (self.time_ns, self.robot, 'route', *chain.from_iterable(self.corners))
 
 
 class Stands(NamedTuple):
@@ -349,6 +352,19 @@ class MotionSet(NamedTuple):
         return (self.time_ns, self.robot, 'motion', pose.x, pose.y, pose.yaw, limits.max_speed,
                 *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
                 tolerances.xy, tolerances.yaw)
+
+
+class Phased(NamedTuple):
+    """The robot is there, and begins and ends its legs in these ``phases``."""
+
+    time_ns: int
+    robot: str
+    phases: MotionPhases
+
+    def row(self) -> Row:
+        """Return its row, the numbers of MotionPhases in their order."""
+        start_turn, *others = vars(self.phases).values()
+        return (self.time_ns, self.robot, 'phases', *start_turn, *others)
 
 
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:

@@ -67,7 +67,7 @@ class Travel:
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
-        self._tell(Departed(now_ns, self._robot.name, place, leg.corners))
+        self._tell(Departed(now_ns, self._robot.name, place, leg.corners, leg.manner))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)
         if reason is None:

@@ -5,13 +5,12 @@ from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
 #: of what happens to robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
-         'paced', 'priority', 'held',
-         'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended', 'charge', 'motion',
-         'waiting_began', 'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded',
-         'beyond', 'lapse_began', 'lapse_ended')
+         'paced', 'priority', 'held', 'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended',
+         'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
+         'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
 #: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
-ORDER_KINDS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done',
-               'charge_assigned', 'charge_awaited', 'charge_over')
+ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
+               'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
 
 
 class TraceEntry(NamedTuple):
@@ -39,8 +38,12 @@ class TraceEntry(NamedTuple):
     long it will take [ns]), ``task_ended`` (goal id, state, text);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
-    which 0 is an acceleration or a turn rate without limit), and with it ``charge`` (state of charge, what a full
-    battery holds [J], ``used``, ``charged`` or ``set``: what has changed it). Positions in m, yaw in rad, global frame.
+    which 0 is an acceleration or a turn rate without limit), and with it ``phases`` (start_turn_linear [s/rad],
+    start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], turning_speed [rad/s], turning_gain [1/s],
+    turning_offset [rad], bow_length [m] of its calibration), ``manner``, behind ``departed`` (rest at first [ns], how
+    long it then travels [ns], how far backwards at first [m] and how fast [m/s], how long it spins before its last turn
+    [s] and how fast [rad/s]), and ``charge`` (state of charge, what a full battery holds [J], ``used``, ``charged`` or
+    ``set``: what has changed it). Positions in m, yaw in rad, global frame.
     """
 
     time_ns: int

@@ -166,6 +166,8 @@ class DispatcherNode:
         self._record((self._clock.simulation.now_ns, *row))
         if row[1] == 'order_refused':
             rospy.logwarn('%s: order %s is refused: %s', rospy.get_name(), *row[2:])
+        elif row[1] == 'policy_failed':
+            rospy.logerr('%s: %s', rospy.get_name(), row[2])
 
 
 class _Goals:
