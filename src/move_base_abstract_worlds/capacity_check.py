@@ -32,13 +32,14 @@ def check_capacities(world):
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
-    for drivers in world.drivers if world.scenario.traffic.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
+    rules = world.scenario.traffic
+    for drivers in world.drivers if rules.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
         if drivers.planner is None:
             continue
-        pairs = list(dict.fromkeys(_pairs(world, drivers, areas.has_zones or world.scenario.traffic.blocks > 1)))
+        pairs = list(dict.fromkeys(_pairs(world, drivers, areas.has_zones or rules.blocks > 1)))
         if len(pairs) > MOST_WAYS:
-            yield Finding('not_checked', 'capacities', 'robots with zones that have a capacity, or with blocks, have {} '
-                          'ways between nodes, starts and places, more than {}'.format(len(pairs), MOST_WAYS),
+            yield Finding('not_checked', 'capacities', 'robots with zones that have a capacity, or with blocks, have '
+                          '{} ways between nodes, starts and places, more than {}'.format(len(pairs), MOST_WAYS),
                           os.path.basename(world.path), 'check a scenario with fewer of them')
             pairs = []
         for begin, end in pairs:

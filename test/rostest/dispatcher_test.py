@@ -50,7 +50,8 @@ robots: [{name: robot, count: 6, step_x: 10.0}]
 zones: [{name: slow, rectangle: [3.0, -3.0, 7.0, 30.0], max_speed: 0.4}]
 places: []
 orders:
-  - {name: picks, rate_per_hour: 900.0, count: 40, stops: [{area: [0.0, 0.0, 20.0, 20.0]}, {area: [0.0, 0.0, 20.0, 20.0]}]}
+  - {name: picks, rate_per_hour: 900.0, count: 40,
+     stops: [{area: [0.0, 0.0, 20.0, 20.0]}, {area: [0.0, 0.0, 20.0, 20.0]}]}
   - {name: rounds, every: 30.0, count: 10, priority: 1, stops: [{x: 20.0, y: 20.0}, {x: 0.0, y: 20.0}]}
 dispatcher: {policy: nearest}
 """

@@ -85,9 +85,9 @@ def test_who_works_at_a_place_and_who_waits_for_it_is_found_also_where_it_has_no
     told = {(stay.robot, stay.thing, stay.kind): (stay.begin_ns, stay.end_ns) for stay in stays
             if world.things[stay.thing]['kind'] == 'place'}
     began, ended = 151 * S, 171 * S
-    assert told == {('r_0', number['place bench'], INSIDE): (began, ended),
-                    ('late', number['place bench'], WAITS): (began, ended),
-                    ('late', number['place bench'], INSIDE): (ended, 191 * S),
+    assert told == {('late', number['place bench'], INSIDE): (began, ended),  # by name, at one instant
+                    ('r_0', number['place bench'], WAITS): (began, ended),
+                    ('r_0', number['place bench'], INSIDE): (ended, 191 * S),
                     ('r_1', number['place yard'], INSIDE): (began, 156 * S)}
     working = [(now_ns, name) for now_ns, _, _, doing in seen for name, what in doing.items() if what == 'working']
     assert working and all(any(stay.robot == name and stay.kind == INSIDE and stay.begin_ns <= now_ns < stay.end_ns

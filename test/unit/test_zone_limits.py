@@ -32,6 +32,16 @@ def test_robots_drive_at_most_as_fast_as_the_zone_says_and_do_not_stop_at_its_bo
         (11.0, 'a', 'ended', 'a-1', 'SUCCEEDED', 'Goal reached.')]
 
 
+def test_with_an_acceleration_nobody_stops_at_a_border_whatever_happens_at_corners():
+    ended = []
+    for corners in ('keep', 'stop'):
+        fleet = fleet_of([SLOW], corners=corners, acceleration=1.0)
+        fleet.send('a', 10.0, 0.0)
+        fleet.run()
+        ended.append(rows(fleet, 'ended')[0][0])
+    assert ended[0] == ended[1] == pytest.approx(oracle([SLOW], 10.0, 2.0, 1.0), abs=0.01)
+
+
 def oracle(zones, goal, top, rate, step=0.0005):
     """Return how long a drive along x takes [s], and the speed at each step: two passes over a fine grid."""
     count = round(goal / step)

@@ -50,23 +50,25 @@ class Area:
         return self.capacity is not None and len(self.holders) >= self.capacity
 
     def first(self, traveller: Optional[Traveller] = None) -> Optional[Request]:
-        """Return the first request that ``traveller``, None: nobody in particular, has to wait for, also its own.
+        """Return the first request, or the first that ``traveller`` has to wait for, its own included.
 
-        Who goes on where that is safe only has no turn. Who holds a place in the group waits for nobody that still asks
-        for one there.
+        Who goes on where that is safe only has no turn, nor has who lacks room ahead. Who holds a place in the group
+        waits for nobody that asks for one there.
         """
         return next((request for request in self.queue if not request.traveller.is_careful and (
-            traveller is None or not self.asks_for_what_is_held(request, traveller))), None)
+            traveller is None or not self.is_overtaken(request, traveller))), None)
 
-    def asks_for_what_is_held(self, request: Request, traveller: Traveller) -> bool:
-        """Return whether a request here is also for a place in the group, in which ``traveller`` has one."""
-        return self.group is not None and self.group in traveller.held and self.group in request.areas
+    def is_overtaken(self, request: Request, traveller: Traveller) -> bool:
+        """Return whether a request here, not its own, does not keep ``traveller`` waiting."""
+        return request.traveller is not traveller and (not all(area.has_room() for area in request.ahead) or (
+            self.group is not None and self.group in traveller.held and self.group in request.areas))
 
-    def first_within(self) -> Optional[Request]:
-        """Return the first request of who is in the group already, or None."""
-        return None if self.group is None else next((
-            request for request in self.queue if not request.traveller.is_careful and self.group not in request.areas),
-            None)
+    def may_be_next(self) -> List[Request]:
+        """Return the requests that may be served next: the first one, and where others may overtake it these."""
+        first = self.first()
+        if first is None or (self.group is None and not first.ahead):
+            return [] if first is None else [first]
+        return [request for request in self.queue if not request.traveller.is_careful]
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""

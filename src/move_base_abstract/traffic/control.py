@@ -213,14 +213,14 @@ class Traffic:
         """Let those in who are the first where they wait."""
         while self._dirty:
             area = self._dirty[0]
-            request = area.first()
-            goes_on = next((one for one in (request, area.first_within()) if one is not None and one.is_first()), None)
+            requests = area.may_be_next()
+            goes_on = next((one for one in requests if one.is_first()), None)
             if goes_on is not None:
                 goes_on.traveller.serve(Traveller.go_on, now_ns)
                 continue
             self._dirty.pop(0)
-            if request is not None:  # it may have been opened, or have held more robots than there is place for
-                request.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+            if requests:  # it may have been opened, or have held more robots than there is place for
+                requests[0].traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
 
     def _serve_safely(self, now_ns: int) -> bool:
         """Let the first one in, in the order in which they asked, who may; who may not is passed over."""
