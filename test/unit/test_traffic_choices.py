@@ -273,3 +273,14 @@ def test_a_robot_has_the_priority_of_its_order_where_that_is_higher():
     assert [row[1:] for row in rows(dispatch.fleet, 'priority')] == [
         ('a', 'priority', 3), ('a', 'priority', 0), ('b', 'priority', 4)]
     assert len(rows(dispatch.fleet, 'order_done')) == 4
+
+
+def test_who_is_in_a_group_waits_in_it_for_nobody_that_still_asks_for_a_place_there(tmp_path):
+    world = net_of(tmp_path, {'a': (0, 0), 'b': (10, 0), 'c': (20, 0)}, [
+        ('a', 'b', {'group': 'g'}), ('b', 'c', {'group': 'g', 'capacity': 1})])
+    fleet = fleet_of([{'name': 'r'}, {'name': 's', 'start_x': 20.0}], **world)
+    fleet.send('r', 20.0, 0.0)
+    fleet.at(1 * S, lambda fleet: fleet.send('s', 0.0, 0.0))  # it asks for the second lane, and for the group, first
+    fleet.run()
+    assert not rows(fleet, 'deadlock')
+    assert [row[:2] for row in rows(fleet, 'ended')] == [(10.0, 'r'), (20.0, 's')]

@@ -44,7 +44,7 @@ def robot_stream() -> Stream:
 
 
 class Departed(NamedTuple):
-    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: how it differs from its law, as of PacedLeg."""
+    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: as of PacedLeg, if it differs from its law."""
 
     time_ns: int
     robot: str

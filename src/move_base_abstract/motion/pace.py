@@ -99,7 +99,7 @@ class PacedLeg:
 
 
 class TimedLeg(PacedLeg):
-    """A :class:`Leg` or :class:`Route` that rests ``delay_ns`` [ns] and takes ``duration_ns`` [ns], whatever its law is."""
+    """A :class:`Leg` or :class:`Route` that rests ``delay_ns`` [ns] and then takes ``duration_ns`` [ns]."""
 
     __slots__ = ()
 

@@ -49,9 +49,24 @@ class Area:
         """Return whether as many as there is place for, or more, hold one."""
         return self.capacity is not None and len(self.holders) >= self.capacity
 
-    def first(self) -> Optional[Request]:
-        """Return the first request of those whose turn it is to be: who goes on where that is safe only has none."""
-        return next((request for request in self.queue if not request.traveller.is_careful), None)
+    def first(self, traveller: Optional[Traveller] = None) -> Optional[Request]:
+        """Return the first request that ``traveller``, None: nobody in particular, has to wait for, also its own.
+
+        Who goes on where that is safe only has no turn. Who holds a place in the group waits for nobody that still asks
+        for one there.
+        """
+        return next((request for request in self.queue if not request.traveller.is_careful and (
+            traveller is None or not self.asks_for_what_is_held(request, traveller))), None)
+
+    def asks_for_what_is_held(self, request: Request, traveller: Traveller) -> bool:
+        """Return whether a request here is also for a place in the group, in which ``traveller`` has one."""
+        return self.group is not None and self.group in traveller.held and self.group in request.areas
+
+    def first_within(self) -> Optional[Request]:
+        """Return the first request of who is in the group already, or None."""
+        return None if self.group is None else next((
+            request for request in self.queue if not request.traveller.is_careful and self.group not in request.areas),
+            None)
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
@@ -114,7 +129,7 @@ class Request:
 
     def is_first(self) -> bool:
         """Return whether there is a place in all the areas, and nobody comes before."""
-        firsts = [area.first() for area in self.areas]
+        firsts = [area.first(self.traveller) for area in self.areas]
         return all(one is None or not one < self for one in firsts) and self.has_room()
 
     def renewed(self) -> Request:

@@ -214,8 +214,9 @@ class Traffic:
         while self._dirty:
             area = self._dirty[0]
             request = area.first()
-            if request is not None and request.is_first():
-                request.traveller.serve(Traveller.go_on, now_ns)
+            goes_on = next((one for one in (request, area.first_within()) if one is not None and one.is_first()), None)
+            if goes_on is not None:
+                goes_on.traveller.serve(Traveller.go_on, now_ns)
                 continue
             self._dirty.pop(0)
             if request is not None:  # it may have been opened, or have held more robots than there is place for

@@ -313,7 +313,7 @@ class Traveller:
             0, blocks - len(enters))]
 
     def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
-        firsts = [area.first() for area in enters]
+        firsts = [area.first(self) for area in enters]
         is_first = all(one is None or one.traveller.priority < self.priority for one in firsts)
         return (is_first and all(area.has_room() for area in enters) and all(area.has_room() for area in ahead)
                 and self._traffic.may_take(self, enters))

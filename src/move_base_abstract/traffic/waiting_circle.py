@@ -61,7 +61,8 @@ def _connected(request: Request) -> Dict[Traveller, bool]:
 def _before(area: Area, traveller: Traveller) -> List[Traveller]:
     queue = [request.traveller for request in area.queue]
     before = queue[:queue.index(traveller)] if traveller in queue else []  # who only wants room ahead is in none
-    return [one for one in before if not one.is_careful]
+    return [one for one in before if not one.is_careful and one.request is not None
+            and not area.asks_for_what_is_held(one.request, traveller)]
 
 
 def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
