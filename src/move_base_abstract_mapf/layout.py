@@ -1,6 +1,7 @@
 """The folder in which a plan is driven: a map as map_server takes it, and a scenario, robots at their starts."""
 from __future__ import annotations
 
+import math
 import os
 from typing import Any, List, NamedTuple, Tuple
 
@@ -32,6 +33,10 @@ class Grid(NamedTuple):
         """Return the middle of a cell (x, y) [m]."""
         column, row = cell
         return (column + 0.5) * self.size, (self.blocked.shape[0] - row - 0.5) * self.size
+
+    def pose(self, cell: Cell, towards: Cell) -> Tuple[float, float, float]:
+        """Return the goal (x, y, yaw) [m, rad] of a move to ``cell`` from ``towards``: it heads on."""
+        return (*self.place(cell), math.atan2(towards[1] - cell[1], cell[0] - towards[0]))
 
 
 class Site(NamedTuple):

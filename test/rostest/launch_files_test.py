@@ -8,10 +8,12 @@ import glob
 import os
 import shlex
 import sys
+import tempfile
 import time
 import unittest
 from xml.etree import ElementTree
 
+import numpy as np
 import rosgraph
 import roslaunch.config
 import roslaunch.xmlloader
@@ -24,6 +26,8 @@ from nav_msgs.msg import Odometry
 from own_sockets import listening_addresses, pid_of
 from roslib.packages import find_node
 
+from move_base_abstract_mapf.layout import Grid, write_folder
+from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_ros.launching import plan
 from move_base_abstract_ros.lockstep.programs import binary
 from move_base_abstract_ros.loopback import Loopback, find_executable
@@ -160,9 +164,13 @@ class LaunchFiles(unittest.TestCase):
                 if node.get('pkg') == 'move_base_abstract'}
         arguments = {'map_server': [os.path.join(LAUNCH, '..', 'maps', 'farm_yard.yaml')], 'fleet': [],
                      'time_master': [], 'task_server': ['_robots:=[a]'], 'move_base': [], 'soil_coordinator': [],
-                     'task_source': [], 'dispatcher': []}
+                     'task_source': [], 'dispatcher': [], 'mapf_drive': []}
         self.assertEqual(ours | set(arguments), set(arguments))
-        with Loopback() as ros:
+        with Loopback() as ros, tempfile.TemporaryDirectory() as folder:
+            write_folder(folder, Grid(np.zeros((1, 1), bool), 1.0), [Problem((0, 0), (0, 0))], 1.0, 'a test')
+            ros.set_param('/mapf_drive', {'folder': folder, 'plan': os.path.join(folder, 'plan.txt')})
+            with open(os.path.join(folder, 'plan.txt'), 'w') as stream:
+                stream.write('Agent 0: (0,0)\n')
             for node in ('fleet', 'dispatcher'):
                 ros.set_param('/{}/robots'.format(node), [{'name': 'a'}])
             ros.set_param('/task_source/places', [{'name': 'here', 'duration': 1.0}])

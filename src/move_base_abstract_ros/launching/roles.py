@@ -13,10 +13,11 @@ from . import programs
 
 #: the program whose node takes part for a script that starts runs
 DEPUTY = 'lockstep_series'
-_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'move_base_abstract_actionserver',
-              'soil_coordinator', 'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
+_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
+              'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
+              'property_monitor', DEPUTY)
 #: own nodes that are done when the run is over: what they know is in the event log, or written already
-_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher',
+_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
                        'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
                        DEPUTY)
 _LOOK_ON = {
