@@ -26,6 +26,7 @@ COLUMNS = {
     'world_part': ('part', 'robots', 'events', 'us_per_event', 'us_per_goal', 'over_none'),
     'world_plan': ('cells', 'new_ms', 'wanted_new_ms', 'known_ms', 'wanted_known_ms'),
     'world_fleet': ('part', 'robots', 'events_per_s', 'wanted_per_s', 'speed_up'),
+    'traffic': ('policy', 'work', 'orders', 'aborted', 'circles', 'gave_way', 'cpu_s'),
     'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
 }
 

@@ -78,11 +78,17 @@ def _time(robots: Dict[str, Dict[str, float]]) -> float:
 
 
 def _orders(account: FleetAccount) -> List[str]:
-    if not account.has_orders:
+    orders = account.orders.times
+    if not orders.arrived and not orders.refused:
         return []
-    orders = account.orders
     lines = ['', f'orders: {orders.arrived} arrived, {orders.done} done ({orders.late} of them late), {orders.failed} '
              f'given up, {orders.open} open; came back {orders.returned} times']
+    if orders.refused:
+        lines.append(f'  {orders.refused} more were refused: rows order_refused say why')
+    undone = list(account.orders.undone.items())
+    lines += [f'  open: {name}, {where}' for name, where in undone[:_MOST_PLACES]]
+    if len(undone) > _MOST_PLACES:
+        lines.append(f'  ... and {len(undone) - _MOST_PLACES} more open: --json has all')
     for title, values in (('flow time', orders.flow), ('until a robot begins', orders.wait),
                           ('lateness', orders.lateness)):
         if values:
@@ -141,7 +147,8 @@ def json_text(account: FleetAccount, labels: List[str]) -> str:
     waits = {where: {'times': one.count, 'seconds': one.total_ns / 1e9, 'longest': one.longest_ns / 1e9}
              for where, one in account.waits.items()}
     content = {'seconds': account.seconds, 'remarks': labels, 'metrics': account.metrics(), 'robots': account.robots,
-               'waits': waits, 'orders': account.orders._asdict()}
+               'waits': waits, 'orders': account.orders.times._asdict(),
+               'undone': account.orders.undone}
     return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'
 
 

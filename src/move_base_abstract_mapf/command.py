@@ -52,7 +52,7 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
         'Drive a plan in plain Python, with what the scenario says of durations and failures, and tell what has come '
         'of it.'))
     run.add_argument('folder', metavar='FOLDER', help='what import made')
-    run.add_argument('plan', metavar='PLAN', help='paths: lines "Agent 0: (row,column)->...", or YAML with a schedule')
+    run.add_argument('plan', metavar='PLAN', help='paths, as EECBS, LaCAM or libMultiRobotPlanning writes them')
     run.add_argument('--policy', choices=('as_timed', 'order_kept', 'cell_left'), default='order_kept',
                      help='what a robot awaits before it moves (default: %(default)s)')
     run.add_argument('--goals', metavar='FILE.scen', help='check that paths end at the goals of this file')

@@ -1,7 +1,8 @@
-"""Plans of MAPF solvers: at which step which robot is in which cell. Two formats of text are read, and one is written.
+"""Plans of MAPF solvers: at which step which robot is in which cell. Three formats of text are read, one is written.
 
-``Agent 0: (row,column)->(row,column)->...``, a line for each robot, as CBSH2, EECBS and MAPF-LNS write them; and YAML
-as libMultiRobotPlanning has it: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
+``Agent 0: (row,column)->(row,column)->...``, a line for each robot, as CBSH2, EECBS and MAPF-LNS write them;
+``0:(column,row),(column,row),...``, a line for each step behind ``solution=``, as PIBT and LaCAM do; and YAML as
+libMultiRobotPlanning has it: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
 """
 from __future__ import annotations
 
@@ -19,7 +20,9 @@ from .movingai import Cell, is_free
 _MOST_BYTES = 64 * 1024 * 1024
 _BOUNDS = Bounds(_MOST_BYTES, 10_000_000, 128 * 1024 * 1024)
 _MOST_STEPS = 1_000_000  # of a robot
-_LINE = re.compile(r'\s*Agent (\d{1,7}):((?:\s*\(\d{1,6},\s*\d{1,6}\)\s*(?:->)?)+)\s*')
+_LINE = re.compile(r'\s*Agent (\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:->\s*)?)+)')
+_STEP = re.compile(r'\s*(\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:,\s*)?)+)')
+_HEAD = re.compile(r'agents=|solver=|map_file=')  # lines that LaCAM's files begin with
 _PLACE = re.compile(r'\((\d{1,6}),\s*(\d{1,6})\)')
 
 
@@ -66,15 +69,16 @@ def _without_end(path: Sequence[Cell]) -> Tuple[Cell, ...]:
 
 
 def read_plan(path: str, blocked: Any = None) -> Plan:
-    """Return the :class:`Plan` in a file of either format; ``blocked``: as of read_map(), for what is free.
+    """Return the :class:`Plan` in a file of any of the formats; ``blocked``: as of read_map(), for what is free.
 
     :raises ConfigurationError: naming file and line, or the robot and the step.
     """
     with open_input(path, _MOST_BYTES, what='plan') as stream:
         text = stream.read(_MOST_BYTES + 1).decode('utf-8', 'replace')
     lines = [line for line in text.splitlines() if line.strip()]
-    paths = _of_lines(path, text) if lines and lines[0].lstrip().startswith('Agent') else _of_yaml(path, text)
-    return make_plan(paths, path, blocked)
+    first = lines[0].lstrip() if lines else ''
+    read = _of_lines if first.startswith('Agent') else _of_steps if _HEAD.match(first) else _of_yaml
+    return make_plan(read(path, text), path, blocked)
 
 
 def _of_lines(path: str, text: str) -> List[List[Cell]]:
@@ -90,12 +94,30 @@ def _of_lines(path: str, text: str) -> List[List[Cell]]:
     return paths
 
 
+def _of_steps(path: str, text: str) -> List[List[Cell]]:
+    steps: List[List[Cell]] = []
+    lines = enumerate(text.splitlines(), 1)
+    if not any(line.strip() == 'solution=' for _, line in lines):
+        raise ConfigurationError('{}: got no line "solution="; allowed: one, and a line "0:(column,row),..." for each '
+                                 'step behind it'.format(path))
+    for number, line in lines:  # behind it
+        found = _STEP.fullmatch(line)
+        cells = [] if found is None else [(int(column), int(row)) for column, row in _PLACE.findall(found.group(2))]
+        if found is None or int(found.group(1)) != len(steps) or len(cells) != len((steps or [cells])[0]):
+            if line.strip():
+                raise ConfigurationError('{}:{}: got {}; allowed: {}:(column,row),... with a cell for each '
+                                         'agent'.format(path, number, shown(line[:80]), len(steps)))
+            continue
+        steps.append(cells)
+    return [list(one) for one in zip(*steps)]
+
+
 def _of_yaml(path: str, text: str) -> List[List[Cell]]:
     raw = load_yaml_text(text, path, _BOUNDS)
     schedule = raw.get('schedule') if isinstance(raw, dict) else None
     if not isinstance(schedule, dict) or not all(isinstance(name, str) for name in schedule):
-        raise ConfigurationError('{}: got {}; allowed: lines "Agent 0: (row,column)->...", or YAML with a mapping '
-                                 'schedule'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: lines "Agent 0: (row,column)->...", a file with agents= and '
+                                 'solution=, or YAML with a mapping schedule'.format(path, shown(raw)))
     names = ['agent{}'.format(number) for number in range(len(schedule))]
     missing = next((name for name in names if name not in schedule), None)
     if missing is not None:

@@ -2,28 +2,37 @@
 
 A log that says by which limits its robots travel (``motion``, see robot_trace) gives their legs exactly; each is
 compared with where the log says that it ended. Of other legs only the way is known: they are drawn at an even speed.
-A leg with corners (``route``) becomes even pieces: exact where it turns and at corners, and at their ends while the
-speed changes.
+A leg with corners (``route``), one of a calibrated robot (``phases``) and one at its own pace (``manner``) become even
+pieces: exact where it turns and at corners, and at their ends while the speed changes.
 """
 import json
 import math
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional
 
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.motion.approach import MotionPhases
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
+from move_base_abstract.motion.pace import TimedLeg
+from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.motion.route import CornerLaw, Route
 
 from .charges import Charges
 from .constant_speed import even_pieces
 from .world import World
 
-#: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
-PLACED, EVEN, LIMITED = 0, 1, 2
+#: how a robot gets from one pose to the other: it is there; evenly, heading where it drives; evenly, with its back to
+#: where it drives; by the limits with this number less LIMITED
+PLACED, EVEN, BACKWARDS, LIMITED = 0, 1, 2, 3
 _CLOSE = 1e-6  # m, and rad: where a leg may end beside what the log says; texts of numbers are exact
 #: kinds of events that say where a robot is; :mod:`move_base_abstract.runs.trace`
-KINDS = ('motion', 'departed', 'route', 'stands')
+KINDS = ('motion', 'phases', 'departed', 'route', 'manner', 'stands')
+_COUNTS = {'motion': 8, 'phases': 8, 'departed': 3, 'manner': 6, 'stands': 3}  # numbers of an event
 _RAMP_PIECES = 8  # of speeding up and slowing down on a leg with corners
+_PIECE_TURN = 1.0  # rad; a piece turns by less than half a turn, so that it is plain which way round
+_MOST_PIECES = 1000  # of one turn: anybody may write an event
+_LEAST, _MOST, _MOST_NS = 1e-9, 1e9, 1e18  # of numbers in events, so that what follows from them can be computed
 
 
 class Motion(NamedTuple):
@@ -48,8 +57,10 @@ class Track:
     motions: List[Motion] = field(default_factory=list)
     _pose: Optional[tuple] = None
     _limits: Optional[int] = None
+    _phases: Optional[MotionPhases] = None
     _departed: Optional[tuple] = None  # (time, start, goal, limits) of the leg under way
     _corners: tuple = ()  # of it
+    _manner: tuple = ()  # of it, as of PacedLeg
     _law: CornerLaw = CornerLaw.KEEP  # as of the latest leg with corners that has ended
 
 
@@ -73,7 +84,7 @@ class Motions:
             track = self.tracks[name] = Track(name)
             self._set_limits(track, start.limits)
             self._place(track, recording.begin_ns, start.pose)
-        handlers = {'motion': self._motion, 'departed': self._departed, 'route': self._route, 'stands': self._stands}
+        handlers = {kind: getattr(self, '_' + kind) for kind in KINDS}
         for time_ns, name, kind, values in recording:
             handler = handlers.get(kind)
             numbers = _numbers(values) if handler else None
@@ -99,9 +110,14 @@ class Motions:
         if track._limits == len(self.limits):
             self.limits.append(limits)
 
+    @staticmethod
+    def _phases(track, _time_ns, numbers):
+        if all(0.0 <= number <= _MOST for number in numbers) and all(number >= _LEAST for number in numbers[2:7]):
+            track._phases = MotionPhases(numbers[:2], *numbers[2:])
+
     def _departed(self, track, time_ns, goal):
         self._close(track, time_ns, None)
-        track._departed, track._corners = (time_ns, track._pose, goal, track._limits), ()
+        track._departed, track._corners, track._manner = (time_ns, track._pose, goal, track._limits), (), ()
         if track._pose is None:
             self.startless += 1
 
@@ -109,6 +125,12 @@ class Motions:
     def _route(track, time_ns, numbers):
         if track._departed is not None and track._departed[0] == time_ns:
             track._corners = tuple(zip(numbers[::2], numbers[1::2]))
+
+    @staticmethod
+    def _manner(track, time_ns, numbers):
+        if track._departed is not None and track._departed[0] == time_ns and (
+                all(0.0 <= number <= _MOST_NS for number in numbers) and numbers[3] >= _LEAST):
+            track._manner = numbers
 
     def _stands(self, track, time_ns, pose):
         if not self._close(track, time_ns, pose):
@@ -127,8 +149,8 @@ class Motions:
         track._departed = None
         if start is None:
             return False
-        if track._corners and limits is not None:
-            return self._close_route(track, time_ns, pose, (begin_ns, start, goal, self.limits[limits]))
+        if (track._corners or track._manner or track._phases) and limits is not None:
+            return self._close_way(track, time_ns, pose, (begin_ns, start, goal, self.limits[limits]))
         law = EVEN
         if limits is not None:
             leg = make_leg(start, goal, self.limits[limits], begin_ns)
@@ -160,26 +182,58 @@ class Motions:
         track._pose = pose
         return True
 
-    def _close_route(self, track, time_ns, pose, trip):
-        """As _close, of a leg with corners; which law it kept to there shows in where it ended."""
-        begin_ns, start, goal, limits = trip
+    def _close_way(self, track, time_ns, pose, trip):
+        """As _close, of a leg that is more than its limits; which law it kept to at corners shows in where it ended."""
+        begin_ns, start, goal, _ = trip
         for law in (track._law, *CornerLaw):
-            route = Route(Pose2D(*start), Pose2D(*goal), track._corners, *_of_limits(limits), begin_ns, law)
-            if pose is None or (time_ns <= route.arrive_ns and _is_close(route.pose_at(time_ns), pose)):
+            way = _make_way(track, trip, law)
+            if pose is None or (time_ns <= way.arrive_ns and _is_close(way.pose_at(time_ns), pose)):
                 break
         else:
             self.astray += 1
             return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         track._law = law
-        self._charges.drive(track.name, route, time_ns)
-        instants = [instant for instant in route.even_instants_ns(_RAMP_PIECES) if instant < time_ns] + [time_ns]
-        for one_ns, other_ns in zip(instants, instants[1:]):
-            begin, end = route.pose_at(one_ns), route.pose_at(other_ns)
-            track.motions.append(Motion(one_ns, other_ns, EVEN, (begin.x, begin.y, begin.yaw), (end.x, end.y, end.yaw),
-                                        other_ns == time_ns))
-        end = route.pose_at(time_ns)
+        self._charges.drive(track.name, way, time_ns)
+        track.motions.extend(_pieces_of(way, time_ns))
+        end = way.pose_at(time_ns)
         track._pose = (end.x, end.y, end.yaw)
         return True
+
+
+def _make_way(track, trip, law):
+    """Return the leg of a Track as the core makes it; ``trip`` is (time [ns], start, goal, limits)."""
+    begin_ns, start, goal, limits = trip
+    limits, tolerances = _of_limits(limits)
+    rest_ns, travel_ns, *tail = track._manner or (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+    start, goal, corners = Pose2D(*start), Pose2D(*goal), track._corners
+    if track._phases is not None:
+        way = PhasedRoute(start, goal, corners, limits, track._phases, tolerances, begin_ns, law, tail[:2], tail[2:])
+    else:
+        way = Route(start, goal, corners, limits, tolerances, begin_ns, law)
+    return TimedLeg(way, int(travel_ns), int(rest_ns)) if track._manner else way
+
+
+def _pieces_of(way, end_ns):
+    """Return the Motions of a leg (Route or PacedLeg) up to ``end_ns`` [ns]."""
+    instants = _instants_ns(way, end_ns)
+    for one_ns, other_ns in zip(instants, instants[1:]):
+        begin, end = way.pose_at(one_ns), way.pose_at(other_ns)
+        is_last, forward = other_ns == end_ns, way.velocity_at((one_ns + other_ns) // 2)[0]
+        place = (end.x, end.y) if forward else (begin.x, begin.y)  # where it stands or turns, to the last digit
+        yaw = end.yaw if is_last else way.pose_at(other_ns - 1).yaw  # before it heads elsewhere, at once
+        yield Motion(one_ns, other_ns, BACKWARDS if forward < 0.0 else EVEN, (begin.x, begin.y, begin.yaw),
+                     (*place, yaw), is_last)
+
+
+def _instants_ns(way, end_ns):
+    """Return the instants [ns] between which a leg's pieces lie, up to ``end_ns``."""
+    even = [instant for instant in way.even_instants_ns(_RAMP_PIECES) if instant < end_ns] + [end_ns]
+    instants = even[:1]
+    for one_ns, other_ns in zip(even, even[1:]):
+        turn = abs(way.velocity_at((one_ns + other_ns) // 2)[1]) * (other_ns - one_ns) / NS_PER_S
+        count = min(_MOST_PIECES, other_ns - one_ns, max(1, math.ceil(turn / _PIECE_TURN)))
+        instants += [one_ns + number * (other_ns - one_ns) // count for number in range(1, count + 1)]
+    return instants
 
 
 def make_leg(start, goal, limits, depart_ns):
@@ -194,7 +248,7 @@ def _of_limits(limits):
 
 def _is_whole(kind, count):
     """Return whether an event of a kind that is understood has as many numbers as it ought to."""
-    return count >= 2 and count % 2 == 0 if kind == 'route' else count == (8 if kind == 'motion' else 3)
+    return count >= 2 and count % 2 == 0 if kind == 'route' else count == _COUNTS[kind]
 
 
 def _is_close(end, pose):

@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_of_yaw
 
-from .motions import EVEN, LIMITED, make_leg
+from .motions import BACKWARDS, EVEN, LIMITED, make_leg
 
 EVENTS_TOPIC = '/event_log'  # every event of the log, a line of JSON each
 
@@ -68,14 +68,15 @@ def _state_at(motion, leg, time_ns):
     """Return the pose (Pose2D) and (forward [m/s], turning [rad/s]) in a motion."""
     if leg is not None:
         return leg.pose_at(time_ns), (0.0, 0.0) if time_ns >= motion.end_ns else leg.velocity_at(time_ns)
-    if motion.law != EVEN or time_ns >= motion.end_ns:
+    if motion.law not in (EVEN, BACKWARDS) or time_ns >= motion.end_ns:
         return Pose2D(*motion.goal), (0.0, 0.0)
     start, goal, seconds = Pose2D(*motion.start), Pose2D(*motion.goal), (motion.end_ns - motion.begin_ns) / NS_PER_S
     share, way = (time_ns - motion.begin_ns) / (motion.end_ns - motion.begin_ns), start.distance_to(goal)
-    turn = 0.0 if way else normalize_angle(goal.yaw - start.yaw)
+    backwards = motion.law == BACKWARDS
+    turn = 0.0 if way and not backwards else normalize_angle(goal.yaw - start.yaw)
     pose = Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y),
-                  start.bearing_to(goal) if way else start.yaw + share * turn)
-    return pose, (way / seconds, turn / seconds)
+                  start.bearing_to(goal) if way and not backwards else start.yaw + share * turn)
+    return pose, ((-way if backwards else way) / seconds, turn / seconds)
 
 
 def _told_pose(name, time_ns, pose, speeds, frame):

@@ -29,6 +29,8 @@ import rosgraph
 import rospkg
 from roslib import packages
 
+from move_base_abstract.common import processes
+
 PACKAGE = 'move_base_abstract'
 MASTER_TRIES = 3  # another process may take the free port before the master binds it
 MASTER_TIMEOUT = 20.0  # s, wall
@@ -45,11 +47,12 @@ class ChildEnded(LoopbackError):
 
 
 class Child:
-    """One process started by Loopback: its name, its Popen object and the file that takes its output."""
+    """One process started by Loopback: its name, its end and the file that takes its output."""
 
     def __init__(self, name, process, log_path):
+        """process: subprocess.Popen or processes.Forked, for itself; ``self.process`` has what they have."""
         self.name = name
-        self.process = process
+        self.process = processes.Held(process)
         self.log_path = log_path
 
     @property
@@ -65,10 +68,7 @@ class Child:
 
     def signal(self, number):
         """Send a signal to the whole process group, if there is one left."""
-        try:
-            os.killpg(self.pid, number)
-        except ProcessLookupError:
-            pass
+        self.process.signal_group(number)
 
 
 class Loopback:
@@ -155,6 +155,7 @@ class Loopback:
                 self._wait_for_master()
                 break
             except ChildEnded:
+                _end(self._children)
                 self._children.clear()
                 if attempt == MASTER_TRIES:
                     raise
@@ -167,7 +168,6 @@ class Loopback:
             if pid == self._children[0].pid:
                 return
             if pid is not None:  # another program was given the same free port, and was quicker
-                _end(self._children)
                 raise ChildEnded(f'another master answers at {self.uri}')
             self.check()
             if time.monotonic() > deadline:
@@ -184,14 +184,23 @@ class Loopback:
 
     def spawn(self, name, command):
         """Start a process in a group of its own that the kernel kills when this process ends."""
-        log_path = os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
-        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        log_path = self._log_path(name)
         with _open_log(log_path) as log:
-            process = subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
-                                       env=self.environment, start_new_session=True)
-        child = Child(name, process, log_path)
-        self._children.append(child)
-        return child
+            process = self._start(command, log)
+        return self._child(name, process, log_path)
+
+    def _start(self, command, log):
+        """Start a process; return its subprocess.Popen, or processes.Forked."""
+        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        return subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                                env=self.environment, start_new_session=True)
+
+    def _log_path(self, name):
+        return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
+
+    def _child(self, name, process, log_path):
+        self._children.append(Child(name, process, log_path))
+        return self._children[-1]
 
 
 def _open_log(path):
@@ -239,4 +248,4 @@ def _end(children):
             pass
     for child in children:
         child.signal(signal.SIGKILL)
-        child.process.wait()
+        child.process.release()

@@ -4,7 +4,9 @@ A robot that waits at the border of an area keeps its place in those that it com
 there is an arrow from area to area wherever a way of some robot comes into the second one before it has left the
 first. Robots wait for one another for ever only where full areas lie in a circle of arrows; the fewest robots that
 do it are the least sum of capacities over such a circle. Where all who would wait are in one more area, which has
-place for fewer, it cannot be: such an area is a guard.
+place for fewer, it cannot be: such an area is a guard. With ``blocks`` a robot asks for room in areas farther ahead,
+too. Then the last one that came into a circle was let in though its next area there was full, so that it cannot have
+looked for room in it: at least one arrow of a circle must be of that kind.
 """
 import os
 
@@ -15,7 +17,8 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
 from move_base_abstract.traffic.outline import BORDER
 from move_base_abstract.traffic.rules import DeadlockPolicy
-from move_base_abstract.traffic.way import ZoneIndex, stays_on_lanes
+from move_base_abstract.traffic.safe_states import needs_of
+from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_on_lanes, with_groups
 
 from .findings import Finding
 from .ways import MOST_WAYS, leg_between
@@ -26,57 +29,79 @@ _SLACK = 0.01  # m, by which boxes are larger than what they hold
 
 def check_capacities(world):
     """Yield one :class:`.Finding` for each set of areas that hang together by circles: the least of these."""
-    groups = [zone.name for zone in world.scenario.zones if zone.group is not None] + [
-        edge.begin for net in world.nets.values() for edge in net.edges if edge.group is not None]
-    if groups and world.scenario.traffic.policy is not DeadlockPolicy.AVOID:
-        yield Finding('not_checked', 'capacities', 'groups share places, which is not looked at: circles through them '
-                      'may lock', os.path.basename(world.path), 'deadlock: avoid, with which no circle closes')
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
     for drivers in world.drivers if world.scenario.traffic.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
         if drivers.planner is None:
             continue
-        pairs = list(dict.fromkeys(_pairs(world, drivers, areas.zones)))
+        pairs = list(dict.fromkeys(_pairs(world, drivers, areas.has_zones or world.scenario.traffic.blocks > 1)))
         if len(pairs) > MOST_WAYS:
-            yield Finding('not_checked', 'capacities', 'robots with zones that have a capacity have {} ways between '
-                          'nodes, starts and places, more than {}'.format(len(pairs), MOST_WAYS),
+            yield Finding('not_checked', 'capacities', 'robots with zones that have a capacity, or with blocks, have {} '
+                          'ways between nodes, starts and places, more than {}'.format(len(pairs), MOST_WAYS),
                           os.path.basename(world.path), 'check a scenario with fewer of them')
             pairs = []
         for begin, end in pairs:
-            for one, other, held in areas.arrows(drivers, begin, end):
-                known = arrows.edges[one, other]['held'] if arrows.has_edge(one, other) else held
-                arrows.add_edge(one, other, held=known & held)
+            for one, other, held, late in areas.arrows(drivers, begin, end):
+                known = arrows.edges[one, other] if arrows.has_edge(one, other) else {'held': held, 'late': False}
+                arrows.add_edge(one, other, held=known['held'] & held, late=known['late'] or late)
     for area_numbers in _parts(arrows):
         yield from _least_circle(world, areas, arrows, area_numbers)
 
 
 class Areas:
-    """All zones and lanes of a World that have a capacity; they are known by their numbers in ``all``."""
+    """All zones, lanes and groups of a World in which robots have places; known by their numbers in ``all``.
+
+    In ``all`` are those that may keep robots waiting: not those with room for as many robots as their group.
+    """
 
     def __init__(self, world):
-        name = os.path.basename(world.path)
-        self.zones = [Area('zone', zone.name, zone.capacity, zone.outline) for zone in world.scenario.zones
-                      if zone.capacity is not None]
-        self._index = ZoneIndex(self.zones)
-        self._wheres = ['{}: zones[{}]'.format(name, index) for index, zone in enumerate(world.scenario.zones)
-                        if zone.capacity is not None]
-        self._ways = [(*zone.outline.points, zone.outline.points[0]) for zone in self.zones]
+        self._file, self._rules = os.path.basename(world.path), world.scenario.traffic
+        self._areas, self._wheres, self._ways = [], [], []
+        self._groups = {}
+        zones = []
+        for index, zone in enumerate(world.scenario.zones):
+            line = (*zone.outline.points, zone.outline.points[0])
+            group = self._group(zone.group, line)
+            zones.append(self._add(Area('zone', zone.name, zone.capacity, zone.outline, group),
+                                   '{}: zones[{}]'.format(self._file, index), line))
+        self._index = ZoneIndex(zones)
         self._lanes = {}
         for source, net in world.nets.items():
             for index, edge in enumerate(net.edges):
-                if edge.capacity is not None:
-                    self._lanes[source, index] = Area('lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity)
-                    self._wheres.append('{}: edges[{}]'.format(os.path.basename(source), index))
-                    self._ways.append(edge.points)
-        self._areas = [*self.zones, *self._lanes.values()]
-        self._numbers = {id(area): number for number, area in enumerate(self._areas)}
-        self.all = range(len(self._areas))
+                if edge.is_counted:
+                    self._lanes[source, index] = self._add(
+                        Area('lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None,
+                             self._group(edge.group, edge.points)),
+                        '{}: edges[{}]'.format(os.path.basename(source), index), edge.points)
+        self._numbers = {area: number for number, area in enumerate(self._areas)}
+        self.all = [number for area, number in self._numbers.items() if area.capacity is not None and (
+            area.group is None or area.capacity < area.group.capacity)]
+        self._counted = frozenset(self.all)
+        #: whether any zone may keep robots waiting
+        self.has_zones = any(area.outline is not None for area in (self._areas[number] for number in self.all)) or any(
+            zone.group is not None for zone in world.scenario.zones)
+
+    def _add(self, area, where, line):
+        self._areas.append(area)
+        self._wheres.append(where)
+        self._ways.append(line)
+        return area
+
+    def _group(self, name, line):
+        if name is None:
+            return None
+        if name not in self._groups:
+            self._groups[name] = self._add(Area('group', name, self._rules.groups.get(name, 1)),
+                                           '{}: groups'.format(self._file), line)
+        return self._groups[name]
 
     def touch(self):
         """Return whether any two of them may touch: else nobody comes from one into another."""
         boxes = []
-        for way in self._ways:
+        for way, area in zip(self._ways, self._areas):
+            if area.capacity is None and area.group is None:
+                continue
             xs, ys = zip(*way)
             boxes.append((min(xs) - _SLACK, min(ys) - _SLACK, max(xs) + _SLACK, max(ys) + _SLACK))
         boxes.sort()
@@ -105,40 +130,55 @@ class Areas:
         return self._ways[number]
 
     def arrows(self, drivers, begin, end):
-        """Return [(area, area, held), ...] of a way (x, y) to (x, y): who is in the first asks for the second.
+        """Return [(area, area, held, late), ...] of a way (x, y) to (x, y): who is in the first asks for the second.
 
-        ``held``: all areas in which it is then (frozenset of numbers).
+        ``held``: all areas in which it is then (frozenset of numbers); ``late``: it has not looked for room in the
+        second one when it came into the first.
         """
         leg = leg_between(drivers, Pose2D(*begin), Pose2D(*end))
         if leg is None or not leg.distance > BORDER:
             return []
-        stays = [stay._replace(begin=-1.0) if stay.begin <= BORDER and stay.area.outline.contains(*begin) else stay
-                 for stay in self._index.stays(leg.way)]  # who starts in a zone has its place there
+        stays = list(self._index.stays(leg.way))
+        at_rest = [stay.area for stay in stays if stay.begin <= BORDER and stay.area.outline.contains(*begin)]
         if drivers.lanes is not None:
             on_lanes = stays_on_lanes(leg, lambda edge: self._lanes.get((drivers.lanes.source, edge)))
             is_at_node = any(abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
                              for pose in drivers.lanes.nodes.values())
-            stays += [stay._replace(begin=-1.0) if stay.begin <= BORDER and not is_at_node else stay
-                      for stay in on_lanes]  # who ended its goal before on a lane has it still
-        found = []
-        for other in stays:
-            held = frozenset(self._numbers[id(one.area)] for one in stays if one.area is not other.area
-                             and one.begin < other.begin - BORDER and (
-                                 one.end is None or one.end >= other.begin - BORDER))
-            found += [(one, self._numbers[id(other.area)], held) for one in sorted(held)]
-        return found
+            at_rest += [stay.area for stay in on_lanes if stay.begin <= BORDER and not is_at_node]
+            stays += on_lanes  # who ended its goal before on a lane has its place still
+        held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)
+        return list(self._arrows_along(crossings(with_groups(stays), held), held))
+
+    def _arrows_along(self, ahead, held):
+        """Yield the arrows of who comes to the crossings ``ahead`` with places in ``held``, as a Traveller does."""
+        blocks = self._rules.blocks
+        seen = dict.fromkeys(held, ())  # for room in which areas it looked when it came in
+        for number, crossing in enumerate(ahead):
+            enters = [area for area in crossing.enters if area not in held]
+            wanted = list(enters)
+            if enters and blocks > 1:
+                wanted += [area for area in needs_of(ahead[number:], held)
+                           if area not in held and area not in enters][:max(0, blocks - len(enters))]
+            counted = frozenset(self._numbers[area] for area in held) & self._counted
+            for one in held:
+                for other in wanted:
+                    if self._numbers[one] in counted and self._numbers[other] in self._counted:
+                        yield self._numbers[one], self._numbers[other], counted, other not in seen[one]
+            for area in enters:
+                held[area], seen[area] = True, wanted
+            for area in crossing.leaves:
+                held.pop(area, None)
 
 
-
-def _pairs(world, drivers, zones):
+def _pairs(world, drivers, takes_all):
     """Yield ((x, y), (x, y)) of the ways that show all arrows of robots between nodes, starts and targets.
 
     On lanes alone ways over two lanes do: of a longer way each part is a way of the planner, too, also where several
-    are equally short. What lies on a lane stands for itself.
+    are equally short. What lies on a lane stands for itself. With zones and blocks all ways are needed (``takes_all``).
     """
     others = dict.fromkeys([start.xy for start in drivers.starts] + [target.xy for target in world.targets])
     nodes = {} if drivers.lanes is None else {(pose.x, pose.y): name for name, pose in drivers.lanes.nodes.items()}
-    if zones:
+    if takes_all:
         ends = [*nodes, *others]
         yield from ((begin, end) for begin in ends for end in ends if begin != end)
         return
@@ -173,7 +213,8 @@ def _least_circle(world, areas, arrows, part):
             continue
         sums, paths = networkx.single_source_dijkstra(graph, begin, cutoff=left,
                                                       weight=lambda _one, other, _: areas.capacity(other))
-        for total, end in sorted((sums[end], end) for end in graph.predecessors(begin) if end in sums):
+        for total, end in sorted((sums[end], end) for end in graph.predecessors(begin)
+                                 if end in sums and graph.edges[end, begin]['late']):
             if _is_possible(areas, graph, paths[end]):
                 best, circle = total + areas.capacity(begin), paths[end]
                 break
@@ -203,7 +244,9 @@ def _sum(areas, circle):
 
 
 def _is_possible(areas, graph, circle):
-    """Return whether no guard keeps so many robots out as it takes to fill a circle."""
+    """Return whether the last robot comes in, and no guard keeps so many robots out as it takes to fill a circle."""
+    if not any(graph.edges[one, other]['late'] for one, other in zip(circle, circle[1:] + circle[:1])):
+        return False
     held = [graph.edges[one, other]['held'] for one, other in zip(circle, circle[1:] + circle[:1])]
     guards = frozenset.intersection(*held) - frozenset(circle)
     return all(areas.capacity(guard) >= _sum(areas, circle) for guard in sorted(guards))

@@ -23,7 +23,7 @@ FLEET = {*ROBOT, 'places', 'zones'}
 #: {node: [(entry, namespace of a robot, what ~ stands for, what is switched on, names of the entry left out)]}
 NODES = {
     '/robot/move_base': [('move_base', '/robot', '/robot/move_base', CLOCK, ())],
-    '/fleet': [('move_base', '/r1', '/r1/move_base', ROBOT, ('~events',)), ('fleet', '/r1', '/fleet', FLEET, ())],
+    '/fleet': [('move_base', '/r1', '/r1/move_base', {*ROBOT, 'zones'}, ('~events',)), ('fleet', '/r1', '/fleet', FLEET, ())],
     '/task_server': [('task_server', '/r2', '/task_server', {'places'}, ())],
     '/task_source': [('task_source', '', '/task_source', (), ())],
     '/map_server': [('map_server', '', '/map_server', (), ())],

@@ -19,8 +19,9 @@ import time
 from types import SimpleNamespace
 
 from busy_cores import busy
+from warm import Loopback
 
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 60.0  # s, wall; only ends a run that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -50,15 +51,15 @@ class Run:
 
 
 def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
-                 onlookers=(), others=None, guard=GUARD):
+                 onlookers=(), others=None, guard=GUARD, is_warm=True):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
     whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
     takes no part; others: {name: (command line, s)} of programs that take no part and are stopped for so long (wall) as
-    soon as they have begun; guard [s, wall]: when a run is given up that does not end.
+    soon as they have begun; guard [s, wall]: when a run is given up that does not end; is_warm: whether all are forks.
     """
-    with Loopback() as ros:
+    with Loopback(is_warm=is_warm) as ros:
         for name, value in (parameters or {}).items():
             ros.set_param(name, value)
         log = os.path.join(ros.log_dir, 'run.jsonl')
@@ -124,10 +125,10 @@ def _end(ros, children):
 def run_thrice(*args, before=None, **kwds):
     """Run twice under load at full speed and once limited to 50 times real time; return the runs.
 
-    before(): called before each.
+    The last one is of processes that are started anew, the others of forks. before(): called before each.
     """
     runs = []
-    for extra in ({'load': os.cpu_count()}, {'load': 1}, {'clock': {'speed_limit': 50.0}}):
+    for extra in ({'load': os.cpu_count()}, {'load': 1}, {'clock': {'speed_limit': 50.0}, 'is_warm': False}):
         if before is not None:
             before()
         runs.append(run_programs(*args, **extra, **kwds))

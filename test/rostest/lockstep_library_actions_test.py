@@ -73,7 +73,7 @@ class SamenessTest(unittest.TestCase):
         load.start()
         try:
             runs = [RUNS.run('actions', 'mixed_1', 'mixed_2', 'mixed_3', adverse=0.005 * (index % 2),
-                             log_messages=True) for index in range(SAMENESS_RUNS)]
+                             log_messages=True, is_warm=index % 5 > 0) for index in range(SAMENESS_RUNS)]
         finally:
             enough.set()
             load.join()

@@ -11,7 +11,7 @@ import shutil
 import sys
 import time
 
-from move_base_abstract_ros.loopback import Loopback
+from warm import Loopback
 
 GUARD = 40.0  # s, wall
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes')
@@ -65,11 +65,13 @@ class Runs:
         return self.ros.spawn(f'/{role}', command)
 
     def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False, onlook='',
-            **settings):
+            is_warm=True, **settings):
         """Run until all nodes have ended by themselves; outsiders do not take part, and are ended.
 
-        onlook: a topic that a node hears which takes no part; settings: of the time master.
+        onlook: a topic that a node hears which takes no part; is_warm: whether nodes are forks, else each is started
+        anew; settings: of the time master.
         """
+        self.ros.is_warm = is_warm
         for name, value in (parameters or {}).items():
             self.ros.set_param(name, value)
         master, path = self.start_master(roles, log_messages=log_messages, **settings)

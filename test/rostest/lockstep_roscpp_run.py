@@ -13,8 +13,9 @@ import sys
 import time
 
 import rosgraph
+from warm import Loopback
 
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 40.0  # s, wall
 #: the programs' logs are read while they run
@@ -85,15 +86,17 @@ class Runs:
         return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
 
     def three(self, programs):
-        """Return three runs that must be the same: alone, under load, and slowed down."""
-        return [self.run(programs), self.run(programs, load=True), self.run(programs, speed_limit=50.0)]
+        """Return three runs that must be the same: alone, under load, and slowed down, with launchers started anew."""
+        return [self.run(programs), self.run(programs, load=True),
+                self.run(programs, is_warm=False, speed_limit=50.0)]
 
-    def run(self, programs, load=False, ask_why=False, onlook=(), **parameters):
+    def run(self, programs, load=False, ask_why=False, onlook=(), is_warm=True, **parameters):
         """Run until the first program has ended by itself; the others are ended then.
 
         onlook: topics that nodes listen to which take no part; they come during the run, and have heard something.
+        is_warm: whether all that is Python are forks.
         """
-        with Loopback() as self.ros:
+        with Loopback(is_warm=is_warm) as self.ros:
             path = os.path.join(self.ros.log_dir, 'events.jsonl')
             master = self.ros.run('time_master', 'time_master', parameters={
                 'mode': 'lockstep', 'participants': [f'/{program.name}' for program in programs], 'event_log': path,

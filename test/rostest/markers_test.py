@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """Robots as markers: what they look like, and when how much of it is published."""
+import tempfile
 import unittest
+from dataclasses import replace
+from unittest import mock
 
 import rosgraph
 import rospy
@@ -13,6 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
+from move_base_abstract.scenario import make_scenario
 from move_base_abstract.srv import AddRobot, RemoveRobot
 from move_base_abstract_ros.markers import marker_builder, world_markers
 from move_base_abstract_ros.markers.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
@@ -65,6 +69,41 @@ class Looks:
         free = [world_markers.draw(look, one)[1] for one in uses]
         self.assertEqual([(one.text, one.color.r > one.color.g) for one in free],
                          [('gate', False), ('gate 0/1', False), ('gate closed', True)])
+
+    def test_a_lane_has_an_arrow_for_each_direction_and_says_its_room_and_who_waits(self):
+        look = world_markers.AreaLook('lane a - b', 'map', ((0.0, 0.0), (10.0, 0.0)), 1.0, is_lane=True)
+        for one_way, tips in ((True, [5.35]), (False, [5.35, 4.65])):
+            line, heads, sign = world_markers.draw(replace(look, one_way=one_way), world_markers.Use('a - b'))
+            self.assertEqual([(p.x, p.y) for p in line.points], [*look.corners])
+            self.assertEqual([(p.x, p.y) for p in heads.points[::4]], [(tip, 0.0) for tip in tips])
+            self.assertEqual({round(abs(p.y), 3) for p in heads.points[1::2]}, {0.21})  # both sides, behind the tip
+            self.assertEqual(sign.action, Marker.DELETE)  # there is nothing to be said
+        self.assertLess(heads.points[1].x, tips[0])
+        self.assertGreater(heads.points[5].x, tips[1])
+        texts = [world_markers.draw(look, world_markers.Use('a - b', inside, 1, waiting))[2]
+                 for inside, waiting in (((), ()), (('c',), ('d', 'e')))]
+        self.assertEqual([sign.text for sign in texts], ['0/1', '1/1\nwaits: d, e'])
+        self.assertGreater(texts[1].color.r, 2.0 * texts[1].color.g)
+
+    def test_the_nodes_of_a_net_are_dots_with_names_and_sent_once_to_each_who_looks(self):
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as stream:
+            stream.write('{nodes: [{name: a, x: 1, y: 2}, {name: b, x: 4, y: 2}], '
+                         'edges: [{from: a, to: b, one_way: true}]}')
+            stream.flush()
+            scenario = make_scenario({'robots': [{'name': 'r', 'count': 2, 'routes': 'lanes', 'lanes': stream.name}]})
+        board, traffic = mock.Mock(), mock.Mock()
+        with mock.patch.object(world_markers.robot_markers, 'board', lambda *_: board):
+            world_markers.add(None, scenario, traffic, None)
+        nodes, lane = (call.args[0] for call in board.add.call_args_list)
+        self.assertEqual((lane.look.name, lane.look.one_way), ('lane a - b', True))
+        dots, *names = nodes.draw(nodes.view(0))
+        self.assertEqual([(p.x, p.y) for p in dots.points], [(1.0, 2.0), (4.0, 2.0)])
+        self.assertEqual([(sign.ns, sign.text, sign.pose.position.x) for sign in names],
+                         [('node names', 'a', 1.0), ('node names', 'b', 4.0)])
+        self.assertEqual(len({(marker.ns, marker.id) for marker in (dots, *names)}), 3)
+        self.assertEqual(nodes.draw(nodes.view(0)), [])
+        nodes.forget_drawn()
+        self.assertEqual(len(nodes.draw(nodes.view(0))), 3)
 
     def test_no_goal_and_no_leg_are_taken_away(self):
         actions = [(marker.id, marker.action) for marker in marker_builder.route(LOOK, View(Pose2D()))]

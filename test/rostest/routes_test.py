@@ -17,7 +17,7 @@ from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import ZoneStates
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.srv import CloseZone
+from move_base_abstract.srv import CloseZone, SetZoneLimit
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 MAPS = os.path.join(ROOT, 'maps')
@@ -112,6 +112,10 @@ class Routes(unittest.TestCase):
         self.assertEqual(holder.ending(holder.send(pose_stamped(15.0, -20.0))).status.status, GoalStatus.SUCCEEDED)
         closed = zones.wait_for(lambda message: not message.zones[0].robots).zones[0]
         self.assertEqual((closed.closed, closed.waiting), (True, ['waiter']))
+        limit = rospy.ServiceProxy('/fleet/set_zone_limit', SetZoneLimit)
+        self.assertIn('there are: shed', limit('shop', 1.0).message)
+        self.assertIn('max_speed: got -1.0; allowed', limit('shed', -1.0).message)
+        self.assertTrue(limit('shed', 0.5).success and limit('shed', 0.0).success)
         self.assertTrue(close('shed', False).success)
         self.assertEqual(client.ending(goal_id).status.status, GoalStatus.SUCCEEDED)
         zones.wait_for(lambda message: message.zones[0].robots == ['waiter'])

@@ -5,10 +5,10 @@ from collections import Counter
 
 import pytest
 
+from dispatches import S, dispatch_of, order, told
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract.orders.dispatcher import PolicyError
 from move_base_abstract.orders.order import Order, Stop
 from move_base_abstract.orders.policies import (
     Auction,
@@ -21,27 +21,6 @@ from move_base_abstract.orders.policies import (
     make_policy,
 )
 from move_base_abstract.scenario import make_scenario
-
-S = 1_000_000_000
-KINDS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done',
-         'charge_assigned', 'charge_awaited', 'charge_over')
-
-
-def dispatch_of(*orders, robots=2, policy=None, places=(), zones=(), dispatcher=None, each=None, **defaults):
-    """Return a Dispatch of robots r_0, r_1, ... at 1 m/s, 10 m apart on the x axis; ``orders`` are keys of entries."""
-    return Dispatch(make_scenario({
-        'seed': 2, 'defaults': {'max_speed': 1.0, **defaults}, 'dispatcher': dispatcher or {}, 'zones': list(zones),
-        'robots': [{'name': 'r_{}'.format(k), 'start_x': 10.0 * k, **((each or {}).get(k, {}))} for k in range(robots)],
-        'places': list(places), 'orders': list(orders)}), policy, start_ns=0)
-
-
-def told(dispatch, *kinds):
-    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in dispatch.fleet.trace
-            if entry.kind in (kinds or KINDS)]
-
-
-def order(order_id, *points, seconds=0.0, **more):
-    return Order(order_id, 0, tuple(Stop(Pose2D(*point), duration_ns=int(seconds * S)) for point in points), **more)
 
 
 def test_an_order_goes_stop_by_stop_and_leaves_its_rows():
@@ -71,26 +50,6 @@ def test_the_earliest_deadline_comes_first_and_none_comes_last():
         dispatch.order(order(name, (1.0, 0.0), deadline_ns=deadline and deadline * S))
     dispatch.run()
     assert [row[3] for row in told(dispatch, 'order_assigned')] == ['soon', 'late', 'never']
-
-
-@pytest.mark.parametrize('wrong, text', [
-    (order(''), 'id: got none'), (order('no stops'), 'stops: got 0; allowed: 1 to 100'),
-    (Order('moon', 0, (Stop(Pose2D(), 'moon'),)), "stops[0]: place: got 'moon'; allowed: none"),
-    (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: >= 0'),
-    (order('past', (0.0, 0.0), deadline_ns=-S), 'deadline: got 1 s before its arrival'),
-    (order('twice', (0.0, 0.0)), "id: 'twice' was given to an order before"),
-])
-def test_a_wrong_order_is_refused_with_the_reason_and_moves_nobody(wrong, text):
-    dispatch = dispatch_of()
-    if wrong.order_id == 'twice':
-        dispatch.order(wrong)
-    dispatch.order(wrong)
-    dispatch.run()
-    refused = told(dispatch, 'order_refused')
-    assert len(refused) == 1
-    assert refused[0][1:4] == ('/dispatcher', 'order_refused', wrong.order_id)
-    assert refused[0][4].startswith(text)
-    assert len(told(dispatch, 'departed')) == (wrong.order_id == 'twice')
 
 
 @pytest.mark.parametrize('after, stop', [('restart', 1), ('resume', 2)])
@@ -313,24 +272,6 @@ def test_a_users_own_policy_is_taken_by_name_or_as_an_object():
         assert len(told(dispatch, 'order_done')) == 2
 
 
-@pytest.mark.parametrize('choice, text', [
-    ([('r_9', 'a')], "chose 'a' for 'r_9'; allowed: a robot of question.robots"),
-    ([('r_0', 'z')], "chose 'z' for 'r_0'"), ([('r_0', 'a'), ('r_0', 'b')], "chose 'b' for 'r_0'"),
-    ([('r_0', 'a'), ('r_1', 'a')], "chose 'a' for 'r_1'"), ([1], 'has failed: TypeError'), (None, 'has failed'),
-    ([('a',)], 'has failed: ValueError')])
-def test_what_a_policy_cannot_choose_is_an_error_that_says_so(choice, text):
-    class Wrong:
-        def choose(self, question):
-            return choice
-    dispatch = dispatch_of(policy=Wrong())
-    dispatch.order(order('a', (0.0, 1.0)))
-    dispatch.order(order('b', (0.0, 1.0)))
-    with pytest.raises(PolicyError) as error:
-        dispatch.run()
-    assert text in str(error.value)
-    assert dispatch.core.open_orders == ['a', 'b']
-
-
 @pytest.mark.parametrize('name, text', [
     ('no_such_module:Policy', 'ModuleNotFoundError'), ('math:Policy', 'AttributeError'),
     ('collections:OrderedDict', 'has no method choose')])
@@ -390,7 +331,7 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     left = [name for name, what in state.items() if what == 'open']
     assert sorted(left) == sorted(dispatch.core.open_orders)
     assert set(doing.values()) == {name for name, what in state.items() if what.startswith('done by')}
-    usable = [robot for robot in dispatch.core._robots if not robot.works_not and not robot.must_charge]
+    usable = [robot for robot in dispatch.core.robots if not robot.works_not and not robot.must_charge]
     assert not left or not [robot for robot in usable if robot.name not in doing]  # else somebody could do them
     for name in doing:  # it stands where somebody with an empty battery is in its way
         assert dispatch.fleet.robot(name).activity.startswith('held: zone')

@@ -110,3 +110,36 @@ for is_node in (False, True):
     os.waitpid(processes.fork(lambda: None), 0)
 atexit.unregister(core._ros_atexit)
 """) == ['node:', 'True']
+
+
+def test_a_child_that_has_ended_keeps_its_number_until_it_is_released_and_then_gets_no_signal():
+    assert run("""
+import posix, subprocess
+leaves_one = 'import os, signal\\nos.fork() == 0 and signal.pause()\\nos._exit(3)'
+read, write = os.pipe()
+for start in (lambda: processes.Forked(processes.fork(lambda: sys.exit(3))), lambda: subprocess.Popen(
+        [sys.executable, '-c', leaves_one], start_new_session=True, pass_fds=[write])):
+    child = processes.Held(start())
+    print(child.wait(60), child.poll(), child.returncode, len(processes.children()))
+    child.signal_group(signal.SIGKILL)
+    child.send_signal(signal.SIGKILL)
+    child.release()
+    print(child.returncode, processes.children())
+    os.kill = os.killpg = lambda pid, number: print('reached', pid)
+    child.signal_group(signal.SIGKILL)
+    child.kill()
+    child.release()
+    os.kill, os.killpg = posix.kill, posix.killpg
+os.close(write)
+print(os.read(read, 1))  # what the second one had left in its group is gone
+""") == ['3', '3', '3', '1', '3', '[]'] * 2 + ["b''"]
+
+
+def test_no_signal_is_sent_to_a_number_whose_child_has_ended():
+    assert run("""
+processes.block_child_signal()
+stranger = processes.fork(signal.pause)  # who has got the number
+processes.end([stranger], signal.SIGTERM, 0.0, {stranger: 0})
+os.kill(stranger, signal.SIGUSR1)
+print(processes.code_of(os.waitpid(stranger, 0)[1]) == -signal.SIGUSR1)
+""") == ['True']

@@ -1,13 +1,16 @@
 """Ways along lanes: the shortest in time, to the net and from it, and robots that drive them."""
 import json
+import random
 from pathlib import Path
 
+import networkx
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.lane_map import make_lane_map
 from move_base_abstract.maps.lane_planner import LaneWays
+from move_base_abstract.maps.priced_ways import times_to
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 S = 1_000_000_000
@@ -97,6 +100,21 @@ def test_ways_do_not_depend_on_what_was_asked_before():
 
 
 # ---- robots
+
+def test_the_times_to_a_node_are_those_of_networkx():
+    chance = random.Random(3)
+    for _ in range(20):
+        count = chance.randrange(1, 30)
+        graph = networkx.DiGraph()
+        graph.add_nodes_from(range(count))
+        graph.add_weighted_edges_from((chance.randrange(count), chance.randrange(count), chance.randrange(1, 9))
+                                      for _ in range(3 * count))
+        arriving = [[(begin, lane['weight']) for begin, _, lane in graph.in_edges(node, data=True)]
+                    for node in range(count)]
+        times = times_to(arriving, 0)
+        assert {node: time for node, time in enumerate(times) if time is not None} == (
+            networkx.single_source_dijkstra_path_length(graph.reverse(), 0))
+
 
 def test_a_robot_drives_the_lanes_and_the_log_says_so(fleet_on):
     fleet = fleet_on(*RING)

@@ -214,7 +214,23 @@ def _check_order(plan, execution):
         cell: [robot for _, robot in sorted(visits)] for cell, visits in seen.items()}
 
 
-def test_both_formats_say_the_same_and_what_is_written_is_read(tmp_path):
+LACAM = """agents=2
+map_file=room.map
+solver=planner
+solved=1
+soc=5
+makespan=3
+comp_time=0.25
+seed=0
+
+starts=(0,0),(3,2),
+goals=(1,1),(2,2),
+solution=
+"""
+LACAM_STEPS = '0:(0,0),(3,2),\n1:(1,0),(3,2),\n2:(1,0),(2,2),\n3:(1,1),(2,2),\n'
+
+
+def test_all_formats_say_the_same_and_what_is_written_is_read(tmp_path):
     paths = [[(0, 0), (1, 0), (1, 0), (1, 1)], [(3, 2), (3, 2), (2, 2)]]
     plan = make_plan(paths, 'plan')
     (tmp_path / 'a.txt').write_text('Agent 0: (0,0)->(0,1)->(0,1)->(1,1)->\nAgent 1: (2,3)->(2,3)->(2,2)->(2,2)->\n')
@@ -222,7 +238,8 @@ def test_both_formats_say_the_same_and_what_is_written_is_read(tmp_path):
         'agent0': [{'x': 0, 'y': 0, 't': 0}, {'x': 1, 'y': 0, 't': 1}, {'x': 1, 'y': 1, 't': 3}],
         'agent1': [{'x': 3, 'y': 2, 't': 0}, {'x': 3, 'y': 2, 't': 1}, {'x': 2, 'y': 2, 't': 2}]}}))
     (tmp_path / 'c.txt').write_text(written(plan))
-    assert [read_plan(str(tmp_path / name)) for name in ('a.txt', 'b.yaml', 'c.txt')] == [plan] * 3
+    (tmp_path / 'd.txt').write_text(LACAM + LACAM_STEPS)
+    assert [read_plan(str(tmp_path / name)) for name in ('a.txt', 'b.yaml', 'c.txt', 'd.txt')] == [plan] * 4
     assert plan.costs == [3, 2]
 
 
@@ -232,6 +249,10 @@ def test_both_formats_say_the_same_and_what_is_written_is_read(tmp_path):
     ('schedule: {agent0: 3}\n', 'agent0'), ('schedule: {agent1: []}\n', 'agent0 is missing'),
     ('schedule: {}\n', 'no path'), ('schedule: {agent0: [{x: 0, y: 0, t: 1}]}\n', 't: got 1'),
     ('schedule: {agent0: [{x: 0, y: 0, t: 0}, {x: 0, y: 0, t: 99999999}]}\n', 'whole numbers'),
+    (LACAM[:40], 'solution='), (LACAM, 'no path'), (LACAM + '1:(0,0),(1,1),\n', ':13: .* allowed: 0:'),
+    (LACAM + '0:(0,0),(1,1),\n1:(0,0),\n', ':14: .* each agent'), (LACAM + '0:(0,0),(1,1),\nx\n', ':14:'),
+    (LACAM + '0:(0,0),(2,2),\n1:(1,1),(2,2),\n', 'neighbours'), (LACAM + LACAM_STEPS, 'free cells'),
+    ('Agent 0: ' + '(0,0) ' * 5000 + 'x', ':1:'),
     ('schedule: {agent0: [{x: true, y: 0, t: 0}]}\n', 'whole numbers'), ('schedule: {1: [], 2: []}\n', 'schedule')])
 def test_what_is_no_plan_is_an_error_that_says_where(tmp_path, text, told):
     (tmp_path / 'plan').write_text(text)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 from move_base_abstract.motion.leg import Leg, MotionLimits, SpeedProfile, Tolerances
+from move_base_abstract.motion.route import Route
 
 S = NS_PER_S
 NO_TOLERANCE = Tolerances()
@@ -282,3 +283,14 @@ def test_seconds_are_rounded_to_the_nearest_nanosecond(seconds, time_ns):
 def test_seconds_that_are_not_finite_are_refused(seconds):
     with pytest.raises(ValueError, match='seconds must be finite, got {!r}'.format(seconds)):
         seconds_to_ns(seconds)
+
+
+def test_a_robot_at_the_edge_of_its_tolerance_has_arrived_whatever_the_last_digit_says():
+    """It does not turn to where it would drive 1e-16 m: sent to the same goal again it has nothing left to do."""
+    limits, tolerances = MotionLimits(1.0, 0.6, 1.0), Tolerances(0.097683, 0.19)
+    for number in range(200):
+        goal = Pose2D(9.0 * math.cos(number), 0.1 * number - 3.0, math.fmod(number, 3.0))
+        first = Leg(Pose2D(), goal, limits, tolerances)
+        again = Leg(first.end, goal, limits, tolerances, first.arrive_ns)
+        route = Route(first.end, goal, (), limits, tolerances, first.arrive_ns)
+        assert (again.duration_ns, again.distance, route.duration_ns, route.distance) == (0, 0.0, 0, 0.0)

@@ -5,12 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.calibration import calibration_file
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.runs.event_log import EventLogError
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_replay.motions import EVEN, LIMITED, PLACED, Motions, make_leg
+from move_base_abstract_replay.motions import BACKWARDS, EVEN, LIMITED, PLACED, Motions, make_leg
 from move_base_abstract_replay.recording import ReplayError, read_recording
 from move_base_abstract_replay.states import IDLE, NAMES, find_timelines, natural
 
@@ -88,6 +90,62 @@ def test_a_way_with_corners_is_followed_piece_by_piece(read, corners):
         share = min(1.0, (time_ns - motion.begin_ns) / max(1, motion.end_ns - motion.begin_ns))
         place = [one + share * (other - one) for one, other in zip(motion.start[:2], motion.goal[:2])]
         assert place == pytest.approx([pose.x, pose.y], abs=0.02)
+
+
+def sampled(motions, name, time_ns):
+    """Return the pose that the page draws of a robot in even pieces, and by which law."""
+    motion = [motion for motion in motions.tracks[name].motions if motion.begin_ns <= time_ns][-1]
+    share = min(1.0, (time_ns - motion.begin_ns) / max(1, motion.end_ns - motion.begin_ns))
+    x, y = (one + share * (other - one) for one, other in zip(motion.start[:2], motion.goal[:2]))
+    turn = math.remainder(motion.goal[2] - motion.start[2], 2.0 * math.pi)
+    heads_on = motion.law == EVEN and motion.start[:2] != motion.goal[:2]
+    yaw = math.atan2(motion.goal[1] - motion.start[1], motion.goal[0] - motion.start[0]) if heads_on else (
+        motion.start[2] + share * turn)
+    return x, y, yaw, motion.law
+
+
+def of_tail(law):
+    """Return the path of a calibration whose goals are all of the tail: backwards, or else spinning."""
+    raw = load_yaml_file(calibration_file('move_base_dwa_stage', 'here'))
+    chance = 1.0 if law == 'backwards' else 0.0
+    return dict(raw, tail_rate=1.0, tail_chance_by_turn=[[0.0, chance], [3.14, chance]])
+
+
+@pytest.mark.parametrize('law', ['backwards', 'spins'])
+@pytest.mark.parametrize('corners', ['keep', 'stop'])
+def test_a_calibrated_robot_is_followed_while_it_spins_and_drives_backwards(read, tmp_path, law, corners):
+    path = tmp_path / 'tail.yaml'
+    path.write_text(json.dumps(of_tail(law)))
+    poses, places = {}, ((0.0, 0.0, 1.0), (9.0, 3.0, -2.0), (4.0, -6.0, 3.0))
+    fleet = Fleet(make_scenario({'robots': [{'name': 'r_0', 'calibration': str(path), 'log_motion': True, 'seed': 5,
+                                             'corners': corners}]}),
+                  on_end=lambda *_: fleet.send('r_0', *places[len(poses) % 3]))
+    fleet.send('r_0', *places[1])
+    for number in range(600):
+        fleet.at(S + number * S // 2 + 1, lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+    fleet.run(until=301.0)
+    motions = Motions(read(fleet.trace))
+    assert (motions.even, motions.astray, motions.startless) == (0, 0, 0)
+    laws = set()
+    log_end_ns = fleet.trace[-1].time_ns
+    for time_ns, pose in ((one, pose) for one, pose in poses.items() if one <= log_end_ns):
+        x, y, yaw, drawn_by = sampled(motions, 'r_0', time_ns)
+        laws.add(drawn_by)
+        assert (x, y) == pytest.approx((pose.x, pose.y), abs=0.05)
+        assert math.remainder(yaw - pose.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=0.1)
+    assert (BACKWARDS in laws) == (law == 'backwards')
+    spins = [json.loads(values)[4] for _, _, kind, values in read(fleet.trace) if kind == 'manner']
+    assert spins and (max(spins) > 3.0) == (law == 'spins')
+
+
+@pytest.mark.parametrize('manner', [(0.0, 1e9, 1.0, 0.0, 0.0, 0.0), (-1.0, 1e9, 1.0, 1.0, 0.0, 0.0),
+                                    (0.0, 1e9, 1.0, 1.0, 1e300, 1e300), (0.0, 1e18, 1e17, 1e-9, 1e17, 1e17)])
+def test_a_manner_that_nobody_can_have_draws_the_leg_anyhow(read, manner):
+    phases = (S, 'a', 'phases', (0.08, 0.2, 0.5, 0.08, 1.2, 1.3, 0.2, 1.8))
+    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.6, 0.0, 0.0, 0.0)), phases,
+                            (2 * S, 'a', 'departed', (4.0, 0.0, 0.0)), (2 * S, 'a', 'manner', manner),
+                            (9 * S, 'a', 'stands', (3.0, 1.0, 0.0))]))
+    assert motions.astray == 1 and motions.tracks['a'].motions[-1].goal == (3.0, 1.0, 0.0)
 
 
 def test_a_way_with_corners_that_ends_elsewhere_is_straight_and_even(read):

@@ -56,7 +56,7 @@ MAY_IMPORT = {
         'study': 'config stopwatch environment ground_truth mission results mesa_models ros',
         'nodes': 'environment ros study'}}
 OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
-    'replacing': 'common', 'loopback': '', 'time_master_client': 'srv msg',
+    'replacing': 'common', 'loopback': 'common', 'time_master_client': 'srv msg',
     'process': 'common', 'lockstep': 'common lockstep properties'}
 
 

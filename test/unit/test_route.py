@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, SpeedProfile, Tolerances
-from move_base_abstract.motion.route import CornerLaw, Route
+from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
+from move_base_abstract.motion.route import CornerLaw, Route, route_along, segments_along
 
 S = NS_PER_S
 LAWS = tuple(CornerLaw)
@@ -162,3 +163,49 @@ def test_corners_ahead_are_those_that_are_not_reached():
     assert [route.corners_ahead(seconds * S) for seconds in (0, 3, 4, 5, 7, 8, 99)] == [
         AROUND, AROUND, AROUND[1:], AROUND[1:], (), (), ()]
     assert Leg(Pose2D(), GOAL, MotionLimits(1.0)).corners_ahead(0) == ()
+
+
+# ---- the same way again
+
+@given(POSES, POSES, CORNERS, LIMITS, TOLERANCES, st.sampled_from(LAWS), SHARES, DEPARTURES)
+def test_a_route_by_a_way_that_was_driven_before_is_as_if_it_were_the_first(
+        start, goal, corners, limits, tolerances, law, share, depart_ns):
+    way = PlannedWay(corners, [PieceLimit(1.0 + number % 2) for number in range(len(corners) + 1)])
+    route_along(start, goal, way, limits, tolerances, 5, law)
+    again = route_along(Pose2D(start.x, start.y, start.yaw), goal, way, limits, tolerances, depart_ns, law)
+    first = Route(start, goal, way, limits, tolerances, depart_ns, law)
+    assert (again.start, again.end, again.distance, again.way, again.depart_ns, again.arrive_ns, again.corners) == (
+        first.start, first.end, first.distance, first.way, first.depart_ns, first.arrive_ns, first.corners)
+    assert again.even_instants_ns(2) == first.even_instants_ns(2)
+    assert again.smooth_ns() == first.smooth_ns()
+    now_ns = instant(first, share)
+    assert (again.pose_at(now_ns), again.velocity_at(now_ns), again.distance_at(now_ns)) == (
+        first.pose_at(now_ns), first.velocity_at(now_ns), first.distance_at(now_ns))
+
+
+def test_robots_of_other_limits_share_no_route():
+    way = PlannedWay([(4.0, 0.0)], [PieceLimit()] * 2)
+    arrivals = [route_along(Pose2D(), GOAL, way, MotionLimits(speed, turn_rate=rate), Tolerances(), 0, law).arrive_ns
+                for speed in (1.0, 2.0) for rate in (math.inf, 1.0) for law in LAWS]
+    assert len(set(arrivals)) == 6  # without turns both laws are one
+
+
+def test_a_goal_at_minus_zero_ends_there_also_if_another_went_to_zero():
+    way = PlannedWay([(4.0, 3.0)], [PieceLimit()] * 2)
+    for zero in (0.0, -0.0):
+        goal = Pose2D(0.0, zero)
+        route = route_along(Pose2D(4.0, 0.0), goal, way, MotionLimits(1.0), Tolerances(), 0, CornerLaw.KEEP)
+        assert math.copysign(1.0, route.end.y) == math.copysign(1.0, zero)
+
+
+@given(CORNERS.filter(lambda places: all(one != other for one, other in zip(places, places[1:]))), LIMITS,
+       st.sampled_from(LAWS))
+def test_pieces_that_are_known_are_those_that_would_be_found(places, limits, law):
+    points = [(-2000.0, 0.0), *places, (2000.0, 0.0)]
+    limit = PieceLimit(0.7, 0.5)
+    ends = Pose2D(*points[0]), Pose2D(*points[-1], 1.0)
+    known = PlannedWay(places, [limit] * (len(points) - 1), known=(
+        points[0], points[-1], segments_along(points, limit)))
+    route, found = (Route(*ends, way, limits, law=law) for way in (known, PlannedWay(places, known.limits)))
+    assert (route.way, route.distance, route.arrive_ns) == (found.way, found.distance, found.arrive_ns)
+    assert route.pose_at(instant(route, 0.4)) == found.pose_at(instant(found, 0.4))

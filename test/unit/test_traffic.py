@@ -1,4 +1,5 @@
 """Zones and lanes with place for some robots only: who waits where, for how long, in which order, and what is off."""
+import itertools
 import json
 
 import pytest
@@ -61,12 +62,14 @@ def test_who_finds_a_place_does_not_stop():
     assert ends(fleet) == {'a': (5.0, 'SUCCEEDED'), 'b': (5.0, 'SUCCEEDED')} and not rows(fleet, 'held')
 
 
-def test_first_come_is_first_served_and_at_one_instant_the_lower_index():
-    fleet = fleet_of({'z': (0, 0), 'c': (-1, 1), 'b': (-1, 2), 'a': (-0.5, 3)})
-    for name, y in (('a', 3), ('b', 2), ('c', 1), ('z', 0)):
-        fleet.send(name, 10, y)
-    fleet.run()
-    assert [row[1] for row in rows(fleet, 'entered')] == ['z', 'a', 'c', 'b']
+def test_first_come_is_first_served_and_at_one_instant_by_name():
+    robots = {'z': (0, 0), 'b_10': (-1, 1), 'b_2': (-1, 2), 'a': (-0.5, 3)}
+    for order in itertools.permutations(robots):
+        fleet = fleet_of({name: robots[name] for name in order})
+        for name in order:
+            fleet.send(name, 10, robots[name][1])
+        fleet.run()
+        assert [row[1] for row in rows(fleet, 'entered')] == ['z', 'a', 'b_2', 'b_10']
 
 
 def test_a_place_that_is_given_back_at_an_instant_can_be_taken_in_it():
@@ -393,5 +396,5 @@ def test_places_are_counted_in_one_process(lanes_fleet):
 
 
 def test_what_deadlock_may_be():
-    with pytest.raises(ConfigurationError, match="deadlock: got 'push'; allowed: 'wait', 'abort' or 'avoid'"):
+    with pytest.raises(ConfigurationError, match="'push'; allowed: 'wait', 'abort', 'avoid' or 'retreat'"):
         make_scenario({'deadlock': 'push'})

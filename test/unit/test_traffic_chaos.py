@@ -17,7 +17,7 @@ class Chaos:
                   'capacity': pick.choice([1, 2])}
                  for k, (x, y) in enumerate((pick.randint(-8, 4), pick.randint(-8, 4)) for _ in range(5))]
         self.fleet = Fleet(make_scenario({
-            'zones': zones, 'deadlock': pick.choice(['wait', 'abort', 'avoid']), 'robots': [
+            'zones': zones, 'deadlock': pick.choice(['wait', 'abort', 'avoid', 'retreat']), 'robots': [
                 {'name': 'r{}'.format(k), **dict(zip(('start_x', 'start_y'), self._place()))} for k in range(8)],
             'defaults': {'max_speed': 2.0, 'acceleration': pick.choice([0.0, 1.0]), 'turn_rate': 1.0}}), start_ns=0)
         for step in range(60):

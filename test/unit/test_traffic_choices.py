@@ -7,9 +7,11 @@ import networkx
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.fleet import Fleet
+from move_base_abstract.fleet import Dispatch, Fleet
 from move_base_abstract.maps.lane_map import make_lane_map
 from move_base_abstract.maps.lane_planner import LaneWays
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.orders.order import Order, Stop
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000
@@ -67,6 +69,16 @@ def test_the_higher_priority_comes_first_in_a_queue(seed):
 def test_what_priority_may_be():
     with pytest.raises(ConfigurationError, match='priority: got 1.5; allowed: a whole number'):
         fleet_of([{'name': 'a', 'priority': 1.5}])
+
+
+def test_who_finds_one_place_at_one_instant_gets_it_by_name():
+    for order in ('ab', 'ba'):
+        fleet = fleet_of([{'name': name, 'start_y': float('ab'.index(name))} for name in order], zones=[
+            {'name': 'gate', 'rectangle': [4, -50, 6, 50], 'capacity': 1}])
+        for name in order:
+            fleet.send(name, 10.0, 'ab'.index(name))
+        fleet.run()
+        assert [row[1] for row in rows(fleet, 'entered')] == ['a', 'b']
 
 
 # ---- blocks
@@ -212,3 +224,63 @@ def test_with_avoid_blocks_groups_and_priorities_no_circle_closes_and_all_come_t
     fleet.run(until=100_000.0)
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == ['SUCCEEDED'] * 54
     assert not [entry for entry in fleet.trace if entry.kind == 'deadlock']
+
+
+# ---- priorities that change
+
+def queue_of(order='abcd', at=None, priority=5, **more):
+    """Return when each robot comes in where ``d`` gets another priority at 3 s: it is the last in the queue then."""
+    robots = {'a': 4.0, 'b': 2.0, 'c': 1.0, 'd': 0.0}
+    fleet = fleet_of([{'name': name, 'start_x': robots[name] - 0.1, 'start_y': float('abcd'.index(name))}
+                      for name in order], zones=[
+                          {'name': 'gate', 'rectangle': [4, -50, 20, 50], 'capacity': 1}], **more)
+    for name in order:
+        fleet.send(name, 30.0, float('abcd'.index(name)))
+    if at is not None:
+        fleet.at(at, lambda fleet: fleet.set_priority('d', priority))
+    fleet.run()
+    assert len(rows(fleet, 'ended')) == 4
+    return fleet
+
+
+def test_a_priority_holds_from_the_instant_on_at_which_it_is_set_also_where_the_robot_waits():
+    assert [row[1] for row in rows(queue_of(), 'entered')] == list('abcd')
+    for at in (1 * S, 3 * S):  # on its way, and in the queue
+        fleet = queue_of(at=at)
+        assert [row[1] for row in rows(fleet, 'entered')] == list('adbc')
+        assert rows(fleet, 'priority') == [(at / S, 'd', 'priority', 5)]
+    assert [row[1] for row in rows(queue_of(at=3 * S, priority=-1), 'entered')] == list('abcd')
+    assert not rows(queue_of(at=3 * S, priority=0), 'priority')
+    logs = [rows(queue_of(order, at=3 * S), 'entered', 'left', 'priority') for order in ('abcd', 'dcba', 'cadb')]
+    assert logs[0] == logs[1] == logs[2]
+
+
+def test_what_a_priority_may_be_while_it_runs():
+    fleet = queue_of()
+    with pytest.raises(ConfigurationError, match="robot 'a'/priority: got 0.5; allowed: a whole number of 32 bits"):
+        fleet.set_priority('a', 0.5)
+
+
+def test_a_robot_has_the_priority_of_its_order_where_that_is_higher():
+    scenario = make_scenario({
+        'robots': [{'name': 'a'}, {'name': 'b', 'start_x': 20.0, 'priority': 2}],
+        'zones': [{'name': 'far', 'rectangle': [90, 90, 91, 91], 'capacity': 1}], 'places': [], 'dispatcher': {}})
+    dispatch = Dispatch(scenario)
+    for number, (x, priority) in enumerate([(1.0, 3), (2.0, 0), (21.0, 1), (22.0, 4)]):
+        dispatch.fleet.at((1 + 60 * number) * S, lambda _, x=x, number=number, priority=priority: dispatch.order(
+            Order('o{}'.format(number), 0, (Stop(Pose2D(x)),), None, priority)))
+    dispatch.run()
+    assert [row[1:] for row in rows(dispatch.fleet, 'priority')] == [
+        ('a', 'priority', 3), ('a', 'priority', 0), ('b', 'priority', 4)]
+    assert len(rows(dispatch.fleet, 'order_done')) == 4
+
+
+def test_who_is_in_a_group_waits_in_it_for_nobody_that_still_asks_for_a_place_there(tmp_path):
+    world = net_of(tmp_path, {'a': (0, 0), 'b': (10, 0), 'c': (20, 0)}, [
+        ('a', 'b', {'group': 'g'}), ('b', 'c', {'group': 'g', 'capacity': 1})])
+    fleet = fleet_of([{'name': 'r'}, {'name': 's', 'start_x': 20.0}], **world)
+    fleet.send('r', 20.0, 0.0)
+    fleet.at(1 * S, lambda fleet: fleet.send('s', 0.0, 0.0))  # it asks for the second lane, and for the group, first
+    fleet.run()
+    assert not rows(fleet, 'deadlock')
+    assert [row[:2] for row in rows(fleet, 'ended')] == [(10.0, 'r'), (20.0, 's')]

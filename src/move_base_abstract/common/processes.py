@@ -136,13 +136,15 @@ class Forked:
         """Return its exit code, of a signal the negative number; None while it runs."""
         with self._lock:
             if self.returncode is None:
-                try:
-                    found, status = os.waitpid(self.pid, os.WNOHANG)
-                except ChildProcessError:  # somebody else has taken its status
-                    found, status = self.pid, signal.SIGKILL
-                if found:
-                    self.returncode = code_of(status)
+                self.returncode = self._look()
             return self.returncode
+
+    def _look(self) -> Optional[int]:
+        try:
+            found, status = os.waitpid(self.pid, os.WNOHANG)
+        except ChildProcessError:  # somebody else has taken its status
+            return -signal.SIGKILL
+        return code_of(status) if found else None
 
     def wait(self, timeout: Optional[float] = None) -> Optional[int]:
         """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
@@ -152,6 +154,58 @@ class Forked:
                 raise subprocess.TimeoutExpired(f'process {self.pid}', timeout or 0.0)
             time.sleep(_SHORT_POLL_S)
         return self.returncode
+
+
+class Held(Forked):
+    """Likewise one that keeps its number, when it has ended, until :meth:`release`.
+
+    So what is sent to it, or to the group that it leads, reaches nobody who has got the number after it.
+    """
+
+    def __init__(self, process: Any) -> None:
+        """``process``: a subprocess.Popen or a Forked, which nobody else asks any more."""
+        super().__init__(process.pid)
+        self._process = process
+        self._is_released = False
+
+    def _look(self) -> Optional[int]:
+        try:
+            found = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:
+            self._is_released = True
+            return -signal.SIGKILL
+        if found is None:
+            return None
+        return found.si_status if found.si_code == os.CLD_EXITED else -found.si_status
+
+    def send_signal(self, number: int) -> None:
+        """As that of Popen."""
+        self._send(os.kill, number)
+
+    def signal_group(self, number: int) -> None:
+        """Send a signal to the process group that it leads, if there is one left."""
+        self._send(os.killpg, number)
+
+    def _send(self, how: Callable[[int, int], None], number: int) -> None:
+        with self._lock:
+            if not self._is_released:
+                with contextlib.suppress(ProcessLookupError):
+                    how(self.pid, number)
+
+    def terminate(self) -> None:
+        """As that of Popen."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """As that of Popen."""
+        self.send_signal(signal.SIGKILL)
+
+    def release(self) -> None:
+        """Wait for its end and give its number back. From then on signals are sent to nobody."""
+        self.wait()
+        with self._lock:
+            self._process.wait()
+            self._is_released = True
 
 
 def show_name(name: str, *words: str) -> None:
@@ -208,12 +262,11 @@ def end(pids: Collection[int], polite: int, grace: float, statuses: Dict[int, in
 
     Into ``statuses`` go {pid: exit status as of waitpid} of all children that have ended meanwhile.
     """
-    for pid in pids:
-        signal_group(pid, polite)
-    await_ends(set(pids), grace, statuses)
-    for pid in pids:
-        signal_group(pid, signal.SIGKILL)
-    await_ends(set(pids) - set(statuses), grace, statuses)
+    for number in (polite, signal.SIGKILL):
+        left = [pid for pid in pids if pid not in statuses]  # the numbers of the others may be somebody else's by now
+        for pid in left:
+            signal_group(pid, number)
+        await_ends(set(left), grace, statuses)
 
 
 def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> None:

@@ -5,6 +5,7 @@ http://wiki.ros.org/Names: a letter first, then letters, digits and '_'; '/' bet
 from __future__ import annotations
 
 import re
+from typing import Tuple, Union
 
 ROBOT_NAME_RULE = "letters, digits and '_', a letter first"
 NAMESPACE_RULE = "names of {}, with '/' between them".format(ROBOT_NAME_RULE)
@@ -16,6 +17,12 @@ _NAMESPACE = re.compile(r'/?([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*/?)?\
 def is_robot_name(value: object) -> bool:
     """Return whether ``value`` can be the name of a robot: its namespace and the prefix of its frames."""
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
+
+
+def natural_order(name: str) -> Tuple[Union[str, int], ...]:
+    """Return the key by which names are sorted so that numbers in them count as numbers: bot_2 before bot_10."""
+    parts = re.split('([0-9]+)', name)
+    return tuple(int(part) if number % 2 else part for number, part in enumerate(parts)) + (name,)
 
 
 def is_namespace(value: object) -> bool:

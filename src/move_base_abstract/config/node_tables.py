@@ -46,7 +46,7 @@ INLINE = {parameter.name: parameter for parameter in (
     Parameter('defaults', None, _as_it_is, 'a mapping of settings of every robot', 'Settings of every robot.'),
     Parameter('robots', None, _as_it_is, 'a list of robots', 'The robots, in the order of their indices.'),
     Parameter('zones', None, _as_it_is, 'a list of zones', 'Named areas.'),
-    Parameter('deadlock', 'wait', text, "'wait', 'abort' or 'avoid'",
+    Parameter('deadlock', 'wait', text, "'wait', 'abort', 'avoid' or 'retreat'",
               'What happens to robots that wait for one another.'),
     Parameter('blocks', 1, _as_it_is, 'a whole number in 1..100',
               'Number of areas ahead that must have room.'),

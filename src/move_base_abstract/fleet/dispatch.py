@@ -13,19 +13,22 @@ from ..common.arguments import check_kind
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
-from ..orders.dispatcher import Dispatcher, Drive, GiveUp
-from ..orders.order import Order
+from ..orders.dispatcher import Dispatcher, Drive, GiveUp, PolicyError
+from ..orders.order import Order, fault_of
 from ..orders.policies import make_policy
+from ..orders.rows import DISPATCHER
 from ..orders.settings import DispatchSettings
 from ..runs.fleet_account import FleetAccount
 from .dispatch_world import Distances, chargers_of, check_levels, starts_of
 from .fleet import Fleet
+from .member import FleetWarning
 from .user_calls import AFTER_USERS
 
 #: behind all that robots and users do at an instant, before processes
 _DECISION = AFTER_USERS - 1
 #: so long time goes on for a charge that others wait for, before it is looked at again
 CHARGE_LOOK_NS = 60 * NS_PER_S
+_MOST_TOLD = 5  # orders in a warning
 
 
 class Dispatch:
@@ -50,20 +53,46 @@ class Dispatch:
                                Distances(scenario, settings.distances == 'ways'), self._tell)
         self._decides = self._looks = self._goes_on = False
         self._commands = deque()
+        self._failure = None  # what the policy did wrong first, as a text
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
         self._decide_soon()
 
     def order(self, order):
-        """Have an :class:`.Order` arrive now, whenever it says that it does."""
+        """Have an :class:`.Order` arrive now, whenever it says that it does; one that cannot be done is refused."""
         check_kind(order, Order, 'order')
-        self.core.arrived(_as_message(order), self.fleet.now_ns)
+        is_wrong = fault_of(order, self.fleet.scenario.places or {}) is not None
+        self.core.arrived(order if is_wrong else _as_message(order), self.fleet.now_ns)
         self._decide_soon()
 
     def run(self, until_ns=None, until=None):
-        """Let all happen, as :meth:`Fleet.run`; return the time [ns]."""
-        return self.fleet.run(until_ns, until)
+        """Let all happen, as :meth:`Fleet.run`; return the time [ns].
+
+        Where nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
+
+        :raises PolicyError: when that is over, if the policy has failed, or has chosen what cannot be done.
+        """
+        now_ns = self.fleet.run(until_ns, until)
+        if not self.fleet.simulation.queue.is_busy():
+            self._tell_undone(now_ns)
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise PolicyError(failure)
+        return now_ns
+
+    def _tell_undone(self, now_ns):
+        texts = ['{} with {}, {}'.format(robot.order.order.order_id, robot.name, self._what_holds(robot.name))
+                 for robot in self.core.robots if robot.order is not None]
+        texts += ['{} with nobody'.format(order) for order in self.core.open_orders]
+        if texts:
+            text = 'The run cannot go on: {} orders are not done: {}{}'.format(
+                len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
+            self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
+
+    def _what_holds(self, robot):
+        held_for = self.fleet._members[robot].navigator.travel.held_for
+        return 'held for ' + ', '.join(held_for) if held_for else 'which waits'
 
     def metrics(self):
         """Return {name: number} of what has happened so far, as experiments have it of orders and of robots' time.
@@ -72,7 +101,7 @@ class Dispatch:
         """
         if self.fleet.trace is None:
             raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
-        account = FleetAccount(self._begin_ns)
+        account = FleetAccount(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
             account.take(*entry)
         account.close(self.fleet.now_ns)
@@ -126,6 +155,8 @@ class Dispatch:
     def _do(self, command):
         if isinstance(command, Drive):
             pose = command.pose
+            if command.priority is not None:
+                self.fleet.set_priority(command.robot, command.priority)
             self.fleet.send(command.robot, pose.x, pose.y, pose.yaw, command.goal_id)
         elif isinstance(command, GiveUp):
             (self.fleet.cancel_work if command.is_work else self.fleet.cancel)(command.robot, command.goal_id)
@@ -133,6 +164,8 @@ class Dispatch:
             self.fleet.work(command.robot, command.task, command.goal_id)
 
     def _tell(self, row):
+        if row[1] == 'policy_failed' and self._failure is None:
+            self._failure = row[2]
         row = (self.fleet.now_ns, *row)
         if self.fleet._write is not None:
             self.fleet._write(row)

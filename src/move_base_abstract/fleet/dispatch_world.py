@@ -26,7 +26,8 @@ def starts_of(scenario: Scenario) -> List[RobotStart]:
     found = []
     for spec in scenario.robots:
         battery = spec.settings.battery
-        found.append(RobotStart(spec.name, spec.settings.start, None if battery is None else battery.start))
+        found.append(RobotStart(spec.name, spec.settings.start, None if battery is None else battery.start,
+                                spec.settings.values['priority']))
     return found
 
 

@@ -24,6 +24,7 @@ from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
+from ..tasks.places import PRIORITY
 from ..tasks.room import Rooms
 from ..traffic.control import Traffic
 from .member import FleetWarning, Member, Members
@@ -200,6 +201,21 @@ class Fleet:
         :raises ConfigurationError: if there is no zone of that name.
         """
         self.traffic.close_zone(name, closed)
+
+    def set_priority(self, name, priority):
+        """Give a robot another priority where it waits for zones and lanes, from now on.
+
+        :raises ConfigurationError: if it is no whole number of 32 bits.
+        """
+        number = checked(priority, 'priority', PRIORITY, "robot '{}'".format(name))
+        self._members[name].set_priority(number, self.now_ns)
+
+    def set_zone_limit(self, name, max_speed=None):
+        """Have robots drive at most at ``max_speed`` [m/s] in a zone from now on, None: as fast as they are.
+
+        :raises ConfigurationError: if there is no zone of that name, or the speed is none.
+        """
+        self.traffic.set_zone_limit(name, max_speed)
 
     @property
     def zones(self):

@@ -84,6 +84,11 @@ class Member:
         active = self._ledger.active
         self._fleet._note(FleetWarning(*event[:2], active.goal_id if active is not None else '', event.text))
 
+    def set_priority(self, priority, now_ns):
+        """Have it wait with another priority; it means nothing where there is nothing to wait for."""
+        if self._traveller is not None:
+            self._traveller.set_priority(priority, now_ns)
+
     def reset(self, now_ns):
         """Bring it back to its start, without goals."""
         if self.tasks is not None:

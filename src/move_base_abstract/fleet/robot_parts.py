@@ -84,7 +84,7 @@ def make_planner(settings, map_check=None):
     if routes == 'matrix':
         return MatrixPlanner(settings.network, settings.bounds, map_check)
     if routes == 'lanes':
-        from ..maps.lane_planner import LanePlanner, LaneWays  # only who plans pays for networkx
+        from ..maps.lane_planner import LanePlanner, LaneWays  # only who plans pays for numpy
         return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
     if map_check is None:
         raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")

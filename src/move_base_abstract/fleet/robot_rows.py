@@ -3,22 +3,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable
 
-from ..goals import events
-from ..goals.events import ChargeRead, Departed, MotionSet, Recorded, motion_of
+from ..goals import events, traffic_events
+from ..goals.events import ChargeRead, Departed, MotionSet, Phased, Recorded, motion_of
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..motion.robot import Robot
 
-_WITH_MOTION = (MotionSet, ChargeRead)
-_OTHER_ROWS = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
+_WITH_MOTION = (MotionSet, Phased, ChargeRead)
+_OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars(module).values()
+                    if hasattr(kind, 'row'))
+_PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 
 
 def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
     """Have ``take`` get the rows of what is written down, in the place of ``name`` in the order.
 
-    ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the rows, and
-    how full its battery is when it begins and ends to charge.
+    ``with_motion``: also by which limits, in which phases and in which manner the robot travels, so that its legs can
+    be computed again from the rows, and how full its battery is when it begins and ends to charge.
     """
     def hear(event: Any) -> None:
         take(event.row())
@@ -30,7 +32,9 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
         take(event.row())
         if event.corners:
             take(event.route())
-    stream.subscribe(name, {**{event: plain(kind) for event, kind in events.PLAIN_ROWS.items()},
+        if with_motion and event.manner:
+            take((event.time_ns, event.robot, 'manner', *event.manner))
+    stream.subscribe(name, {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
                             **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
                             Departed: departed})
 
@@ -38,5 +42,7 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:
     """Tell of a robot that is there from ``now_ns`` [ns] on; ``durations``: Durations or the like, or None."""
     stream.tell(motion_of(robot, now_ns))
+    if robot.phases is not None:
+        stream.tell(Phased(now_ns, robot.name, robot.phases))
     if durations is not None and durations.recorded is not None:
         stream.tell(Recorded(now_ns, robot.name, durations.recorded))

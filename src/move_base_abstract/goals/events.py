@@ -6,11 +6,13 @@ Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.Tra
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
 
 from ..engine.stream import Stream
 
 if TYPE_CHECKING:
+    from ..motion.approach import MotionPhases
     from ..motion.geometry import Pose2D
     from ..motion.leg import MotionLimits, Tolerances
     from ..motion.recorded_range import Recorded as RecordedRange
@@ -42,21 +44,22 @@ def robot_stream() -> Stream:
 
 
 class Departed(NamedTuple):
-    """The robot starts for ``goal``, by ``corners`` [(x, y)]."""
+    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: as of PacedLeg, if it differs from its law."""
 
     time_ns: int
     robot: str
     goal: Pose2D
     corners: Sequence[Tuple[float, float]] = ()
+    manner: Tuple[float, ...] = ()
 
     def row(self) -> Row:
         """Return its row; one of a way that has corners has a :meth:`route` behind it."""
-        time_ns, robot, goal, _ = self
+        time_ns, robot, goal, _, _ = self
         return time_ns, robot, 'departed', goal.x, goal.y, goal.yaw
 
     def route(self) -> Row:
         """Return the row of its corners."""
-        return (self.time_ns, self.robot, 'route', *(value for corner in self.corners for value in corner))
+        return (self.time_ns, self.robot, 'route', *chain.from_iterable(self.corners))
 
 
 class Stands(NamedTuple):
@@ -274,43 +277,6 @@ class Encounter(NamedTuple):
     seconds: float
 
 
-class Entered(NamedTuple):
-    """The robot has got a place in an area."""
-
-    time_ns: int
-    robot: str
-    area: str
-
-
-class Places(NamedTuple):
-    """The area has room for so many robots; told once, of the first robot that gets a place there, before that."""
-
-    time_ns: int
-    robot: str
-    area: str
-    capacity: int
-
-
-class Left(NamedTuple):
-    """The robot has given its place in an area back."""
-
-    time_ns: int
-    robot: str
-    area: str
-
-
-class Deadlock(NamedTuple):
-    """The robot has closed a circle of waiting: ``circle`` is (robot, area, ...)."""
-
-    time_ns: int
-    robot: str
-    circle: Tuple[str, ...]
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'deadlock', *self.circle)
-
-
 class TaskWaits(NamedTuple):
     """A task waits for room at ``place``."""
 
@@ -388,6 +354,19 @@ class MotionSet(NamedTuple):
                 tolerances.xy, tolerances.yaw)
 
 
+class Phased(NamedTuple):
+    """The robot is there, and begins and ends its legs in these ``phases``."""
+
+    time_ns: int
+    robot: str
+    phases: MotionPhases
+
+    def row(self) -> Row:
+        """Return its row, the numbers of MotionPhases in their order."""
+        start_turn, *others = vars(self.phases).values()
+        return (self.time_ns, self.robot, 'phases', *start_turn, *others)
+
+
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:
     """Return the event that ``robot`` travels as it does from ``now_ns`` [ns] on."""
     return MotionSet(now_ns, robot.name, robot.pose_at(now_ns), robot.limits, robot.tolerances)
@@ -395,6 +374,5 @@ def motion_of(robot: Robot, now_ns: int) -> MotionSet:
 
 #: of the events whose fields are their rows, the kinds of these rows
 PLAIN_ROWS = {
-    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Places: 'places', Entered: 'entered',
-    Left: 'left', Meets: 'meets', Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended',
-    WorksAt: 'works_at', TaskBegan: 'task_began'}
+    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Meets: 'meets', Encounter: 'encounter',
+    TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', WorksAt: 'works_at', TaskBegan: 'task_began'}

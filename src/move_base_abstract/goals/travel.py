@@ -2,7 +2,10 @@
 
 Threading contract: as of :mod:`.navigator`.
 """
+import math
+
 from ..engine.guard import guarded
+from ..motion.geometry import Pose2D
 from .events import Departed, Held, Stands, Warned
 from .outcome import NO_CONTROL, aborted
 
@@ -22,6 +25,8 @@ class Travel:
         self._tell = stream.tell
         self._durations = durations
         self._gate = None
+        #: limited(start, corners, goal): the way with the speed limits that there are on it, None: there are none
+        self.limited = None
         #: the pose in the global frame that the robot works on, or None
         self.target = None
         #: the reasons for which the robot is held, texts in the order in which they came; none: it may travel
@@ -46,28 +51,41 @@ class Travel:
         self.go(() if self._planner.goes_straight else self._planner.corners(
             self._robot.pose_at(now_ns), self.target), now_ns)
 
-    def go(self, corners, now_ns):
-        """Go to the target by ``corners``; None: there is no way."""
+    def go(self, corners, now_ns, aside=None):
+        """Go to the target by ``corners``; None: there is no way. ``aside``: to this pose first, and on from there."""
         if corners is None:
             self._fail_to_plan(now_ns)
             return
         if self.held_for:
             self._waits_for_release = True
             return
+        place = aside or self.target
         try:
-            leg = self._robot.depart(self.target, now_ns, corners, self._durations and self._durations.paced)
+            if self.limited is not None:
+                corners = self.limited(self._robot.pose_at(now_ns), corners, place)
+            leg = self._robot.depart(place, now_ns, corners, self._durations and self._durations.paced)
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
-        self._tell(Departed(now_ns, self._robot.name, self.target, leg.corners))
+        self._tell(Departed(now_ns, self._robot.name, place, leg.corners, leg.manner))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)
         if reason is None:
-            self._await_end(leg)
+            self._await_end(leg, aside is not None)
         else:
             self._hold(reason, now_ns)
         if gate is not None:
             gate.settle(now_ns)
+
+    def go_aside(self, reason, way, now_ns):
+        """Instead of being held for ``reason`` alone, drive by ``way`` (.corners, .goal) from where it stands.
+
+        From its end, or wherever it is stopped before, the robot goes on to its target by a way that is new. It does
+        not fail on it: that is judged by the ways to the target.
+        """
+        self._waits_for_release = False
+        self._change_holds(tuple(one for one in self.held_for if one != reason), now_ns)
+        self.go(way.corners, now_ns, _beyond(way.goal, self._robot.tolerances.xy))
 
     def _fail_to_plan(self, now_ns):
         refusal = self._planner.refusal_of_way(self._robot.pose_at(now_ns), self.target)
@@ -75,7 +93,10 @@ class Travel:
             self._tell(Warned(now_ns, self._robot.name, refusal))
         self._navigator.give_up(now_ns)
 
-    def _await_end(self, leg):
+    def _await_end(self, leg, is_aside):
+        if is_aside:
+            self._agenda.at(leg.arrive_ns, lambda due_ns, _now_ns: (self.halt(due_ns), self._go_on(due_ns)))
+            return
         failure_ns = None if self._durations is None else self._durations.failure_ns(leg)
         if failure_ns is None:
             self._agenda.at(leg.arrive_ns, self._navigator.arrive)
@@ -120,13 +141,16 @@ class Travel:
             self._waits_for_release = False
             self._go_on(now_ns)
 
-    def change_way(self, corners, now_ns):
-        """Leave the way under way, and go on by ``corners`` from where the robot is, from rest."""
+    def change_way(self, now_ns, corners=None):
+        """Leave the way under way; go on from where it is, from rest, by ``corners``, None: by a way that is new."""
         if self._durations is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()
         self.halt(now_ns)
-        self.go(corners, now_ns)
+        if corners is None:
+            self._go_on(now_ns)
+        else:
+            self.go(corners, now_ns)
 
     def forget_holds(self, now_ns):
         """Hold the robot, which has no goal, for nothing any more."""
@@ -183,3 +207,8 @@ class Travel:
     def break_off(self, error):
         """As of the navigator."""
         self._navigator.break_off(error)
+
+
+def _beyond(pose, distance):
+    """Return the Pose2D that is ``distance`` [m] ahead of ``pose``: who stops so far short of it ends there."""
+    return Pose2D(pose.x + distance * math.cos(pose.yaw), pose.y + distance * math.sin(pose.yaw), pose.yaw)

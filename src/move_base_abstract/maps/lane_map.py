@@ -28,6 +28,7 @@ from .topological_map import is_topological_map, plain_map
 if TYPE_CHECKING:
     pass
 
+NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _COORDINATE = number(-1e9, 1e9)
 _NODE_TABLE = {
     'x': Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),

@@ -3,28 +3,32 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from functools import lru_cache
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-import networkx
 import numpy as np
 
 from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
-from .lane_map import path_length
+from ..motion.route import segments_along
+from .lane_map import NEAR, path_length
 from .planning import StraightLinePlanner, WorldBounds
-from .priced_ways import cheapest
+from .priced_ways import cheapest, times_to
 
 if TYPE_CHECKING:
     from typing import OrderedDict as Ordered
 
     from ..motion.geometry import Pose2D
+    from ..motion.route import Segment
     from .lane_map import Edge, LaneMap
     from .map_check import MapCheck
     from .priced_ways import Prices
 
-NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _KEPT_WAYS = 10_000
 _KEPT_NETS = 64
+_KEPT_PLACES = 10_000
+_KEPT_TIMES = 2_000_000  # from nodes to goal nodes
 _FREE = PieceLimit()
 
 _shared: Ordered[Any, LaneWays] = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keep the map}
@@ -39,6 +43,7 @@ class _Lane(NamedTuple):
     points: Tuple[Tuple[float, float], ...]
     limit: PieceLimit
     cost: int
+    segments: Tuple[Segment, ...]
 
 
 class _Piece(NamedTuple):
@@ -57,6 +62,13 @@ class _Access(NamedTuple):
     cost: int
 
 
+class _Towards(NamedTuple):
+    """``times`` {node: ns at full speed} to one goal node, and by which lane one leaves each node that was asked."""
+
+    times: Dict[str, int]
+    onward: Dict[str, _Lane]
+
+
 class LaneWays:
     """The ways on a :class:`.lane_map.LaneMap` for robots of ``max_speed`` [m/s]. What is found is kept.
 
@@ -70,18 +82,20 @@ class LaneWays:
         self._lanes = [lane for index, edge in enumerate(lane_map.edges) for lane in _lanes(index, edge, max_speed)]
         order = {name: number for number, name in enumerate(lane_map.nodes)}
         self._leaving: Dict[str, List[_Lane]] = {name: [] for name in order}
-        backwards = networkx.DiGraph()
-        backwards.add_nodes_from(order)
+        self._arriving: List[List[Tuple[int, int]]] = [[] for _ in order]  # of each node (number of another, ns), ...
         for lane in sorted(self._lanes, key=lambda lane: order[lane.end]):
             self._leaving[lane.begin].append(lane)
-            backwards.add_edge(lane.end, lane.begin, cost=lane.cost)
-        self._backwards = backwards
-        self._costs: Dict[str, Dict[str, int]] = {}  # {goal node: {node: ns}}
+            self._arriving[order[lane.end]].append((order[lane.begin], lane.cost))
+        self._order = order
+        self._goals: Ordered[str, _Towards] = OrderedDict()
         self._ways: Ordered[Any, Optional[PlannedWay]] = OrderedDict()
         self._nodes_xy = np.array(list(self._places.values()))
         pieces = [(number, index, *one, *other) for number, lane in enumerate(self._lanes)
                   for index, (one, other) in enumerate(zip(lane.points, lane.points[1:]))]
         self._pieces = np.array(pieces, float).reshape(len(pieces), 6)
+        # Robots go to the same places again and again.
+        self._nearest: Callable[[Tuple[float, float]], Tuple[str, bool]] = lru_cache(_KEPT_PLACES)(self._find_nearest)
+        self._accesses: Callable[..., Tuple[_Access, ...]] = lru_cache(_KEPT_PLACES)(self._find_accesses)
 
     @classmethod
     def on(cls, lane_map: LaneMap, max_speed: float) -> LaneWays:
@@ -123,10 +137,11 @@ class LaneWays:
         priced: Dict[Tuple[str, str], List[_Lane]] = {}
         for first in self._accesses(start):
             for last in self._accesses(goal, to_goal=True):
-                cost = self._costs_to(last.node).get(first.node)
+                times = self._towards(last.node).times
+                cost = times.get(first.node)
                 if cost is not None and prices is not None:
                     cost, priced[first.node, last.node] = cheapest(
-                        self._leaving, self._costs_to(last.node), first.node, last.node, prices)
+                        self._leaving, times, first.node, last.node, prices)
                 if cost is not None:
                     candidates.append((first.cost + cost + last.cost, first, last))
         if not candidates:
@@ -135,32 +150,42 @@ class LaneWays:
         if last is None:
             return _planned(start, first, goal, True)
         lanes = priced.get((first.node, last.node)) or self._lanes_between(first.node, last.node)
+        if lanes and (lanes[0].points[0], lanes[-1].points[-1]) == (start, goal):
+            return _over_lanes(lanes)
         over = [piece for lane in lanes for piece in _pieces(lane, lane.points[1:])]
         return _planned(start, [*first.pieces, *over, *last.pieces], goal, bool(last.pieces))
 
-    def _costs_to(self, node: str) -> Dict[str, int]:
-        if node not in self._costs:
-            self._costs[node] = networkx.single_source_dijkstra_path_length(self._backwards, node, weight='cost')
-        return self._costs[node]
+    def _towards(self, node: str) -> _Towards:
+        towards = self._goals.get(node)
+        if towards is None:
+            times = times_to(self._arriving, self._order[node])
+            towards = self._goals[node] = _Towards({name: time for name, time in zip(self._order, times)
+                                                    if time is not None}, {})
+            if len(self._goals) * len(self._places) > _KEPT_TIMES:
+                self._goals.popitem(last=False)
+        return towards
 
     def _lanes_between(self, node: str, last: str) -> List[_Lane]:
         """Return the lanes of the shortest way; see the class for which of equal ones."""
-        costs, lanes = self._costs_to(last), []
+        times, onward = self._towards(last)
+        lanes: List[_Lane] = []
         while node != last:
-            lane = next(lane for lane in self._leaving[node]
-                        if lane.end in costs and lane.cost + costs[lane.end] == costs[node])
+            lane = onward.get(node)
+            if lane is None:
+                lane = onward[node] = next(lane for lane in self._leaving[node]
+                                           if lane.end in times and lane.cost + times[lane.end] == times[node])
             lanes.append(lane)
             node = lane.end
         return lanes
 
-    def _accesses(self, place: Tuple[float, float], to_goal: bool = False) -> List[_Access]:
+    def _find_accesses(self, place: Tuple[float, float], to_goal: bool = False) -> Tuple[_Access, ...]:
         """Return how to go from ``place`` to the net, or from the net to it: along the lanes it is on, else straight.
 
         Straight means by the nearest node; of equally near ones the first of the file.
         """
         node, is_there = self._nearest(place)
         if is_there:
-            return [_Access(node, (), 0)]
+            return (_Access(node, (), 0),)
         accesses = []
         for number, index, share in self._lanes_at(place):
             lane = self._lanes[number]
@@ -170,10 +195,10 @@ class LaneWays:
             cost = round((part if to_goal else 1.0 - part) * lane.cost)
             accesses.append(_Access(lane.begin if to_goal else lane.end, _pieces(lane, points), cost))
         if accesses:
-            return accesses
-        return [_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0)]
+            return tuple(accesses)
+        return (_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0),)
 
-    def _nearest(self, place: Tuple[float, float]) -> Tuple[str, bool]:
+    def _find_nearest(self, place: Tuple[float, float]) -> Tuple[str, bool]:
         """Return the node that is nearest to ``place``, and whether that is there."""
         far = np.hypot(*(self._nodes_xy - place).T)
         nearest = int(np.round(far, 6).argmin())
@@ -250,10 +275,19 @@ def _lanes(index: int, edge: Edge, max_speed: float) -> List[_Lane]:
     """Return the directions in which an edge may be driven."""
     limit = PieceLimit(math.inf if edge.speed is None else edge.speed, edge.share)
     cost = max(1, round(path_length(edge.points) / limit.of(max_speed) * NS_PER_S))
-    lanes = [_Lane(index, edge.begin, edge.end, edge.points, limit, cost)]
+    ways = [(edge.begin, edge.end, edge.points)]
     if not edge.one_way:
-        lanes.append(_Lane(index, edge.end, edge.begin, edge.points[::-1], limit, cost))
-    return lanes
+        ways.append((edge.end, edge.begin, edge.points[::-1]))
+    return [_Lane(index, *way, limit, cost, segments_along(way[2], limit)) for way in ways]
+
+
+def _over_lanes(lanes: Sequence[_Lane]) -> PlannedWay:
+    """Return the PlannedWay over just these ``lanes``."""
+    points = list(chain.from_iterable([lane.points[1:] for lane in lanes]))
+    segments = tuple(chain.from_iterable([lane.segments for lane in lanes]))
+    return PlannedWay(points[:-1], [segment.limit for segment in segments],
+                      [lane.edge for lane in lanes for _ in lane.segments],
+                      known=(lanes[0].points[0], points[-1], segments))
 
 
 def _pieces(lane: _Lane, points: Sequence[Tuple[float, float]]) -> Tuple[_Piece, ...]:

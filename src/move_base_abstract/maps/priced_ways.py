@@ -1,11 +1,35 @@
-"""The cheapest way over a net whose lanes cost more than their time just now: A*, led by the times without that."""
+"""How far it is over a net (Dijkstra), and the cheapest way where lanes cost more than their time just now.
+
+The latter is A*, led by the times without that.
+"""
 from __future__ import annotations
 
 from heapq import heappop, heappush
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 #: how much a lane, (index of its edge, time [ns] at full speed), costs beside its time [ns, >= 0]
 Prices = Callable[[int, int], int]
+
+
+def times_to(arriving: Sequence[Sequence[Tuple[int, int]]], last: int) -> List[Optional[int]]:
+    """Return for each node how long it takes to come from there to the node ``last`` [ns], None: one does not.
+
+    ``arriving``: for each node [(a node from which a lane leads there, its time [ns]), ...]; nodes are numbers.
+    """
+    count = len(arriving)
+    times: List[Optional[int]] = [None] * count
+    times[last] = 0
+    open_ = [last]  # time * count + node: one number is compared faster than a pair
+    while open_:
+        time, node = divmod(heappop(open_), count)
+        if time != times[node]:
+            continue
+        for begin, lane_ns in arriving[node]:
+            found, known = time + lane_ns, times[begin]
+            if known is None or found < known:
+                times[begin] = found
+                heappush(open_, found * count + begin)
+    return times
 
 
 def cheapest(leaving: Mapping[str, Sequence[Any]], times: Mapping[str, int], first: str, last: str,

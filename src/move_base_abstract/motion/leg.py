@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from ..common.units import NS_PER_S, seconds_to_ns
 from .geometry import Pose2D, normalize_angle
 
+_ROUNDING = 1e-9  # m
+
 
 @dataclass(frozen=True)
 class MotionLimits:
@@ -151,11 +153,13 @@ class Leg:
 
     #: none: it is straight, see :class:`.route.Route`
     corners = ()
+    #: how it differs from its law, as of :class:`.pace.PacedLeg`: it does not
+    manner = ()
 
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
         dx, dy = goal.x - start.x, goal.y - start.y
         gap = math.hypot(dx, dy)
-        self.distance = distance = gap - tolerances.xy if gap > tolerances.xy else 0.0
+        self.distance = distance = left_to_drive(gap, tolerances.xy)
         self._course = math.atan2(dy, dx) if distance > 0.0 else start.yaw
         self.start = start
         self._limits = limits
@@ -256,6 +260,15 @@ class Leg:
         if now_ns < self._last_turn_ns:
             return self._profile.speed((now_ns - self._drive_ns) / NS_PER_S), 0.0
         return 0.0, math.copysign(self._limits.turn_rate, self._last_turn)
+
+
+def left_to_drive(gap, tolerance):
+    """Return how far [m] it is until a goal ``gap`` [m] away is within ``tolerance`` [m].
+
+    A robot that has stopped at the edge of the tolerance is within it, whatever rounding says: 1e-16 m are not driven.
+    """
+    left = gap - tolerance
+    return left if left > (_ROUNDING if tolerance else 0.0) else 0.0
 
 
 def turn_within(turn, tolerance):

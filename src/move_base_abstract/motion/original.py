@@ -63,6 +63,7 @@ class HalfwayLeg(PacedLeg):
     """A :class:`.Leg` whose robot is shown half-way, heading along x, from the departure to the arrival."""
 
     __slots__ = ()
+    manner = ()  # its poses are on no way
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: half-way from the departure on, the end from the arrival on."""

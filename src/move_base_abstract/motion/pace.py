@@ -9,10 +9,24 @@ class Pace(NamedTuple):
     factor: float
 
 
+#: as of PhasedRoute.tail, of a leg without one
+_NO_TAIL = (0.0, 1.0, 0.0, 0.0)
+
+
 class PacedLeg:
     """A :class:`Leg` or :class:`Route` at a :class:`Pace`: the same poses, each at another instant. Immutable."""
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', '_leg', '_begin_ns', '_ns')
+
+    @property
+    def manner(self):
+        """How it differs from its law: the rest at first [ns], the travel [ns], and the leg's own ``tail``."""
+        return (self._begin_ns - self.depart_ns, self._ns, *self.tail)
+
+    @property
+    def tail(self):
+        """As of :attr:`.phased_route.PhasedRoute.tail`."""
+        return getattr(self._leg, 'tail', _NO_TAIL)
 
     def __init__(self, leg, pace):
         self._leg = leg
@@ -85,11 +99,11 @@ class PacedLeg:
 
 
 class TimedLeg(PacedLeg):
-    """A :class:`Leg` or :class:`Route` that takes ``duration_ns`` [ns], whatever its law says."""
+    """A :class:`Leg` or :class:`Route` that rests ``delay_ns`` [ns] and then takes ``duration_ns`` [ns]."""
 
     __slots__ = ()
 
-    def __init__(self, leg, duration_ns):
-        super().__init__(leg, Pace(0, 1.0))
+    def __init__(self, leg, duration_ns, delay_ns=0):
+        super().__init__(leg, Pace(delay_ns, 1.0))
         self._ns = duration_ns
-        self.arrive_ns = self.depart_ns + duration_ns
+        self.arrive_ns = self._begin_ns + duration_ns

@@ -24,6 +24,11 @@ class PhasedRoute(Route):
         self.start_turn = self._first_length = 0.0
         super().__init__(start, goal, corners, limits, tolerances, depart_ns, law)
 
+    @property
+    def tail(self):
+        """What it does that is no part of its law: (backwards [m], [m/s], spin [s], [rad/s])."""
+        return (*self._backwards, *self._spin)
+
     def going_backwards(self, extra, speed):
         """Return the route that takes ``extra`` [s] longer, as it begins backwards at ``speed`` [m/s].
 

@@ -11,6 +11,8 @@ class PieceLimit(NamedTuple):
 
     speed: float = math.inf
     share: float = 1.0
+    #: whether it is driven into without a stop, whatever happens at corners: only the limit changes there
+    goes_on: bool = False
 
     def of(self, max_speed):
         """Return the top speed [m/s] on the piece for a robot of ``max_speed`` [m/s]."""
@@ -22,18 +24,20 @@ class PlannedWay(tuple):
 
     ``limits`` (PieceLimit, ...) and ``lanes`` (what each piece runs on, or None) have one entry for each straight
     piece, one more than there are corners, or none at all; ``seconds``: how long the whole way takes, whatever the
-    robot's limits, None: as long as these say.
+    robot's limits, None: as long as these say. ``known``: None, or (start, goal, the route's Segments between them), of
+    who knows them; ``routes``: what routes along it share, kept by :func:`.route.route_along`.
     """
 
     limits = ()
     lanes = ()
     seconds: Optional[float] = None
+    known = None
     #: whether the goal lies on the last of the lanes, and not at its end
     ends_on_lane = False
 
-    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None, ends_on_lane=False):
+    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None, ends_on_lane=False, known=None):
         """Return the way by ``corners``."""
         way = super().__new__(cls, corners)
         way.limits, way.lanes, way.seconds = tuple(limits), tuple(lanes), seconds
-        way.ends_on_lane = ends_on_lane
+        way.ends_on_lane, way.known, way.routes = ends_on_lane, known, {}
         return way

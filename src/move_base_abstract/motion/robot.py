@@ -8,7 +8,7 @@ from .leg import Leg, MotionLimits, Tolerances
 from .pace import TimedLeg
 from .phased_route import PhasedRoute
 from .planned_way import PlannedWay
-from .route import CornerLaw, Route
+from .route import CornerLaw, Route, route_along
 from .telling import Telling
 
 
@@ -47,6 +47,16 @@ class Robot:
     def limits(self):
         """The MotionLimits of the next leg."""
         return self._limits
+
+    @property
+    def phases(self):
+        """The MotionPhases of its legs, or None."""
+        return self._phases
+
+    @property
+    def keeps_piece_limits(self):
+        """Whether pieces of a way may have speeds of their own: its law of motion is not a recorded or a copied one."""
+        return self._phases is None and self._original is None
 
     @property
     def tolerances(self):
@@ -98,7 +108,9 @@ class Robot:
         elif self._phases is not None:
             leg = PhasedRoute(start, goal, corners, self._limits, self._phases, self._tolerances, now_ns,
                               self._corner_law)
-        elif corners or (way is not None and way.limits):
+        elif way is not None and way.limits:
+            leg = route_along(start, goal, way, self._limits, self._tolerances, now_ns, self._corner_law)
+        elif corners:
             leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
         else:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)

@@ -10,9 +10,11 @@ from typing import NamedTuple, Optional
 
 from ..common.units import NS_PER_S, seconds_to_ns
 from .geometry import Pose2D, normalize_angle
-from .leg import SpeedProfile, Tolerances, turn_within
+from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
 from .planned_way import PieceLimit, PlannedWay
+
+_KEPT_ROUTES = 16  # of a way
 
 
 class CornerLaw(Enum):
@@ -36,6 +38,12 @@ class Segment(NamedTuple):
         return Pose2D(self.x + covered * math.cos(self.course), self.y + covered * math.sin(self.course), self.course)
 
 
+def segments_along(points, limit):
+    """Return the pieces (:class:`Segment`, ...) along ``points`` ((x, y), ...) [m]; no two in a row are one."""
+    return tuple(Segment(a, b, math.atan2(y - b, x - a), math.hypot(x - a, y - b), limit)
+                 for (a, b), (x, y) in zip(points, points[1:]))
+
+
 class Route:
     """One trip along ``corners`` [(x, y), m]: turn, drive from corner to corner, turn to the goal's heading. Immutable.
 
@@ -49,14 +57,17 @@ class Route:
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
 
+    #: as of :class:`.leg.Leg`
+    manner = ()
+
     def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
         segments, place = _segments(start, goal, corners, tolerances.xy)
-        drives = [segments] if law is CornerLaw.KEEP and segments else [[segment] for segment in segments]
+        drives = [segments] if law is CornerLaw.KEEP and segments else _drives(segments)
         self.start = start
         self.corners = corners if isinstance(corners, PlannedWay) else tuple(corners)
         #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
-        self.way = (*((segment.x, segment.y) for segment in segments or [start]), place)
-        self.distance = math.fsum(segment.length for segment in segments)
+        self.way = (*[(segment.x, segment.y) for segment in segments or [start]], place)
+        self.distance = math.fsum([segment.length for segment in segments])
         self.depart_ns = self.arrive_ns = depart_ns
         self._begins_ns, self._parts = [], []
         yaw, driven = start.yaw, 0.0
@@ -89,17 +100,33 @@ class Route:
 
     def _turn_to_drive(self, first, yaw, turn, limits, driven):
         """Add the turn by ``turn`` [rad] from ``yaw`` [rad] before the drive that begins with the piece ``first``."""
-        self._add(Turn(first.x, first.y, yaw, turn, limits.turn_rate, driven), abs(turn) / limits.turn_rate)
+        self._turn(first, yaw, turn, limits.turn_rate, driven)
 
     def _turn_at_goal(self, begin, turn, _whole, limits, _tolerances):
         """Add the turn by ``turn`` [rad] at the end, from ``begin`` (Pose2D); ``_whole``: up to the goal's heading."""
-        part = Turn(begin.x, begin.y, begin.yaw, turn, limits.turn_rate, self.distance)
-        self._add(part, abs(turn) / limits.turn_rate)
+        self._turn(begin, begin.yaw, turn, limits.turn_rate, self.distance)
+
+    def _turn(self, place, yaw, turn, rate, driven):
+        if rate != math.inf:  # else it is never under way
+            self._add(Turn(place.x, place.y, yaw, turn, rate, driven), abs(turn) / rate)
+
+    def again(self, start, goal, depart_ns):
+        """Return this route with another departure; ``start`` and ``goal`` (Pose2D) are equal to its ends."""
+        route = Route.__new__(Route)
+        by_ns = depart_ns - self.depart_ns
+        route.depart_ns, route.arrive_ns, route.start, route.end = depart_ns, self.arrive_ns + by_ns, start, goal
+        route.distance, route.corners, route.way, route._parts = self.distance, self.corners, self.way, self._parts
+        route._begins_ns = [begin_ns + by_ns for begin_ns in self._begins_ns]
+        return route
 
     def _profile_along(self, pieces, limits):
         """Return the profile of a drive over ``pieces`` (Segment, ...)."""
         if pieces[0].limit is None:
             return self._profile(list(accumulate(piece.length for piece in pieces))[-1], limits)
+        same = [piece.limit for piece in pieces].count(pieces[0].limit) == len(pieces)  # as of most
+        if same:
+            whole = list(accumulate([piece.length for piece in pieces]))[-1]
+            return profile_over([(whole, pieces[0].limit.of(limits.max_speed))], limits.acceleration)
         return profile_over([(piece.length, piece.limit.of(limits.max_speed)) for piece in pieces], limits.acceleration)
 
     @staticmethod
@@ -178,6 +205,21 @@ class Route:
         return self._parts[index], now_ns - self._begins_ns[index]
 
 
+def route_along(start, goal, way, limits, tolerances, depart_ns, law):
+    """Return the :class:`Route` along the :class:`.PlannedWay`; of a robot that has been that way before, the same."""
+    if tolerances.xy or tolerances.yaw:
+        return Route(start, goal, way, limits, tolerances, depart_ns, law)
+    key = (start.x, start.y, start.yaw, goal.x, goal.y, goal.yaw, limits.max_speed, limits.acceleration,
+           limits.turn_rate, law.value)
+    route = way.routes.get(key)
+    if route is not None:
+        return route.again(start, goal, depart_ns)
+    if len(way.routes) >= _KEPT_ROUTES:
+        way.routes.clear()
+    route = way.routes[key] = Route(start, goal, way, limits, tolerances, depart_ns, law)
+    return route
+
+
 class Turn:
     """A turn in place at (x, y) [m] by ``turn`` [rad] from ``yaw`` [rad], ``driven`` [m] after the departure."""
 
@@ -219,7 +261,7 @@ class _Drive:
     __slots__ = ('profile', '_pieces', '_begins', '_driven')
 
     def __init__(self, pieces, profile, driven):
-        ends = list(accumulate(piece.length for piece in pieces))
+        ends = list(accumulate([piece.length for piece in pieces]))
         self.profile = profile
         self._pieces = pieces
         self._begins = [0.0] + ends[:-1]
@@ -256,8 +298,23 @@ class _Drive:
         return self._driven + self.profile.covered(elapsed_ns / NS_PER_S)
 
 
+def _drives(segments):
+    """Return the segments [[Segment, ...], ...] that are driven from rest to rest where each corner is a stop."""
+    drives = []
+    for segment in segments:
+        if drives and segment.limit is not None and segment.limit.goes_on:
+            drives[-1].append(segment)
+        else:
+            drives.append([segment])
+    return drives
+
+
 def _segments(start, goal, corners, tolerance):
     """Return the pieces [:class:`Segment`] up to where ``tolerance`` [m] is first met, and that place (x, y) [m]."""
+    ends = (start.x, start.y), (goal.x, goal.y)
+    known = getattr(corners, 'known', None)
+    if known is not None and known[:2] == ends and tolerance == 0.0:
+        return known[2], ends[1]
     segments = []
     begin = start
     points = [*(Pose2D(x, y) for x, y in corners), goal]
@@ -282,7 +339,7 @@ def _first_within(begin, end, length, goal, tolerance):
     Where a line enters a circle: the root of a quadratic equation.
     """
     if end is goal:
-        return max(0.0, length - tolerance)
+        return left_to_drive(length, tolerance)
     if tolerance == 0.0 or length <= 0.0:
         return None
     dx, dy = goal.x - begin.x, goal.y - begin.y

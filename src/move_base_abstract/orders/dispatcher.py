@@ -36,11 +36,12 @@ class PolicyError(SimulatorError):
 
 
 class Drive(NamedTuple):
-    """Send the robot a goal."""
+    """Send the robot a goal; ``priority``: that of the robot from before on, None: the one that it has."""
 
     robot: str
     goal_id: str
     pose: Pose2D
+    priority: Optional[int] = None
 
 
 class WorkOn(NamedTuple):
@@ -75,7 +76,8 @@ class Dispatcher:
         levels = (FULL_CHARGE, *settings.levels) if FULL_CHARGE in (
             settings.charge_until, settings.charge_when_idle) else settings.levels
         self._states = make_states(starts, levels)
-        self._robots = list(self._states.values())
+        #: what is known of the robots, by their indices
+        self.robots = list(self._states.values())
         self._places = places
         self._settings = settings
         self._policy = policy
@@ -83,6 +85,7 @@ class Dispatcher:
         self._take_row = tell
         self._charging = Charging(settings, chargers, distance, self._send, self._tell)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
+        self._in_turn: Optional[List[OpenOrder]] = None  # the same by priority, then arrival; None: they have changed
         self._seen: Dict[str, int] = {}  # {id: how often it was given to a robot}
         self._commands: Dict[str, Command] = {}
         self._cancels: List[Command] = []
@@ -95,8 +98,8 @@ class Dispatcher:
     @property
     def waits_for_charge(self) -> bool:
         """Whether somebody is being charged for whom, or for whose charger, others wait."""
-        return any(robot.must_charge and robot.is_charging for robot in self._robots) and (
-            bool(self._open) or any(robot.awaits_charger_since is not None for robot in self._robots))
+        return any(robot.must_charge and robot.is_charging for robot in self.robots) and (
+            bool(self._open) or any(robot.awaits_charger_since is not None for robot in self.robots))
 
     def hears(self, robot: str, kind: str) -> bool:
         """Return whether a row is looked at."""
@@ -112,10 +115,12 @@ class Dispatcher:
         if fault is None and order.order_id in self._seen:
             fault = 'id: {} was given to an order before; allowed: another one for each'.format(shown(order.order_id))
         if fault is not None:
-            self._tell(rows.DISPATCHER, 'order_refused', order.order_id, fault)
+            order_id = order.order_id if isinstance(order.order_id, str) else shown(order.order_id)
+            self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
             return
         self._seen[order.order_id] = 0
         deadline_ns = None if order.deadline_ns is None else now_ns + order.deadline_ns
+        self._in_turn = None
         self._open[order.order_id] = OpenOrder(order, now_ns, deadline_ns, 0, 0)
         stops = [value for stop in order.stops for value in (stop.place, stop.pose.x, stop.pose.y, stop.action)]
         self._tell(rows.DISPATCHER, 'order_arrived', order.order_id, order.priority, deadline_ns or 0, *stops)
@@ -123,16 +128,18 @@ class Dispatcher:
     def decide(self, now_ns: int) -> List[Command]:
         """Return what is to be done now, by the robots' indices; what is given up comes first.
 
-        :raises PolicyError: if the policy chooses what cannot be done; the rest has been decided, and comes next time.
+        Where the policy fails, or chooses what cannot be done, a row says so, and nobody is given an order now.
         """
-        for robot in self._robots:
+        for robot in self.robots:
             self._go_on(robot, now_ns)
-        self._charging.look(self._robots)
+        self._charging.look(self.robots)
         try:
             self._assign(now_ns)
+        except PolicyError as error:
+            self._tell(rows.DISPATCHER, 'policy_failed', str(error))
         finally:
-            self._charging.send(self._robots, now_ns)
-        commands = [*self._cancels, *(self._commands[robot.name] for robot in self._robots
+            self._charging.send(self.robots, now_ns)
+        commands = [*self._cancels, *(self._commands[robot.name] for robot in self.robots
                                       if robot.name in self._commands)]
         self._commands, self._cancels = {}, []
         return commands
@@ -197,6 +204,7 @@ class Dispatcher:
         if tried >= self._settings.attempts:
             self._tell_done(robot, one, rows.FAILED, now_ns)
             return
+        self._in_turn = None
         self._open[one.order.order_id] = one._replace(tried=tried, next_stop=stop)
 
     def _drive(self, robot: RobotState) -> None:
@@ -212,25 +220,29 @@ class Dispatcher:
 
     def _send(self, robot: RobotState, pose: Pose2D, goal_id: str) -> None:
         robot.goal_id = goal_id
-        self._commands[robot.name] = Drive(robot.name, goal_id, pose)
+        priority = robot.own_priority if robot.order is None else max(robot.own_priority, robot.order.order.priority)
+        is_new, robot.priority = priority != robot.priority, priority
+        self._commands[robot.name] = Drive(robot.name, goal_id, pose, priority if is_new else None)
 
     # --- all of them -------------------------------------------------------------------------------------------------
 
     def _assign(self, now_ns: int) -> None:
         """Have the policy say who begins with what."""
-        free = [robot for robot in self._robots if robot.phase in (FREE, AT_CHARGER) and not robot.works_not
+        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER) and not robot.works_not
                 and not robot.must_charge and not robot.goal_id]
         if not free or not self._open:
             return
-        orders = sorted(self._open.values(), key=lambda one: (-one.order.priority, one.arrived_ns))
-        question = Question(orders, [robot.as_free() for robot in free],
-                            [robot.as_free() for robot in self._robots if robot.order is not None
+        if self._in_turn is None:
+            self._in_turn = sorted(self._open.values(), key=lambda one: (-one.order.priority, one.arrived_ns))
+        question = Question(list(self._in_turn), [robot.as_free() for robot in free],
+                            [robot.as_free() for robot in self.robots if robot.order is not None
                              and not robot.must_charge], now_ns, self._distance)
         for robot, one in self._checked(question, free):
             self._begin(robot, one)
 
     def _begin(self, robot: RobotState, one: OpenOrder) -> None:
         del self._open[one.order.order_id]
+        self._in_turn = None
         self._charging.leave(robot)
         robot.tried_now.clear()
         robot.order, robot.stop, robot.carries = one, one.next_stop, 0

@@ -25,6 +25,7 @@ class RobotStart(NamedTuple):
     name: str
     pose: Pose2D
     charge: Optional[float] = None
+    priority: int = 0
 
 
 class Ending(NamedTuple):
@@ -57,6 +58,8 @@ class RobotState:
     must_charge: bool = False
     awaits_charger_since: Optional[int] = None  # number
     is_told_to_wait: bool = False
+    own_priority: int = 0  # without an order
+    priority: int = 0  # as it has been told
     has_failed: bool = False
     is_lost: bool = False  # has failed so that its goal may go on for ever
     is_empty: bool = False
@@ -126,6 +129,7 @@ def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[s
     states = {}
     for index, one in enumerate(starts):
         state = RobotState(index, one.name, one.pose, one.charge is not None, (one.pose.x, one.pose.y))
+        state.own_priority = state.priority = one.priority
         if one.charge is not None:
             state.below = {level: _is_below(one.charge, level) for level in levels}
             state.is_empty = one.charge <= 0.0

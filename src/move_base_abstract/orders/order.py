@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from numbers import Integral, Real
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, number, one_of
@@ -59,8 +60,20 @@ class Order:
     priority: int = 0
 
 
+_ORDER_KINDS = (('order_id', (str,), 'a text'), ('stops', (tuple, list), 'stops in a row'),
+                ('deadline_ns', (Integral, type(None)), 'a whole number [ns], or None'),
+                ('priority', (Integral,), 'a whole number'))
+_STOP_KINDS = (('pose', (Pose2D,), 'a Pose2D'), ('place', (str,), 'a text'), ('action', (str,), 'a text'),
+               ('duration_ns', (Integral,), 'a whole number [ns]'), ('power', (Real,), 'a number'),
+               ('energy', (Real,), 'a number'))
+_SHOWN_AS = {'order_id': 'id', 'deadline_ns': 'deadline', 'duration_ns': 'duration'}
+
+
 def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
-    """Return what is wrong with an order that somebody has sent, as a text, or None."""
+    """Return what is wrong with an order that somebody has sent, as a text, or None. It may be of any values."""
+    fault = _fault_of_kinds(order, _ORDER_KINDS)
+    if fault is not None:
+        return fault
     if not order.order_id:
         return 'id: got none; allowed: another one for each order'
     if not 1 <= len(order.stops) <= MAX_STOPS:
@@ -74,7 +87,18 @@ def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
     return None
 
 
+def _fault_of_kinds(value: Any, kinds: Sequence[Tuple[str, Tuple[Any, ...], str]]) -> Optional[str]:
+    for name, allowed, text in kinds:
+        got = getattr(value, name, None)
+        if not isinstance(got, allowed) or isinstance(got, bool):
+            return '{}: got {}; allowed: {}'.format(_SHOWN_AS.get(name, name), shown(got), text)
+    return None
+
+
 def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
+    fault = _fault_of_kinds(stop, _STOP_KINDS)
+    if fault is not None:
+        return fault
     if stop.place and stop.place not in places:
         return 'place: got {}; allowed: {}'.format(
             shown(stop.place), ', '.join(list(places)[:10]) or 'none: there are no places')

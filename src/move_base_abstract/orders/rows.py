@@ -6,6 +6,7 @@ kind               of          values
 order_arrived      DISPATCHER  order, priority, deadline [ns, an instant; 0: none], then of each stop: place ('': none),
                                x, y [m], action
 order_refused      DISPATCHER  order, what is wrong with it
+policy_failed      DISPATCHER  what is wrong with what the policy did; nobody was given an order then
 order_assigned     robot       order, which attempt (from 1 on)
 order_stop         robot       order, number of the stop (from 1 on), DRIVES, WORKS or DONE
 order_returned     robot       order, why, number of the stop that comes next

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Set
+from typing import Any, Callable, Dict, Optional, Sequence, Set
+
+from .order_account import ORDER_ROWS, OrderAccount
 
 STATES = ('driving', 'working', 'waiting', 'charging', 'idle', 'failed')
 #: where robots wait that wait for a charger
@@ -30,17 +32,6 @@ class Waits:
         self.count += 1
         self.total_ns += span_ns
         self.longest_ns = max(self.longest_ns, span_ns)
-
-
-@dataclass
-class _Order:
-    arrived_ns: int
-    deadline_ns: int
-    assigned_ns: Optional[int] = None
-    code: str = ''
-    flow_ns: int = 0
-    lateness_ns: Optional[int] = None
-    returned: int = 0
 
 
 @dataclass
@@ -69,27 +60,17 @@ class _Robot:
         self.state, self.since_ns = self.now_in(), now_ns
 
 
-class OrderTimes(NamedTuple):
-    """Of orders: how many arrived, were done, done late, failed, are open; and of those done what they took [s]."""
-
-    arrived: int
-    done: int
-    late: int
-    failed: int
-    open: int
-    returned: int
-    flow: List[float]
-    wait: List[float]
-    lateness: List[float]  # of those that have a deadline; 0 for who is in time
-
-
 class FleetAccount:
-    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began."""
+    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began.
 
-    def __init__(self, start_ns: int) -> None:
+    ``robots``: the names of those that count also where no row tells of them.
+    """
+
+    def __init__(self, start_ns: int, robots: Sequence[str] = ()) -> None:
         self._start_ns = start_ns
-        self._robots: Dict[str, _Robot] = {}
-        self._orders: Dict[str, _Order] = {}
+        self._robots: Dict[str, _Robot] = {name: _Robot(start_ns) for name in robots}
+        #: what became of orders (OrderAccount)
+        self.orders = OrderAccount()
         self._waits: Dict[str, Waits] = {}
         self._areas: Set[str] = set()  # only looked into
         self.seconds = 0.0
@@ -98,8 +79,7 @@ class FleetAccount:
             'waiting_began': self._queue, 'waiting_ended': self._queue, **dict.fromkeys(
                 ('entered', 'places'), lambda _now_ns, _name, row: self._areas.add(row[1])),
             'charge': self._charge, 'charge_awaited': self._for_charger, 'charge_assigned': self._for_charger,
-            'order_arrived': self._arrived, 'order_assigned': self._assigned, 'order_done': self._done,
-            'order_returned': self._returned}
+            **dict.fromkeys(ORDER_ROWS, self._order)}
 
     def take(self, time_ns: int, robot: str, kind: str, values: Sequence[Any]) -> None:
         """Take a row; one that is not as this package writes it is left out: anybody may write rows."""
@@ -114,16 +94,11 @@ class FleetAccount:
         """The run is over at ``end_ns`` [ns]."""
         for robot in self._robots.values():
             robot.settle(end_ns)
-            for where, since_ns in robot.waits.items():
-                self._waits.setdefault(where, Waits()).add(end_ns - since_ns)
+            for where in list(robot.waits):
+                self._end_wait(robot, where, end_ns)
         self.seconds = (end_ns - self._start_ns) / _S
 
     # --- what came of it ---------------------------------------------------------------------------------------------
-
-    @property
-    def has_orders(self) -> bool:
-        """Whether orders arrived in this run."""
-        return bool(self._orders)
 
     @property
     def robots(self) -> Dict[str, Dict[str, float]]:
@@ -145,28 +120,16 @@ class FleetAccount:
                  if where in self._areas or where == CHARGERS or where.startswith('place ')}
         return dict(sorted(found.items(), key=lambda item: (-item[1].total_ns, item[0])))
 
-    @property
-    def orders(self) -> OrderTimes:
-        """What became of orders."""
-        orders = list(self._orders.values())
-        done = [one for one in orders if one.code in ('done', 'late')]
-        return OrderTimes(
-            len(orders), len(done), sum(one.code == 'late' for one in done),
-            sum(one.code == 'failed' for one in orders), sum(not one.code for one in orders),
-            sum(one.returned for one in orders), [one.flow_ns / _S for one in done],
-            [(one.assigned_ns - one.arrived_ns) / _S for one in done if one.assigned_ns is not None],
-            [max(0, one.lateness_ns) / _S for one in done if one.lateness_ns is not None])
-
     def metrics(self) -> Dict[str, Optional[float]]:
         """Return the metrics of a trial; {} where no orders arrived."""
-        if not self.has_orders:
+        orders, robots = self.orders.times, self.robots.values()
+        if not orders.arrived:
             return {}
-        orders, robots = self.orders, self.robots.values()
         time = math.fsum(one[state] for one in robots for state in STATES)
         found: Dict[str, Optional[float]] = {
             'orders_done': orders.done, 'orders_failed': orders.failed, 'orders_open': orders.open,
             'order_flow': _mean(orders.flow), 'order_wait': _mean(orders.wait)}
-        if any(one.deadline_ns for one in self._orders.values()):
+        if self.orders.has_deadlines:
             found.update(orders_late=100.0 * orders.late / len(orders.lateness) if orders.lateness else None,
                          order_lateness=_mean(orders.lateness))
         for state in STATES:
@@ -237,23 +200,10 @@ class FleetAccount:
                 robot.used -= change
         robot.charge = charge
 
-    def _arrived(self, now_ns: int, _name: str, row: Sequence[Any]) -> None:
-        self._orders.setdefault(row[1], _Order(now_ns, int(row[3])))
-
-    def _assigned(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
-        self._of(name)
-        order = self._orders[row[1]]
-        if order.assigned_ns is None:
-            order.assigned_ns = now_ns
-
-    def _returned(self, _now_ns: int, _name: str, row: Sequence[Any]) -> None:
-        self._orders[row[1]].returned += 1
-
-    def _done(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
-        order = self._orders[row[1]]
-        order.code, order.flow_ns = str(row[2]), int(row[3])
-        order.lateness_ns = int(row[4]) if len(row) > 4 else None
-        self._of(name).orders += order.code != 'failed'
+    def _order(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
+        self.orders.take(now_ns, name, row)
+        if row[0] in ('order_assigned', 'order_done'):
+            self._of(name).orders += row[0] == 'order_done' and row[2] != 'failed'
 
 
 #: {kind: (flags that begin, flags that end)}

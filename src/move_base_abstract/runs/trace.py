@@ -4,13 +4,13 @@ from __future__ import annotations
 from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
 #: of what happens to robots, see :class:`TraceEntry`
-KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
-         'repaired', 'battery', 'charging_began', 'charging_ended', 'charge', 'motion', 'waiting_began',
-         'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond',
-         'lapse_began', 'lapse_ended')
+KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
+         'paced', 'priority', 'held', 'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended',
+         'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
+         'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
 #: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
-ORDER_KINDS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done',
-               'charge_assigned', 'charge_awaited', 'charge_over')
+ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
+               'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
 
 
 class TraceEntry(NamedTuple):
@@ -20,7 +20,9 @@ class TraceEntry(NamedTuple):
     ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
     ``places`` (area, how many), before the first ``entered`` of an area with room for some robots only;
     ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
-    area, ...): it closed a circle of waiting;
+    area, ...): it closed a circle of waiting; ``gave_way`` (area, ...): it drives back out of these for such a circle;
+    ``zone_limit`` (zone, max_speed, 0: none) of the first robot by name, where a zone has another limit, and ``paced``
+    (zone, max_speed) of each that goes on by it; ``priority`` (number): it has this one from now on;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
     ``lapse_began`` (kind, cause, of a jump x, y, yaw by which the pose that it tells lies beside the true one) and
@@ -36,8 +38,12 @@ class TraceEntry(NamedTuple):
     long it will take [ns]), ``task_ended`` (goal id, state, text);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
-    which 0 is an acceleration or a turn rate without limit), and with it ``charge`` (state of charge, what a full
-    battery holds [J], ``used``, ``charged`` or ``set``: what has changed it). Positions in m, yaw in rad, global frame.
+    which 0 is an acceleration or a turn rate without limit), and with it ``phases`` (start_turn_linear [s/rad],
+    start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], turning_speed [rad/s], turning_gain [1/s],
+    turning_offset [rad], bow_length [m] of its calibration), ``manner``, behind ``departed`` (rest at first [ns], how
+    long it then travels [ns], how far backwards at first [m] and how fast [m/s], how long it spins before its last turn
+    [s] and how fast [rad/s]), and ``charge`` (state of charge, what a full battery holds [J], ``used``, ``charged`` or
+    ``set``: what has changed it). Positions in m, yaw in rad, global frame.
     """
 
     time_ns: int

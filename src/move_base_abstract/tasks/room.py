@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from .arrivals import Task
 
+from ..common.ros_names import natural_order
 from .places import Place
 
 #: who is let in is decided behind all that robots and users do at an instant
@@ -39,13 +40,13 @@ class Guest:
     is_settled: bool = False  # has been told to wait: it is not refused any more
 
     @property
-    def key(self) -> Tuple[int, int, int, int]:
-        """Who comes first: a higher priority, who came first, a lower index."""
-        return -self.priority, self.since_ns, self.robot_index, self.ticket
+    def key(self) -> Tuple[Any, ...]:
+        """Who comes first: a higher priority, who came first, by name; in zones and on lanes it is the same."""
+        return -self.priority, self.since_ns, natural_order(self.robot_name), self.ticket
 
 
 class Room:
-    """Who works at a :class:`.Place` that has a capacity, and who waits: by priority, first come, by lower index.
+    """Who works at a :class:`.Place` that has a capacity, and who waits: by priority, first come, by name.
 
     With ``preempts`` a guest of higher priority takes the place of the one who would come last of all who work; that
     one waits again, as who comes now, even where the queue is full. ``queue``: how many newcomers may wait.

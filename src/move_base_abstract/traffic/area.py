@@ -49,6 +49,25 @@ class Area:
         """Return whether as many as there is place for, or more, hold one."""
         return self.capacity is not None and len(self.holders) >= self.capacity
 
+    def first(self, traveller: Optional[Traveller] = None) -> Optional[Request]:
+        """Return the first request that ``traveller``, None: nobody in particular, has to wait for, also its own.
+
+        Who goes on where that is safe only has no turn. Who holds a place in the group waits for nobody that still asks
+        for one there.
+        """
+        return next((request for request in self.queue if not request.traveller.is_careful and (
+            traveller is None or not self.asks_for_what_is_held(request, traveller))), None)
+
+    def asks_for_what_is_held(self, request: Request, traveller: Traveller) -> bool:
+        """Return whether a request here is also for a place in the group, in which ``traveller`` has one."""
+        return self.group is not None and self.group in traveller.held and self.group in request.areas
+
+    def first_within(self) -> Optional[Request]:
+        """Return the first request of who is in the group already, or None."""
+        return None if self.group is None else next((
+            request for request in self.queue if not request.traveller.is_careful and self.group not in request.areas),
+            None)
+
     def contains(self, x: float, y: float) -> bool:
         """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
         if self.outline is not None:
@@ -84,7 +103,7 @@ class Request:
 
     def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
                  ahead: Tuple[Area, ...] = ()) -> None:
-        self.key = -traveller.priority, since_ns, traveller.index
+        self.key = -traveller.priority, since_ns, traveller.rank
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
@@ -96,7 +115,7 @@ class Request:
             area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
-        """Return whether this one comes first: a higher priority, who asked first, a lower robot index."""
+        """Return whether this one comes first: a higher priority, who asked first, by name."""
         return self.key < other.key
 
     @property
@@ -110,7 +129,15 @@ class Request:
 
     def is_first(self) -> bool:
         """Return whether there is a place in all the areas, and nobody comes before."""
-        return all(area.queue[0] is self for area in self.areas) and self.has_room()
+        firsts = [area.first(self.traveller) for area in self.areas]
+        return all(one is None or not one < self for one in firsts) and self.has_room()
+
+    def renewed(self) -> Request:
+        """Return the request that takes the place of this one, by the priority that its robot has now."""
+        self.withdraw()
+        request = Request(self.key[1], self.traveller, self.areas, self.ahead)
+        request.is_in_circle = self.is_in_circle
+        return request
 
     def withdraw(self) -> None:
         """Leave the queues."""

@@ -1,27 +1,31 @@
 """Traffic: zones and lanes with place for some robots only, on top of Travel.hold.
 
 A robot asks for a place when it comes to the border. If there is none it waits there, outside, its goal active; first
-come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
+come, first served, at one instant by name, and nobody overtakes. It gives a place back when it
 comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 from ..common.errors import ConfigurationError
+from ..common.parameter_table import checked
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
 from .area import Area
 from .rules import DeadlockPolicy, TrafficRules
 from .safe_states import first_to_go_on, is_safe
+from .speed_limits import limited
 from .traveller import Traveller
 from .way import ZoneIndex
+from .zones import MAX_SPEED
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
+    from ..motion.geometry import Pose2D
     from .area import AreaState
     from .zones import Zone
 
@@ -44,6 +48,7 @@ class Traffic:
                        for zone in zones}
         #: the areas of all zones (ZoneIndex), in the order of the scenario
         self.zones = ZoneIndex(self._zones.values())
+        self._limits = {zone.name: zone.max_speed for zone in zones if zone.max_speed is not None}
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
         self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which who drives there has a place
         self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
@@ -74,10 +79,14 @@ class Traffic:
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None, self._group(edge.group))
         if lanes is None and not self._zones:
             return None
+        if self._limits:
+            _check_law(navigator)
         if self.rules.lane_price and isinstance(network, LaneMap):
             self._put_zones_on(network)
         traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
         self._travellers[traveller] = True
+        for place, one in enumerate(sorted(self._travellers, key=lambda one: one.rank)):
+            one.place = place
         traveller.placed(self.simulation.now_ns)
         return traveller
 
@@ -110,14 +119,44 @@ class Traffic:
 
         :raises ConfigurationError: if there is no zone of that name.
         """
-        area = self._zones.get(name)
-        if area is None:
-            raise ConfigurationError("zone '{}' is unknown; there are: {}".format(
-                shown_text(name), ', '.join(list(self._zones)[:10]) or 'none'))
+        area = self._zone(name)
         area.is_closed = is_closed
         self.changed(area)
         self.freed(area)
         self.serve(self.simulation.now_ns)
+
+    def set_zone_limit(self, name: str, max_speed: Optional[float]) -> None:
+        """Have robots drive at most at ``max_speed`` [m/s] in a zone, None: as fast as they are; at once.
+
+        Who has yet to leave it on its way goes on from rest, by a way that is planned now.
+        :raises ConfigurationError: if there is no zone of that name, for a speed that is not allowed, and where the law
+            of motion of any robot has no room for limits.
+        """
+        area = self._zone(name)
+        travellers = sorted(self._travellers, key=lambda one: one.rank)
+        if max_speed is None:
+            self._limits.pop(name, None)
+        else:
+            speed = checked(max_speed, 'max_speed', MAX_SPEED, "zone '{}'".format(name))
+            for one in travellers:
+                _check_law(one.navigator)
+            self._limits[name] = speed
+        if travellers:
+            travellers[0].tell_limit(name, max_speed or 0.0, self.simulation.now_ns)
+        for one in travellers:
+            one.serve(lambda one, at_ns: one.keep_limit(area, name, max_speed or 0.0, at_ns), self.simulation.now_ns)
+
+    def limited(self, start: Pose2D, corners: Any, goal: Pose2D) -> Any:
+        """Return the way by ``corners`` with the speed limits of zones."""
+        zones = [(self._zones[name].outline, speed) for name, speed in self._limits.items()]
+        return limited(start, corners, goal, zones) if zones else corners  # type: ignore[arg-type]
+
+    def _zone(self, name: str) -> Area:
+        area = self._zones.get(name)
+        if area is None:
+            raise ConfigurationError("zone '{}' is unknown; there are: {}".format(
+                shown_text(name), ', '.join(list(self._zones)[:10]) or 'none'))
+        return area
 
     def lane(self, source: str, edge: int) -> Optional[Area]:
         """Return the area of an edge, or None if its place is not limited."""
@@ -133,7 +172,7 @@ class Traffic:
 
     def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
         """Return whether ``traveller`` may have one of the places in ``areas``; see :mod:`.safe_states`."""
-        return self.rules.policy is not DeadlockPolicy.AVOID or not areas or is_safe(self._travellers, traveller, areas)
+        return not traveller.is_careful or not areas or is_safe(self._travellers, traveller, areas)
 
     def left_by(self, traveller: Traveller) -> None:
         """``traveller`` is no more."""
@@ -160,17 +199,9 @@ class Traffic:
             return  # who called it further up goes on with it
         self._serves = True
         try:
-            if self.rules.policy is DeadlockPolicy.AVOID:
-                self._serve_safely(now_ns)
-            while self._dirty:
-                area = self._dirty[0]
-                request = area.queue[0] if area.queue else None
-                if request is not None and request.is_first():
-                    request.traveller.serve(Traveller.go_on, now_ns)
-                    continue
-                self._dirty.pop(0)
-                if request is not None:  # it may have been opened, or have held more robots than there is place for
-                    request.traveller.serve(Traveller.look_for_circle, now_ns)
+            self._serve_in_order(now_ns)
+            while self.rules.policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT) and self._serve_safely(now_ns):
+                self._serve_in_order(now_ns)
         finally:
             self._serves = False
         if not self._is_told:
@@ -178,12 +209,32 @@ class Traffic:
             for changed in self._followers:
                 changed()
 
-    def _serve_safely(self, now_ns: int) -> None:
-        """Let those in who may, in the order in which they asked; who may not is passed over."""
-        while self._has_moved:
-            self._has_moved = False
-            self._dirty.clear()
-            request = first_to_go_on(self._travellers)
-            if request is not None:
-                request.traveller.serve(Traveller.go_on, now_ns)
-                self._has_moved = True
+    def _serve_in_order(self, now_ns: int) -> None:
+        """Let those in who are the first where they wait."""
+        while self._dirty:
+            area = self._dirty[0]
+            request = area.first()
+            goes_on = next((one for one in (request, area.first_within()) if one is not None and one.is_first()), None)
+            if goes_on is not None:
+                goes_on.traveller.serve(Traveller.go_on, now_ns)
+                continue
+            self._dirty.pop(0)
+            if request is not None:  # it may have been opened, or have held more robots than there is place for
+                request.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+
+    def _serve_safely(self, now_ns: int) -> bool:
+        """Let the first one in, in the order in which they asked, who may; who may not is passed over."""
+        if not self._has_moved:
+            return False
+        self._has_moved = False
+        request = first_to_go_on(self._travellers)
+        if request is None:
+            return False
+        request.traveller.serve(Traveller.go_on, now_ns)
+        return True
+
+
+def _check_law(navigator: Navigator) -> None:
+    if not navigator.robot.keeps_piece_limits:
+        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, knows no limits of "
+                                 'zones; allowed: zones without max_speed'.format(navigator.robot.name))

@@ -12,11 +12,12 @@ MOST_GROUPS = 10_000
 
 
 class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting: nothing, the goal of who closed it is aborted, or none comes to be."""
+    """What becomes of a circle of waiting: nothing, a goal is aborted, none comes to be, or a robot gives way."""
 
     WAIT = 'wait'
     ABORT = 'abort'
     AVOID = 'avoid'
+    RETREAT = 'retreat'
 
 
 class TrafficRules(NamedTuple):
@@ -43,7 +44,8 @@ def _groups(value: Any) -> Dict[str, int]:
 
 
 TABLE = (
-    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'"),
+    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid', 'retreat'),
+              "'wait', 'abort', 'avoid' or 'retreat'"),
     Parameter('blocks', 1, integer(1, 100), 'a whole number in 1..100'),
     Parameter('lane_price', 0.0, number(0.0, 1000.0), 'a number in 0..1000'),
     Parameter('groups', {}, _groups, 'a mapping of names of groups to whole numbers >= 1 [robots]'),

@@ -39,10 +39,12 @@ def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area
 
 
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
-    """Return the first request, in the order in which they asked, of those who may have the places they wait for."""
+    """Return the first request of those who go on where that is safe only and may have the places they wait for."""
+    waiting = sorted(one.request for one in travellers if one.request is not None and one.is_careful)
+    if not waiting:
+        return None
     states = SafeStates(travellers)
-    waiting = sorted(one.request for one in states.travellers if one.request is not None)
-    return next((request for request in waiting if request.has_room() and states.allows_request(request)), None)
+    return next((request for request in waiting if request.is_first() and states.allows_request(request)), None)
 
 
 class SafeStates:

@@ -4,22 +4,24 @@ from __future__ import annotations
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
-from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Places, Stands, Warned
-from ..goals.outcome import NO_CONTROL
+from ..common.ros_names import natural_order
+from ..goals.events import Abandoned, BrokenOff, Stands, Warned
+from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
 from .area import Area, Request
+from .circles import Circles
 from .outline import BORDER
 from .passages import instant_at
 from .rules import DeadlockPolicy
 from .safe_states import needs_of
-from .waiting_circle import waiting_circle
 from .way import crossings, stays_on_lanes, with_groups
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
-    from ..maps.lane_map import LaneMap
+    from ..maps.lane_map import Edge, LaneMap
     from ..motion.geometry import Pose2D
     from .control import Traffic
+    from .giving_way import WayBack
     from .way import Crossing, Stay
 
 #: who only leaves an area comes before all that robots do at the instant
@@ -34,16 +36,23 @@ class Traveller:
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
                  priority: int = 0) -> None:
-        #: the higher comes first where it waits, from the next time on
+        #: the higher comes first where it waits
         self.priority = priority
         self.index = navigator.robot.index
         self.name = navigator.robot.name
+        #: by which the one that asks at the same instant comes first
+        self.rank = natural_order(self.name)
+        self.place = 0  # among all by that
         self.held: Dict[Area, bool] = {}
         self.request: Optional[Request] = None
         self.needs: Tuple[Area, ...] = ()
+        #: whether it comes into an area only where that is safe, see :mod:`.safe_states`: always, or once it gave way
+        self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
         self._traffic = traffic
         self._navigator = navigator
         self._source = lanes.source if lanes is not None and lanes.has_capacities else None
+        #: of the net by which it goes (Edge, ...)
+        self.edges: Sequence[Edge] = lanes.edges if lanes is not None else ()
         if lanes is not None and traffic.rules.lane_price:
             source = lanes.source
             navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
@@ -54,9 +63,12 @@ class Traveller:
         self._event: Any = None
         self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
         self._reason: Optional[str] = None  # for which it is held here
+        #: what comes of those that it closes (Circles)
+        self.circles: Circles = Circles(self, traffic.rules.policy, navigator, stream)
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
         navigator.travel.set_gate(self)
+        navigator.travel.limited = traffic.limited
 
     def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
         """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
@@ -71,6 +83,8 @@ class Traveller:
         self._forget_crossings()
         granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
         self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
+        self.circles.driven.clear()
+        self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
         self.held.clear()
         told: List[Union[Entered, Left]] = []
         for area in self._traffic.areas():
@@ -101,20 +115,27 @@ class Traveller:
         """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
         self._leg = leg
         self._granted = ()
-        stays: Sequence[Stay] = self._traffic.zones.stays(leg.way)
-        source = self._source
-        if source is not None:
-            stays = [*stays, *stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge))]
-        self._crossings = crossings(with_groups(stays), self.held) if leg.distance > BORDER else []
+        self._crossings = crossings(with_groups(self.stays(leg)), self.held) if leg.distance > BORDER else []
+        first = self._crossings[0] if self._crossings else None
+        if not self.held or (first is not None and first.distance == 0.0 and set(self.held) <= set(first.leaves)):
+            self.circles.driven.clear()
         self.needs = needs_of(self._crossings, self.held)
         if self._crossings and self._crossings[0].distance == 0.0:
             return self._cross(now_ns)
         self._await_crossing()
         return None
 
+    def stays(self, way: Any) -> Sequence[Stay]:
+        """Return the Stays of a leg, or of a way that is given as one."""
+        stays: Sequence[Stay] = self._traffic.zones.stays(way.way)
+        source = self._source
+        if source is None:
+            return stays
+        return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge))]
+
     def settle(self, now_ns: int) -> None:
         """What :meth:`departs` and borders on the way lead to: who now waits may close a circle, others may come in."""
-        self.look_for_circle(now_ns)
+        self.circles.look(now_ns)
         self._traffic.serve(now_ns)
 
     def _stands(self, event: Stands) -> None:
@@ -122,6 +143,8 @@ class Traveller:
         now_ns = event.time_ns
         pose = self._navigator.robot.pose_at(now_ns)
         before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
+        if self._leg is not None and self._traffic.rules.policy is DeadlockPolicy.RETREAT:
+            self.circles.driven.append((self._leg, self._leg.distance_at(now_ns)))
         self._leg = None
         self._forget_crossings()
         if before is None or (before.x, before.y) != (pose.x, pose.y):
@@ -131,9 +154,42 @@ class Traveller:
             self._take_what_holds_it(now_ns, pose)
             self._traffic.serve(now_ns)
 
+    def set_priority(self, priority: int, now_ns: int) -> None:
+        """It has another priority from now on, also where it waits."""
+        if priority == self.priority:
+            return
+        self.priority = priority
+        self._tell(Prioritized(now_ns, self.name, priority))
+        if self.request is not None:
+            self.request = self.request.renewed()
+            self._traffic.changed(*self.request.areas)
+            for area in self.request.areas:
+                self._traffic.freed(area)
+            self.settle(now_ns)
+
+    @property
+    def navigator(self) -> Navigator:
+        """Who works on its goals."""
+        return self._navigator
+
+    def tell_limit(self, zone: str, max_speed: float, now_ns: int) -> None:
+        """Tell that a zone has another limit."""
+        self._tell(ZoneLimit(now_ns, self.name, zone, max_speed))
+
+    def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
+        """A zone has another limit: go on by that, if the way under way has not left it yet."""
+        leg = self._navigator.robot.leg
+        if leg is None:
+            return
+        driven = leg.distance_at(now_ns) + BORDER
+        if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in self.stays(leg)):
+            self._tell(Paced(now_ns, self.name, zone, max_speed))
+            self._navigator.travel.change_way(now_ns)
+
     def placed(self, now_ns: int) -> None:
         """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
         self._forget_crossings()
+        self.circles.driven.clear()
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
         self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
@@ -144,6 +200,7 @@ class Traveller:
     def abandons(self, now_ns: int) -> None:
         """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
         self.needs = ()
+        self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
         if self.request is not None:
             request, self.request = self.request, None
             request.withdraw()
@@ -198,7 +255,7 @@ class Traveller:
             return
         crossing = self._crossings[0]
         due_ns = instant_at(self._leg, crossing.distance)
-        index = self.index if crossing.enters else _LEAVING_INDEX
+        index = self.place if crossing.enters else _LEAVING_INDEX
         self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
 
     def _happen(self, due_ns: int, _now_ns: int) -> None:
@@ -223,7 +280,7 @@ class Traveller:
         ahead = self._leg.corners_ahead(now_ns)
         if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
             return False
-        travel.change_way(corners, now_ns)
+        travel.change_way(now_ns, corners)
         return True
 
     def _enters(self) -> Tuple[Area, ...]:
@@ -256,28 +313,28 @@ class Traveller:
             0, blocks - len(enters))]
 
     def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
-        is_first = self._traffic.rules.policy is DeadlockPolicy.AVOID or not any(
-            area.queue and area.queue[0].traveller.priority >= self.priority for area in enters)
+        firsts = [area.first(self) for area in enters]
+        is_first = all(one is None or one.traveller.priority < self.priority for one in firsts)
         return (is_first and all(area.has_room() for area in enters) and all(area.has_room() for area in ahead)
                 and self._traffic.may_take(self, enters))
 
-    def look_for_circle(self, now_ns: int) -> None:
-        """The robot waits, and may close a circle of waiting: say so, once."""
-        rules, request = self._traffic.rules, self.request  # None: it was broken off
-        circle = waiting_circle(request, rules.policy is not DeadlockPolicy.AVOID) if request is not None else None
-        requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
-        if circle is None or all(one.is_in_circle for one in requests):
-            return
-        for one in requests:
-            one.is_in_circle = True
-        pairs = [(traveller.name, area.name) for traveller, area in circle]
-        self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
-        aborts = rules.policy is DeadlockPolicy.ABORT
-        self._warn(now_ns, 'Robots wait for one another in a circle: {}.{}'.format(
-            '; '.join('{} for {}'.format(*pair) for pair in pairs),
-            ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
-        if aborts:
-            self._navigator.shut_down(NO_CONTROL, now_ns)
+    @property
+    def waits_only(self) -> bool:
+        """Whether nothing holds it but what it waits for here."""
+        held_for: Tuple[str, ...] = self._navigator.travel.held_for
+        return held_for == (self._reason,)
+
+    def gives_way(self, way: WayBack, now_ns: int) -> None:
+        """It waits no more, drives back by ``way`` and goes on to its goal from there."""
+        request: Any = self.request
+        reason, self._reason, self.request = self._reason, None, None
+        request.withdraw()
+        self.is_careful = True
+        self._traffic.changed(*request.areas)
+        for area in request.areas:
+            self._traffic.freed(area)
+        self._tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
+        self._navigator.travel.go_aside(reason, way, now_ns)
 
     def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
         for area in areas:

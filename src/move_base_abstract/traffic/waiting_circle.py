@@ -8,31 +8,30 @@ if TYPE_CHECKING:
     from .traveller import Traveller
 
 
-def waiting_circle(request: Request, is_in_order: bool = True) -> Optional[List[Tuple[Traveller, Area]]]:
+def waiting_circle(request: Request) -> Optional[List[Tuple[Traveller, Area]]]:
     """Return a circle of waiting through ``request``, [(Traveller, Area), ...], or None.
 
-    Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the lowest
-    index. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
+    Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the first
+    name. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
     before it there: the largest set of which that is so. An area that is closed may be opened: nobody is stuck for it.
-    Without ``is_in_order`` others overtake, so that nobody waits for who comes before it.
+    Who goes on where that is safe only is overtaken, so that nobody waits for it who comes behind it.
     """
     if not request.traveller.held and all(area.queue[-1] is request for area in request.areas):
         return None  # nobody waits for it
-    stuck = _stuck(_connected(request), is_in_order)
-    ring = _way_back(request.traveller, stuck, is_in_order) if request.traveller in stuck else None
+    stuck = _stuck(_connected(request))
+    ring = _way_back(request.traveller, stuck) if request.traveller in stuck else None
     if ring is None:
         return None  # it waits for a circle of others
-    first = min(range(len(ring)), key=lambda place: ring[place][0].index)
+    first = min(range(len(ring)), key=lambda place: ring[place][0].rank)
     return ring[first:] + ring[:first]
 
 
-def _way_back(traveller: Traveller, stuck: Dict[Traveller, bool],
-              is_in_order: bool) -> Optional[List[Tuple[Traveller, Area]]]:
+def _way_back(traveller: Traveller, stuck: Dict[Traveller, bool]) -> Optional[List[Tuple[Traveller, Area]]]:
     """Return the shortest circle of waiting from ``traveller`` to it, [(Traveller, Area), ...], or None."""
     came: Dict[Traveller, Tuple[Traveller, Area]] = {}
     open_ = [traveller]
     for one in open_:
-        for area, other in _waits_for(one, stuck, is_in_order):
+        for area, other in _waits_for(one, stuck):
             if other not in came:
                 came[other] = one, area
                 open_.append(other)
@@ -61,26 +60,27 @@ def _connected(request: Request) -> Dict[Traveller, bool]:
 
 def _before(area: Area, traveller: Traveller) -> List[Traveller]:
     queue = [request.traveller for request in area.queue]
-    return queue[:queue.index(traveller)] if traveller in queue else []  # who only wants room ahead is in none
+    before = queue[:queue.index(traveller)] if traveller in queue else []  # who only wants room ahead is in none
+    return [one for one in before if not one.is_careful and one.request is not None
+            and not area.asks_for_what_is_held(one.request, traveller)]
 
 
-def _stuck(candidates: Dict[Traveller, bool], is_in_order: bool) -> Dict[Traveller, bool]:
+def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
     """Return those of ``candidates`` that wait for candidates only, {Traveller: True}."""
     while True:
-        left = {one: True for one in candidates if _waits_for(one, candidates, is_in_order)}
+        left = {one: True for one in candidates if _waits_for(one, candidates)}
         if len(left) == len(candidates):
             return left
         candidates = left
 
 
-def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool],
-               is_in_order: bool) -> List[Tuple[Area, Traveller]]:
+def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool]) -> List[Tuple[Area, Traveller]]:
     """Return [(area, Traveller), ...]: by which areas ``traveller`` is stuck, and for whom it waits there."""
     found: List[Tuple[Area, Traveller]] = []
     request = traveller.request
     for area in (*request.areas, *request.ahead) if request is not None else ():
         if not area.is_closed:
             if area.is_full() and all(one in stuck for one in area.holders):
-                found += [(area, one) for one in sorted(area.holders, key=lambda one: one.index)]
-            found += [(area, one) for one in (_before(area, traveller) if is_in_order else ()) if one in stuck]
+                found += [(area, one) for one in sorted(area.holders, key=lambda one: one.rank)]
+            found += [(area, one) for one in _before(area, traveller) if one in stuck]
     return found

@@ -19,7 +19,7 @@ from ..maps.lane_map import GROUP
 from .outline import MAX_POINTS, Outline, rectangle
 from .passages import passages
 
-KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger', 'group')
+KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger', 'group', 'max_speed')
 MAX_ZONES = 10_000
 _NUMBER = number(-1e9, 1e9)
 _CURRENT = number(above=0.0, high=1e9)
@@ -31,6 +31,8 @@ def _charger(value: object) -> Union[bool, float, None]:
 
 _CAPACITY = Parameter('capacity', None, integer(1), 'a whole number >= 1, or none: any number of robots')
 _CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: nobody is charged')
+#: of robots in it
+MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s], or none: as fast as they are')
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
               'y_min < y_max')
 _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], the corners of a polygon that does not '
@@ -41,7 +43,7 @@ class Zone(NamedTuple):
     """An area ``outline`` (Outline, global frame) with place for ``capacity`` robots, None: for any number.
 
     ``charger``: who stands in it is charged with this current [A], True: with its own ``charging_current``, None: not;
-    ``group``: the name of its group, None: it has none.
+    ``group``: the name of its group, None: it has none; ``max_speed``: robots in it go at most so fast [m/s].
     """
 
     name: str
@@ -49,6 +51,7 @@ class Zone(NamedTuple):
     capacity: Optional[int] = None
     charger: Union[bool, float, None] = None
     group: Optional[str] = None
+    max_speed: Optional[float] = None
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether (x, y) [m, global frame] is in the zone, more than a micrometre from its border."""
@@ -94,7 +97,8 @@ def _read_zone(raw: Mapping[str, Any], where: str) -> Zone:
     capacity = raw.get('capacity')
     return Zone(name, outline, None if capacity is None else checked(capacity, 'capacity', _CAPACITY, where),
                 checked(raw.get('charger'), 'charger', _CHARGER, where),
-                checked(raw['group'], 'group', GROUP, where) if raw.get('group') is not None else None)
+                checked(raw['group'], 'group', GROUP, where) if raw.get('group') is not None else None,
+                None if raw.get('max_speed') is None else checked(raw['max_speed'], 'max_speed', MAX_SPEED, where))
 
 
 def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:

@@ -12,7 +12,7 @@ from rosgraph.names import ns_join
 from move_base_abstract.common import processes
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
-from move_base_abstract_ros.loopback import Child, Loopback, LoopbackError
+from move_base_abstract_ros.loopback import Loopback, LoopbackError
 
 ended = []  # fields of runs.ends.Process: nodes that had ended when their Loopback was closed
 
@@ -53,7 +53,8 @@ class WarmLoopback(Loopback):
         if not warm_nodes.is_fit(words, self.environment, launcher, os.path.dirname(launcher)):
             return self.spawn(full_name, words)
         environment, log_path = self.environment, self._log_path(full_name)
-        return self._child(full_name, processes.fork(lambda: warm_nodes.become(words, environment), log_path), log_path)
+        return self._child(full_name, processes.Forked(
+            processes.fork(lambda: warm_nodes.become(words, environment), log_path)), log_path)
 
     def _start_master(self):
         log_path = self._log_path('rosmaster')
@@ -61,12 +62,5 @@ class WarmLoopback(Loopback):
             pid, self.uri = ros_master.start(log_path)
         except ros_master.MasterError as error:
             raise LoopbackError(str(error)) from None
-        self._child('rosmaster', pid, log_path)
+        self._child('rosmaster', processes.Forked(pid), log_path)
         self.set_param('/use_sim_time', self._use_sim_time)
-
-    def _log_path(self, name):
-        return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
-
-    def _child(self, name, pid, log_path):
-        self._children.append(Child(name, processes.Forked(pid), log_path))
-        return self._children[-1]

@@ -1,5 +1,5 @@
 // What page_data.py packed, and questions to it. Binary search everywhere: nothing here walks through a whole run.
-const PLACED = 0, EVEN = 1, LIMITED = 2;
+const PLACED = 0, EVEN = 1, BACKWARDS = 2, LIMITED = 3;
 
 // Return {about, columns} of the text that packed.py made.
 async function unpack(text) {
@@ -98,10 +98,11 @@ class Run {
     if (motion < 0) return null;
     const law = this.motion_law[motion], until = Math.min(time, this.motion_end[motion]);
     if (law === PLACED) return {...this.start(motion), motion};
-    if (law === EVEN) {
+    if (law === EVEN || law === BACKWARDS) {
       const [begin, end] = [this.motion_begin[motion], this.motion_end[motion]];
-      return time >= end ? {...this.goal(motion), motion}
-                         : {...evenPose(this.start(motion), this.goal(motion), begin, end, until), motion};
+      if (time >= end) return {...this.goal(motion), motion};
+      const turns = law === BACKWARDS;
+      return {...evenPose(this.start(motion), this.goal(motion), begin, end, until, turns), motion};
     }
     return {...legPose(this.legOf(robot, motion), until), motion};
   }

@@ -1,6 +1,6 @@
 // The motion law of the simulator's core (move_base_abstract/motion/leg.py): turn, drive from rest to rest, turn.
 // Times in ns, lengths in m, angles in rad. A test holds it to the core, leg by leg.
-const NS_PER_S = 1e9;
+const NS_PER_S = 1e9, ROUNDING = 1e-9;
 
 function normalizeAngle(angle) {
   const wrapped = angle % (2 * Math.PI);
@@ -28,7 +28,7 @@ function makeLeg(start, goal, limits, departNs) {
   const [maxSpeed, acceleration, turnRate, xyTolerance, yawTolerance] =
       [limits[0], limits[1] || Infinity, limits[2] || Infinity, limits[3], limits[4]];
   const gap = Math.hypot(goal.x - start.x, goal.y - start.y);
-  const distance = Math.max(0, gap - xyTolerance);
+  const left = gap - xyTolerance, distance = left > (xyTolerance ? ROUNDING : 0) ? left : 0;
   const course = distance > 0 ? Math.atan2(goal.y - start.y, goal.x - start.x) : start.yaw;
   const firstTurn = normalizeAngle(course - start.yaw);
   const wanted = normalizeAngle(goal.yaw - course);
@@ -79,10 +79,10 @@ function legPose(leg, timeNs) {
 }
 
 // A leg of which only the ends are known: straight and even.
-function evenPose(start, end, beginNs, endNs, timeNs) {
+function evenPose(start, end, beginNs, endNs, timeNs, turns) {
   if (timeNs >= endNs || endNs <= beginNs) return end;
   const share = Math.max(0, timeNs - beginNs) / (endNs - beginNs);
-  const isTurn = start.x === end.x && start.y === end.y;
+  const isTurn = turns || (start.x === end.x && start.y === end.y);
   return {x: start.x + share * (end.x - start.x), y: start.y + share * (end.y - start.y),
           yaw: isTurn ? normalizeAngle(start.yaw + share * normalizeAngle(end.yaw - start.yaw))
                       : Math.atan2(end.y - start.y, end.x - start.x)};

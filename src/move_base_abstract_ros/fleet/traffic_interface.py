@@ -1,9 +1,9 @@
-"""The zones of a fleet towards ROS: the topic ``~zones`` and the service ``~close_zone``."""
+"""The zones of a fleet towards ROS: the topic ``~zones``, the services ``~close_zone`` and ``~set_zone_limit``."""
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.msg import ZoneState, ZoneStates
-from move_base_abstract.srv import CloseZone, CloseZoneResponse
+from move_base_abstract.srv import CloseZone, CloseZoneResponse, SetZoneLimit, SetZoneLimitResponse
 from move_base_abstract.traffic.control import Traffic
 
 from ..messages import conversions
@@ -28,7 +28,8 @@ class TrafficInterface:
         with clock.lock:
             traffic.follow(self._show)
             self._show()
-        self._service = rospy.Service('~close_zone', CloseZone, self._on_close)
+        self._services = [rospy.Service('~close_zone', CloseZone, self._on_close),
+                          rospy.Service('~set_zone_limit', SetZoneLimit, self._on_limit)]
 
     def _show(self):
         self._outlet.show(self._traffic.states(), self._traffic.simulation.now_ns)
@@ -47,3 +48,14 @@ class TrafficInterface:
                 return CloseZoneResponse(False, str(error))
         rospy.loginfo('%s: the zone %s is %s', rospy.get_name(), request.zone, 'closed' if request.closed else 'open')
         return CloseZoneResponse(True, '')
+
+    def _on_limit(self, request):
+        with self._clock.lock:
+            self._clock.now_ns()
+            try:
+                self._traffic.set_zone_limit(request.zone, request.max_speed or None)
+            except ConfigurationError as error:
+                return SetZoneLimitResponse(False, str(error))
+        rospy.loginfo('%s: robots in the zone %s drive at most at %s', rospy.get_name(), request.zone,
+                      '{:g} m/s'.format(request.max_speed) if request.max_speed else 'their own speed')
+        return SetZoneLimitResponse(True, '')

@@ -1,7 +1,7 @@
 """A Loopback whose ROS master is a fork of the warm process, if that is there."""
 import os
 
-from ..loopback import Child, Loopback
+from ..loopback import Loopback
 
 
 class WarmMaster(Loopback):
@@ -18,5 +18,5 @@ class WarmMaster(Loopback):
             super()._start_master()
             return
         forked, self.uri = found
-        self._children.append(Child('rosmaster', forked, os.devnull))
+        self._child('rosmaster', forked, os.devnull)
         self.set_param('/use_sim_time', True)

@@ -55,7 +55,12 @@ def is_fit(words, environment, launcher, own_folder):
     if python != sys.executable and not (python and os.path.realpath(python) == os.path.realpath(sys.executable) and (
             is_own or sys.prefix == sys.base_prefix)):
         return False
-    if getattr(sys.flags, 'safe_path', False) or not is_own and _is_shadowed(words[1:]):
+    return may_become(words, environment, launcher)
+
+
+def may_become(words, environment, launcher):
+    """Return whether a fork may become a Python program that else this process's Python would be started for anew."""
+    if getattr(sys.flags, 'safe_path', False) or words[0] == launcher and _is_shadowed(words[1:]):
         return False
     if any(environment.get(name, '1') != '1' for name in processes.ONE_THREAD):
         return False

@@ -5,6 +5,7 @@ is waited for, and which does not end with this process. What a fork cannot be l
 program, by the fork. This process has one thread, and ends with its client.
 """
 import contextlib
+import functools
 import gc
 import importlib
 import os
@@ -56,7 +57,7 @@ def _fork_master(client):
 
 
 def _serve(client, launcher):
-    """Fork for each request. Only forks read these: they all begin with the same memory, whoever was started before."""
+    """Import what nodes do, and serve()."""
     for name in _NODES:
         importlib.import_module(name)
     from ..replacing.replaced import look_up
@@ -66,6 +67,22 @@ def _serve(client, launcher):
     told = request.receive(client)
     for path in told.words if told is not None else ():
         warm_nodes.import_for(path, os.path.dirname(launcher))
+    return serve(client, lambda asked: _become(asked, launcher))
+
+
+def _become(asked, launcher):
+    processes.show_name(os.path.basename(sys.executable if asked.words[0] == launcher else asked.words[0]),
+                        sys.executable, *asked.words)
+    from . import warm_nodes
+    warm_nodes.be_or_start(asked.words, asked.environment, launcher)
+
+
+def serve(client, become):
+    """Fork for each request, until the client has gone. In a fork this returns what that one is to call, else None.
+
+    That calls ``become`` with the request. Only forks read these: they all begin with the same memory, whoever was
+    started before.
+    """
     gc.collect()
     gc.freeze()  # so that no collection in a fork touches, and so copies, what there is now
     while True:
@@ -81,13 +98,12 @@ def _serve(client, launcher):
         asked = request.receive(client)
         if asked is None:
             os._exit(0)
+        os.setsid()  # before anybody knows whom to send a signal to
         os.write(take, b'1')
         request.answer(client, os.getpid())
         client.detach()
         _be_started(asked)
-        processes.show_name(os.path.basename(sys.executable if asked.words[0] == launcher else asked.words[0]),
-                            sys.executable, *asked.words)
-        return lambda: warm_nodes.be_or_start(asked.words, asked.environment, launcher)
+        return functools.partial(become, asked)
 
 
 def _fork(*not_for_fork):
@@ -111,8 +127,7 @@ def _fork(*not_for_fork):
 
 
 def _be_started(asked):
-    """Be as a program that was just started: group, files, folder, outputs."""
-    os.setsid()
+    """Be as a program that was just started: files, folder, outputs."""
     for target, output in zip((1, 2), asked.outputs):
         os.dup2(output, target)
     for name in os.listdir('/proc/self/fd'):

@@ -1,4 +1,4 @@
-"""What belongs to the world, as markers: zones, places and lanes with a capacity, with who is there and who waits."""
+"""What belongs to the world, as markers: zones, places, lanes and their nodes, with who is there and who waits."""
 import math
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,7 +12,8 @@ from move_base_abstract.maps.lane_map import LaneMap
 
 from . import robot_markers
 
-OUTLINE, SIGN = range(2)
+OUTLINE, SIGN, HEADS = range(3)
+_NODES, _NODE_NAMES = 'nodes', 'node names'  # marker namespaces
 _LANE = ColorRGBA(0.35, 0.45, 0.55, 0.6)
 _FREE, _FULL = ColorRGBA(0.35, 0.35, 0.35, 0.9), ColorRGBA(0.75, 0.2, 0.05, 0.9)
 _OUTLINE_Z, _SIGN_Z = 0.03, 0.2  # m
@@ -25,6 +26,7 @@ class AreaLook:
     """What does not change: the marker namespace, the frame, corners [(x, y)] [m], and the length of an arrow [m].
 
     ``is_lane``: the corners are those of a line, not of an outline, and the sign is in its middle, while it is in use.
+    ``one_way``: such a line has one arrow, along it, else one each way.
     """
 
     name: str
@@ -32,6 +34,7 @@ class AreaLook:
     corners: Tuple[Tuple[float, float], ...]
     size: float
     is_lane: bool = False
+    one_way: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,10 +90,13 @@ def add(clock, scenario, traffic, rooms):
     board = robot_markers.board(clock, defaults.get('marker_topic', robot_markers.TOPIC))
     frame, size = str(defaults.get('global_frame', 'map')), float(defaults.get('marker_size', 1.0))
     told = _Traffic(traffic, board)
-    for kind, name, points, capacity in [
-            *(('zone', zone.name, zone.outline.points, zone.capacity) for zone in scenario.zones),
-            *(('lane', '{} - {}'.format(edge.begin, edge.end), edge.points, edge.capacity) for edge in edges)]:
-        look = AreaLook('{} {}'.format(kind, name), frame, points, size, kind == 'lane')
+    if edges:
+        _Nodes(board, AreaLook(_NODES, frame, (), size), _nodes(scenario))
+    for kind, name, points, capacity, one_way in [
+            *(('zone', zone.name, zone.outline.points, zone.capacity, False) for zone in scenario.zones),
+            *(('lane', '{} - {}'.format(edge.begin, edge.end), edge.points, edge.capacity, edge.one_way)
+              for edge in edges)]:
+        look = AreaLook('{} {}'.format(kind, name), frame, points, size, kind == 'lane', one_way)
         told.areas.append(AreaMarkers(board, look, partial(told.use, kind, name, capacity)))
     for place in (rooms.places.values() if rooms is not None else ()):
         room = rooms.of(place.name)
@@ -100,11 +106,43 @@ def add(clock, scenario, traffic, rooms):
             room.follow(area.changed)
 
 
+def _nets(scenario):
+    """Return the nets of lanes of a scenario: [LaneMap]."""
+    return list({spec.settings.network.source: spec.settings.network for spec in scenario.robots
+                 if isinstance(spec.settings.network, LaneMap)}.values())
+
+
 def _edges(scenario):
     """Return the lanes of a scenario, those without a capacity, too: [Edge]."""
-    nets = {spec.settings.network.source: spec.settings.network for spec in scenario.robots
-            if isinstance(spec.settings.network, LaneMap)}
-    return [edge for net in nets.values() for edge in net.edges]
+    return [edge for net in _nets(scenario) for edge in net.edges]
+
+
+def _nodes(scenario):
+    """Return the nodes of the lanes of a scenario: {name: (x, y) [m]}."""
+    return {name: (pose.x, pose.y) for net in _nets(scenario) for name, pose in net.nodes.items()}
+
+
+class _Nodes:
+    """The nodes of nets on the board of their process: they never change."""
+
+    def __init__(self, board, look, nodes):
+        self.look = look
+        self._markers = draw_nodes(look, nodes)
+        self._is_drawn = False
+        board.add(self)
+
+    def draw(self, _view):
+        """Return the markers, none if they were drawn."""
+        markers, self._is_drawn = [] if self._is_drawn else self._markers, True
+        return markers
+
+    def forget_drawn(self):
+        """As of AreaMarkers."""
+        self._is_drawn = False
+
+    def view(self, _now_ns):
+        """Return how they are used: as they always are."""
+        return Use(_NODES)
 
 
 class _Traffic:
@@ -161,7 +199,7 @@ def draw(look, use):
     outline.scale.x = (0.06 if look.is_lane and use.capacity is None else 0.12) * look.size
     outline.points = [Point(x, y, _OUTLINE_Z) for x, y in look.corners]
     if look.is_lane:
-        return [outline, _lane_sign(look, use, colour)]
+        return [outline, _lane_heads(look, colour), _lane_sign(look, use, colour)]
     outline.points.append(outline.points[0])
     sign = _marker(look, SIGN, Marker.TEXT_VIEW_FACING, colour)
     sign.scale.z = 0.6 * look.size
@@ -172,13 +210,50 @@ def draw(look, use):
     return [outline, sign]
 
 
+def draw_nodes(look, nodes):
+    """Return the markers of ``nodes`` {name: (x, y)}: a dot for each, and its name below it."""
+    size = look.size
+    dots = _marker(look, OUTLINE, Marker.SPHERE_LIST, _FREE)
+    dots.scale.x = dots.scale.y = dots.scale.z = 0.3 * size
+    dots.points = [Point(x, y, _OUTLINE_Z) for x, y in nodes.values()]
+    names = []
+    for number, (name, (x, y)) in enumerate(nodes.items()):
+        sign = _marker(replace(look, name=_NODE_NAMES), number, Marker.TEXT_VIEW_FACING, _FREE)
+        sign.scale.z = 0.4 * size
+        sign.text = name
+        sign.pose.position = Point(x, y - 0.5 * size, _SIGN_Z)
+        names.append(sign)
+    return [dots, *names]
+
+
+def _lane_heads(look, colour):
+    """Return the arrows of a lane: a head in the middle of it for each direction in which it is driven."""
+    heads = _marker(look, HEADS, Marker.LINE_LIST, colour)
+    heads.scale.x = 0.08 * look.size
+    (ax, ay), (bx, by) = _longest_piece(look)
+    length = math.dist((ax, ay), (bx, by))
+    ux, uy = (bx - ax) / length, (by - ay) / length
+    reach = min(0.35 * look.size, 0.25 * length)
+    for along in (1.0,) if look.one_way else (1.0, -1.0):
+        tip_x, tip_y = (0.5 * (one + other) + along * reach * unit for one, other, unit in ((ax, bx, ux), (ay, by, uy)))
+        for side in (0.6, -0.6):
+            heads.points += [Point(tip_x, tip_y, _OUTLINE_Z),
+                             Point(tip_x - reach * (along * ux + side * uy), tip_y - reach * (along * uy - side * ux),
+                                   _OUTLINE_Z)]
+    return heads
+
+
+def _longest_piece(look):
+    return max(zip(look.corners, look.corners[1:]), key=lambda piece: math.dist(*piece))
+
+
 def _lane_sign(look, use, colour):
-    """Return the sign of a lane: how many are on it, and who waits; none while nobody does."""
-    if not use.waiting:
+    """Return the sign of a lane: how many are on it, for how many there is room, who waits; none where all may go."""
+    if not use.waiting and use.capacity is None and not use.closed:
         sign = Marker(ns=look.name, id=SIGN, action=Marker.DELETE)
         sign.header.frame_id = look.frame_id
         return sign
-    (ax, ay), (bx, by) = max(zip(look.corners, look.corners[1:]), key=lambda piece: math.dist(*piece))
+    (ax, ay), (bx, by) = _longest_piece(look)
     sign = _marker(look, SIGN, Marker.TEXT_VIEW_FACING, colour)
     sign.scale.z = 0.5 * look.size
     sign.text = sign_text(replace(use, title='')).strip()

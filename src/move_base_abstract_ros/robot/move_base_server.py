@@ -19,6 +19,7 @@ from ..transforms.tf_lookup import TfLookup
 from .condition_server import ConditionServer
 from .goal_server import GoalServer
 from .localization import Localization
+from .priority_topic import PriorityTopic
 from .reconfigure import Reconfigure
 from .robot_publisher import RobotPublisher
 from .simple_goals import SimpleGoals
@@ -36,7 +37,7 @@ class MoveBaseServer:
         """``traffic``: the Traffic in which the robot takes part, None: it is alone."""
         clock = host.clock
         self._traffic = traffic
-        self._traveller = None
+        self._traveller = self._priority = None
         self._rooms = rooms
         self._work = None
         self._names = names
@@ -68,6 +69,8 @@ class MoveBaseServer:
                                                    self._stream)
         self._reconfigure = Reconfigure(names, settings, self)
         self._condition_server.serve()
+        if self._traveller is not None:
+            self._priority = PriorityTopic(names, clock, self._traveller)
         through_the_topic = host.timing.has_own_goal_connection(host.is_crowded)
         # First its publisher, then the subscription of the same topic: see single_connections.
         self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
@@ -131,7 +134,7 @@ class MoveBaseServer:
         if self._work is not None:
             self._work.close(ROBOT_REMOVED)
         for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
-                     self._condition_server, self._localization):
+                     self._condition_server, self._localization, self._priority):
             if part is not None:
                 part.close()
         with self._clock.lock:

@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 import rospy
 from actionlib_msgs.msg import GoalID
 from move_base_msgs.msg import MoveBaseActionGoal
+from std_msgs.msg import Int32
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.parameter_table import Parameter, read_table, text, topic, unknown_names
@@ -98,7 +99,8 @@ class DispatcherNode:
         self._record = EventsTopic(clock).record(0)
         self._core = Dispatcher(starts_of(scenario), chargers_of(scenario), self._places, settings, policy,
                                 Distances(scenario, settings.distances == 'ways'), self._tell)
-        self._goals = {spec.name: _Goals(spec) for spec in scenario.robots}
+        self._goals = {spec.name: _Goals(spec, bool(scenario.zones) or getattr(
+            spec.settings.network, 'has_capacities', False)) for spec in scenario.robots}
         heard = [rospy.Subscriber(one, RobotEvent, self._on_event, queue_size=_QUEUE_SIZE, tcp_nodelay=True)
                  for one in values['events']]
         clock.wait_until(lambda: all(one.get_num_connections() for one in heard)
@@ -164,12 +166,16 @@ class DispatcherNode:
         self._record((self._clock.simulation.now_ns, *row))
         if row[1] == 'order_refused':
             rospy.logwarn('%s: order %s is refused: %s', rospy.get_name(), *row[2:])
+        elif row[1] == 'policy_failed':
+            rospy.logerr('%s: %s', rospy.get_name(), row[2])
 
 
 class _Goals:
-    """The topics by which one robot gets its goals."""
+    """The topics by which one robot gets its goals, and where it ``may_wait`` for zones or lanes its priority."""
 
-    def __init__(self, spec):
+    def __init__(self, spec, may_wait):
+        self._priority = rospy.Publisher('{}/move_base/priority'.format(spec.name), Int32, queue_size=10,
+                                         tcp_nodelay=True) if may_wait else None
         self._drive = Outlet('{}/move_base/goal'.format(spec.name), MoveBaseActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
         self._work = Outlet('{}/{}/goal'.format(spec.name, WORK), PlaceTaskActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
         self._cancels = {is_work: rospy.Publisher('{}/{}/cancel'.format(spec.name, action), GoalID, queue_size=10,
@@ -189,6 +195,8 @@ class _Goals:
                 self._cancels[command.is_work].publish(GoalID(id=command.goal_id))
         elif isinstance(command, Drive):
             pose = command.pose
+            if command.priority is not None and self._priority is not None:
+                self._priority.publish(command.priority)
             target = in_frame.target(pose.x, pose.y, pose.yaw)
             self._drive.send(lambda seq: packing.action_goal(seq, command.goal_id, now_ns, target))
         else:

@@ -1,0 +1,219 @@
+"""The figures of a fleet's report, each held to what the raw rows of the log say, looked at in another way.
+
+The account takes row after row; here each span between two instants is judged by the last rows before it.
+"""
+import json
+import math
+
+import pytest
+
+from move_base_abstract.fleet import Dispatch
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.orders.order import Order, Stop
+from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+from move_base_abstract.scenario import make_scenario
+from move_base_abstract_experiments.fleet_report import account_of, json_text, lines_of, main
+
+S = 1_000_000_000
+
+
+def world(seed, **more):
+    """Return a scenario in which robots fail, charge, give way and wait, with orders that come late."""
+    return make_scenario({
+        'seed': seed, 'defaults': {
+            'max_speed': 1.0, 'battery_capacity': 0.4, 'charging_current': 3.0, 'failure_kind': 'stall',
+            'failures_per_km': 4.0, 'repair_time': 25.0, 'log_motion': True},
+        'robots': [{'name': 'robot', 'count': 4, 'step_x': 2.0}],
+        'zones': [{'name': 'dock', 'rectangle': [-4.0, -4.0, -2.0, -2.0], 'charger': True, 'capacity': 1},
+                  {'name': 'door', 'rectangle': [3.0, 4.0, 8.0, 6.0], 'capacity': 1}],
+        'places': [{'name': 'shelf', 'x': 6.0, 'y': 8.0, 'duration': 5.0},
+                   {'name': 'gate', 'y': 9.0, 'duration': 6.0, 'capacity': 1, 'queue': 2}],
+        'orders': [{'name': 'picks', 'rate_per_hour': 260.0, 'count': 30, 'deadline': 90.0,
+                    'stops': [{'place': 'shelf', 'action': 'load'}, {'place': 'gate', 'action': 'unload'}]}],
+        'dispatcher': {'charge_below': 0.5, 'charge_until': 0.8}, **more})
+
+
+def log_of(path, seed=1, until=None, **more):
+    """Write the log of a run; return its rows, [(time_ns, robot, kind, values), ...], as the file has them."""
+    dispatch = Dispatch(world(seed, **more))
+    dispatch.order(Order('wrong', 0, (Stop(Pose2D(), 'nowhere'),)))
+    dispatch.run(until=until)
+    dispatch.fleet.write_log(str(path))
+    return rows_of(path)
+
+
+def rows_of(path):
+    found = []
+    for line in path.read_text().splitlines():
+        try:
+            row = json.loads(line)
+        except ValueError:  # cut off
+            continue
+        if 'kind' in row:
+            found.append((row['time_ns'], row['robot'], row['kind'], row['values']))
+    return found
+
+
+def end_of(path):
+    """Return when the run was over [ns], as its last record says."""
+    last = json.loads(path.read_text().splitlines()[-1])
+    return last['end']['at_ns']
+
+
+def last_of(rows, *kinds):
+    """Return the kind of the last row of these kinds."""
+    return next((kind for _, _, kind, _ in reversed(rows) if kind in kinds), None)
+
+
+def state_after(rows):
+    """Return what a robot does when these are all of its rows so far."""
+    if last_of(rows, 'failed', 'repaired') == 'failed':
+        return 'failed'
+    if last_of(rows, 'departed', 'stands') == 'departed':
+        return 'driving'
+    if last_of(rows, 'waiting_began', 'task_began', 'task_ended') == 'task_began':
+        return 'working'
+    if (last_of(rows, 'departed', 'ended') == 'departed'
+            or last_of(rows, 'waiting_began', 'waiting_ended', 'task_began', 'task_ended') == 'waiting_began'
+            or last_of(rows, 'charge_awaited', 'charge_assigned') == 'charge_awaited'):
+        return 'waiting'
+    return 'charging' if last_of(rows, 'charging_began', 'charging_ended') == 'charging_began' else 'idle'
+
+
+def shares(rows, name, begin_ns, end_ns):
+    """Return {state: s} of a robot."""
+    found = dict.fromkeys(STATES, 0)
+    own = [row for row in rows if row[1] == name]
+    instants = sorted({begin_ns, end_ns, *(row[0] for row in own)})
+    for one, other in zip(instants, instants[1:]):
+        found[state_after([row for row in own if row[0] <= one])] += other - one
+    return {state: ns / S for state, ns in found.items()}
+
+
+def waits_of(rows, end_ns):
+    """Return {where: [s, ...]}: for each row at which somebody begins to wait, how long until one that ends it."""
+    areas, found = {values[0] for _, _, kind, values in rows if kind in ('entered', 'places')}, {}
+
+    def reasons(row):
+        return [part for reason in row[3] for part in reason.split(', ')]
+
+    def add(where, begin_ns, over_ns):
+        if over_ns > begin_ns:
+            found.setdefault(where, []).append((over_ns - begin_ns) / S)
+    for number, (begin_ns, name, kind, values) in enumerate(rows):
+        behind = [row for row in rows[number + 1:] if row[1] == name]
+        before = [row for row in rows[:number] if row[1] == name]
+        if kind == 'held':
+            held = [row for row in before if row[2] in ('held', 'released')]
+            for where in set(reasons(rows[number])) & areas - set(reasons(held[-1]) if held else ()):
+                add(where, begin_ns, next((row[0] for row in behind if row[2] in ('held', 'released')
+                                           and where not in reasons(row)), end_ns))
+        elif kind == 'waiting_began':
+            add('place ' + values[1], begin_ns,
+                next((row[0] for row in behind if row[2] == 'waiting_ended' and row[3][0] == values[0]), end_ns))
+        elif kind == 'charge_awaited' and last_of(before, 'charge_awaited', 'charge_assigned') != 'charge_awaited':
+            add('chargers', begin_ns, next((row[0] for row in behind if row[2] == 'charge_assigned'), end_ns))
+    return found
+
+
+def orders_of(rows):
+    """Return {order: {'arrived': ns, ...}} of those that arrived."""
+    found = {}
+    for time_ns, _, kind, values in rows:
+        if kind == 'order_arrived':
+            found[values[0]] = {'arrived': time_ns, 'deadline': values[2] or None}
+        elif kind in ('order_assigned', 'order_done') and kind not in found[values[0]]:
+            found[values[0]].update({kind: time_ns, 'code': values[1]})
+    return found
+
+
+def check(path, rows, begin_ns, end_ns):
+    """Compare all figures of the report on a log with what the rows say."""
+    account, _ = account_of(str(path))
+    assert account.seconds == (end_ns - begin_ns) / S
+    names = sorted({row[1] for row in rows if not row[1].startswith('/')})
+    assert sorted(account.robots) == names
+    for name, figures in account.robots.items():
+        assert {state: figures[state] for state in STATES} == pytest.approx(shares(rows, name, begin_ns, end_ns))
+        own = [row for row in rows if row[1] == name]
+        assert figures['failures'] == sum(row[2] == 'failed' for row in own)
+        assert figures['charges'] == sum(row[2] == 'charging_began' for row in own)
+        assert figures['orders'] == sum(row[2] == 'order_done' and row[3][1] != 'failed' for row in own)
+        charges = [row[3] for row in own if row[2] == 'charge']
+        for what, sign in (('used', -1), ('charged', 1)):
+            joules = [sign * (now[0] - before[0]) * now[1] for before, now in zip(charges, charges[1:])
+                      if now[2] == what]
+            assert figures['energy_' + what] == pytest.approx(math.fsum(joules) / 3.6e6)
+    waits = waits_of(rows, end_ns)
+    assert {where: (one.count, one.total_ns / S, one.longest_ns / S) for where, one in account.waits.items()} == {
+        where: (len(spans), pytest.approx(math.fsum(spans)), max(spans)) for where, spans in waits.items()}
+    orders = orders_of(rows)
+    over = [one for one in orders.values() if 'order_done' in one]
+    done = [one for one in over if one['code'] != 'failed']
+    late = [max(0, one['order_done'] - one['deadline']) / S for one in done if one['deadline']]
+    assert account.orders.times == (
+        len(orders), len(done), sum(one['order_done'] > (one['deadline'] or end_ns) for one in done),
+        len(over) - len(done), len(orders) - len(over), sum(row[2] == 'order_returned' for row in rows),
+        [(one['order_done'] - one['arrived']) / S for one in done],
+        [(one['order_assigned'] - one['arrived']) / S for one in done], late,
+        sum(row[2] == 'order_refused' for row in rows))
+    assert list(account.orders.undone) == [name for name, one in orders.items() if 'order_done' not in one]
+    return account
+
+
+@pytest.mark.parametrize('seed', range(1, 5))
+def test_all_figures_are_those_of_the_raw_rows(tmp_path, seed):
+    rows = log_of(tmp_path / 'run.jsonl', seed)
+    account = check(tmp_path / 'run.jsonl', rows, S, end_of(tmp_path / 'run.jsonl'))
+    assert {'door', 'dock', 'place gate'} & set(account.waits)
+    assert all(sum(one[state] for one in account.robots.values()) > 0 for state in STATES)
+
+
+def test_a_run_that_is_stopped_leaves_orders_open_and_says_with_whom(tmp_path, capsys):
+    path = tmp_path / 'run.jsonl'
+    rows = log_of(path, 2, until=200.0)
+    account = check(path, rows, S, 200 * S)
+    assert account.orders.undone
+    for name, text in account.orders.undone.items():
+        last = [row for row in rows if row[2].startswith('order_') and row[3][0] == name][-1]
+        assert text.startswith({'order_arrived': 'no robot', 'order_returned': 'came back from ' + last[1]}.get(
+            last[2], 'with ' + last[1]))
+    main([str(path)])
+    out = capsys.readouterr().out
+    assert '1 more were refused' in out
+    assert all('open: {}, {}'.format(*one) in out for one in account.orders.undone.items())
+    assert json.loads(json_text(account, []))['undone'] == account.orders.undone
+
+
+@pytest.mark.parametrize('share', [0.1, 0.37, 0.8])
+def test_a_log_that_is_cut_off_counts_up_to_its_last_row(tmp_path, share):
+    path = tmp_path / 'run.jsonl'
+    log_of(path, 3)
+    text = path.read_text()
+    path.write_text(text[:int(share * len(text))])
+    rows = rows_of(path)
+    check(path, rows, S, max(row[0] for row in rows))
+
+
+def test_robots_that_never_move_are_idle_all_the_time(tmp_path):
+    rows = log_of(tmp_path / 'run.jsonl', until=50.0, orders=[])
+    account = check(tmp_path / 'run.jsonl', rows, S, 50 * S)
+    assert [one['idle'] for one in account.robots.values()] == [49.0] * 4
+    assert lines_of(account, [], 'log')[0] == 'log: 4 robots, 49.0 s'
+
+
+def test_robots_of_which_no_row_tells_count_among_those_of_a_dispatcher():
+    dispatch = Dispatch(make_scenario({'robots': [{'name': 'r', 'count': 4, 'step_x': 9.0}], 'places': []}))
+    dispatch.order(Order('a', 0, (Stop(Pose2D(0.0, 5.0)),)))
+    dispatch.run()
+    assert {entry.robot for entry in dispatch.fleet.trace} == {'r_0', '/dispatcher'}
+    assert dispatch.metrics()['share_driving'] == 25.0
+
+
+def test_a_wait_of_no_length_is_none_also_at_the_end():
+    account = FleetAccount(0)
+    for row in ((0, 'r', 'places', ['door', 1]), (S, 'r', 'held', ['door']), (S, 'r', 'released', []),
+                (2 * S, 'r', 'held', ['door'])):
+        account.take(*row)
+    account.close(2 * S)
+    assert account.waits == {}
