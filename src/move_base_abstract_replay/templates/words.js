@@ -36,10 +36,9 @@ function messageText(kind, values) {
 
 // What a leg has besides its law of motion; see `manner` of move_base_abstract/runs/trace.py.
 function mannerText([rest, travel, backwards, , spin]) {
-  return [...(rest ? [`stands for ${seconds(rest)} s first`] : []),
-          ...(backwards ? [`drives the first ${metres(backwards)} m backwards`] : []),
+  return [...(backwards ? [`drives the first ${metres(backwards)} m backwards`] : []),
           ...(spin ? [`spins for ${metres(spin)} s before its last turn`] : []),
-          `travels for ${seconds(travel)} s`].join(', ');
+          `travels for ${seconds(travel)} s` + (rest ? ` after ${seconds(rest)} s at rest` : '')].join(', ');
 }
 
 const EVENT_TEXTS = {
