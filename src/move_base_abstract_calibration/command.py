@@ -38,12 +38,13 @@ def _parse(words):
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='a bag with goals, results and poses of move_base, or a CSV file with one row per leg')
     parser.add_argument('-o', '--output', metavar='FILE.yaml', default=_YAML,
-                        help='the calibration (default: %(default)s); the page is FILE.html beside it. Files that this '
-                        'program made are replaced, no other file is')
+                        help='the calibration (default: %(default)s); the page is FILE.html beside it. Only files '
+                        'of this program are replaced')
     parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing; print how well this file (or '
-                        'the name of one that ships) predicts the recordings')
+                        'a calibration that ships, by name) predicts the recordings')
     parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
-                        'recordings of several robots, and add it to the values of this file (or of one that ships)')
+                        'recordings of several robots, and add it to the values of this file (or of a calibration '
+                        'that ships)')
     parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '
                         'on this map, not the recorded ones')
     parser.add_argument('--radius', type=_positive, metavar='M', default=0.46,

@@ -22,12 +22,12 @@ _MOST_PLACES, _MOST_ROBOTS = 20, 60  # in the terminal; the JSON has all
 
 def main(words: Optional[Sequence[str]] = None) -> None:
     """Do what the command line asks for, and exit with the code."""
-    parser = argparse.ArgumentParser(prog='fleet_report', description='Say what a fleet did in one run, from its event '
-                                     'log: utilisation, orders, where robots waited, charging, failures.')
+    parser = argparse.ArgumentParser(prog='fleet_report', description='Report what a fleet did in one run, from its '
+                                     'event log: utilisation, orders, where robots waited, charging, failures.')
     parser.add_argument('log', metavar='LOG', help='an event log: of lockstep_launch --event-log, of an experiment, or '
                         'of Fleet.write_log')
-    parser.add_argument('--json', metavar='OUT.json', help='all figures as JSON; one that this program made is '
-                        'replaced, nothing else is; - for the standard output, in place of the text')
+    parser.add_argument('--json', metavar='OUT.json', help='write all figures as JSON; this replaces only a file '
+                        'of this program; - for the standard output, instead of the text')
     options = parser.parse_args(words)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]

@@ -42,23 +42,23 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
         'Make a scenario, and a map for map_server, of a MovingAI map and the first problems of a file.'))
     make.add_argument('map', metavar='FILE.map', help='the map')
     make.add_argument('problems', metavar='FILE.scen', help='starts and goals')
-    make.add_argument('--agents', type=int, required=True, metavar='N', help='how many of its problems, one robot each')
+    make.add_argument('--agents', type=int, required=True, metavar='N',
+                      help='number of problems that are used, one robot each')
     make.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
                       'command made; nothing else is replaced')
     make.add_argument('--cell', type=_positive, default=1.0, metavar='M', help='side of a cell [m] (default: 1)')
-    make.add_argument('--step', type=_positive, default=1.0, metavar='S', help='how long a step takes [s] (default: 1)')
+    make.add_argument('--step', type=_positive, default=1.0, metavar='S', help='duration of a step [s] (default: 1)')
     make.set_defaults(run=_import)
     run = commands.add_parser('run', help='drive a plan, in plain Python', description=(
-        'Drive a plan in plain Python, with what the scenario says of durations and failures, and tell what has come '
-        'of it.'))
-    run.add_argument('folder', metavar='FOLDER', help='what import made')
+        "Drive a plan in plain Python, with the scenario's durations and failures, and print the result."))
+    run.add_argument('folder', metavar='FOLDER', help='a folder that `import` made')
     run.add_argument('plan', metavar='PLAN', help='paths, as EECBS, LaCAM or libMultiRobotPlanning writes them')
     run.add_argument('--policy', choices=('as_timed', 'order_kept', 'cell_left'), default='order_kept',
-                     help='what a robot awaits before it moves (default: %(default)s)')
+                     help='what must be true before a robot moves (default: %(default)s)')
     run.add_argument('--goals', metavar='FILE.scen', help='check that paths end at the goals of this file')
-    run.add_argument('--near', type=_positive, default=None, metavar='M', help='how near is too near [m] (default: {} '
-                     'of a cell)'.format(_NEAR))
-    run.add_argument('--seed', type=int, default=None, help="in the place of the scenario's")
+    run.add_argument('--near', type=_positive, default=None, metavar='M',
+                     help='count robots that come nearer than this [m] (default: {} of a cell)'.format(_NEAR))
+    run.add_argument('--seed', type=int, default=None, help="replaces the scenario's seed")
     run.add_argument('--log', metavar='RUN.jsonl', help='write the run as an event log, for replay')
     run.add_argument('--json', metavar='OUT.json', help='write the figures as JSON')
     run.set_defaults(run=_run)

@@ -42,15 +42,15 @@ def _parse(words):
         epilog='exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written')
     commands = parser.add_subparsers(metavar='COMMAND', required=True)
     check = commands.add_parser('check', help='report problems of a scenario', description=(
-        'Say what is wrong with a scenario: where robots cannot start or go, what they do not reach with their charge, '
-        'and which capacities can lock.'))
+        'Report problems of a scenario: places where robots cannot start or go, places that they do not reach with '
+        'their charge, and capacities that can lock.'))
     check.add_argument('scenario', metavar='FILE', help='a scenario file')
-    check.add_argument('--map', metavar='MAP.yaml', help='the map, as map_server takes it (default: map.yaml beside '
+    check.add_argument('--map', metavar='MAP.yaml', help='the map, as map_server reads it (default: map.yaml beside '
                        'the scenario, if it is there)')
-    check.add_argument('--picture', metavar='OUT.png', help='a picture of it, findings in red; one that this program '
-                       'made is replaced, nothing else is')
-    check.add_argument('--json', metavar='OUT.json', help='the findings as JSON, likewise; - for the standard output, '
-                       'in place of the text')
+    check.add_argument('--picture', metavar='OUT.png', help='write a picture with the findings in red; it replaces '
+                       'only a file of this program')
+    check.add_argument('--json', metavar='OUT.json', help='write the findings as JSON, in the same way; - for the '
+                       'standard output, instead of the text')
     check.set_defaults(run=_check)
     _add_make(commands)
     return parser.parse_args(words)
@@ -59,7 +59,7 @@ def _parse(words):
 def _add_make(commands):
     make = commands.add_parser('make', help='make a scenario from sizes', description='Make a scenario by sizes: '
                                'net of '
-                               'lanes, places, chargers, map. The same sizes are the same files.')
+                               'lanes, places, chargers, map. The same sizes give the same files.')
     kinds = make.add_subparsers(metavar='KIND', required=True)
     for kind, (what, sizes, _) in KINDS_OF_SITES.items():
         one = kinds.add_parser(kind, help=what, description=what)

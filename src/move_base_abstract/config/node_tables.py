@@ -38,8 +38,8 @@ ACTIONLIB = (
     Parameter('actionlib_server_sub_queue_size', 50, integer(-1), 'a whole number >= -1',
               "Queue of actionlib's subscribers, found in the node's namespace; 0 and -1 stand for 50."),
     Parameter(STATUS_FREQUENCY, 5.0, number(0.0), 'a number >= 0 [Hz, simulated]',
-              'How often the status is repeated, a namespace above counts too; 0: on transitions only. With '
-              '`events_only` 0.'),
+              'Rate at which the status is repeated; a namespace above counts, too. 0: only on transitions. With '
+              '`events_only` it is 0.'),
 )
 #: the keys of a scenario that may be parameters of a node instead; they are checked as those of the file are
 INLINE = {parameter.name: parameter for parameter in (
@@ -47,17 +47,20 @@ INLINE = {parameter.name: parameter for parameter in (
     Parameter('robots', None, _as_it_is, 'a list of robots', 'The robots, in the order of their indices.'),
     Parameter('zones', None, _as_it_is, 'a list of zones', 'Named areas.'),
     Parameter('deadlock', 'wait', text, "'wait', 'abort', 'avoid' or 'retreat'",
-              'What robots do that wait for one another.'),
-    Parameter('blocks', 1, _as_it_is, 'a whole number in 1..100', 'How many areas ahead must have room.'),
-    Parameter('lane_price', 0.0, _as_it_is, 'a number in 0..1000', 'How much robots in the way count for a route.'),
-    Parameter('groups', None, _as_it_is, 'a mapping of names to whole numbers >= 1', 'Places of groups of areas.'),
+              'What happens to robots that wait for one another.'),
+    Parameter('blocks', 1, _as_it_is, 'a whole number in 1..100',
+              'Number of areas ahead that must have room.'),
+    Parameter('lane_price', 0.0, _as_it_is, 'a number in 0..1000',
+              'Weight of robots in the way when a robot chooses its way.'),
+    Parameter('groups', None, _as_it_is, 'a mapping of names to whole numbers >= 1',
+              'Number of places of each group of areas.'),
     Parameter('encounters', 'none', text, "'calibrated' or 'none'", 'Whether robots meet.'),
-    Parameter('lanes', None, text, 'the path of a file', 'The net of lanes, of all robots.'),
-    Parameter('travel_matrix', None, text, 'the path of a file', 'The table of travel times, of all robots.'),
+    Parameter('lanes', None, text, 'the path of a file', 'The net of lanes of all robots.'),
+    Parameter('travel_matrix', None, text, 'the path of a file', 'The table of travel times of all robots.'),
     Parameter('places', None, _as_it_is, 'a list of places', 'Places where robots work.'),
     Parameter('arrivals', None, _as_it_is, 'a list of arrivals', 'Tasks that arrive.'),
     Parameter('orders', None, _as_it_is, 'a list of entries', 'Orders that arrive.'),
-    Parameter('dispatcher', None, _as_it_is, 'a mapping', 'Who gets which order, and when robots charge.'),
+    Parameter('dispatcher', None, _as_it_is, 'a mapping', 'Which robot gets which order, and when robots charge.'),
 )}
 FLEET = (
     Parameter('scenario', '', text, _PATH, 'The scenario; its keys may be parameters of the node instead.'),
@@ -73,17 +76,17 @@ TASK_SERVER = (
     Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE,
               'Namespaces of robots; each gets an action of its own.'),
     Parameter('scenario', '', text, _PATH,
-              'A scenario with places, or the parameter `places`: each robot gets the action `work` besides.'),
+              'A scenario with places, or the parameter `places`. Each robot then also has the action `work`.'),
     Parameter('task', 'timed_task', _task, 'the name of the action below each namespace: ' + NAMESPACE_RULE,
               'Name of the action.'),
-    Parameter('duration', 1.0, number(0.0, MAX_SECONDS), _SECONDS, 'How long a goal takes that says 0.'),
+    Parameter('duration', 1.0, number(0.0, MAX_SECONDS), _SECONDS, 'Duration of a goal whose own duration is 0.'),
     Parameter('spread', 0.0, number(0.0, MAX_SECONDS), _SECONDS + ', not more than the duration',
               'Durations are drawn evenly from `duration` - `spread` to `duration` + `spread`.'),
     Parameter('seed', 0, integer(0), _SEED, 'Seed of these draws; each robot has a generator of its own.'),
     Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
-              'How often the share that is done is told; else 5, with `events_only` in lockstep 0.'),
+              'Rate of the feedback. If it is not set, it is 5; in lockstep with `events_only` it is 0.'),
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]',
-              'The end of a goal is told no sooner than this after the goal came; not used in lockstep.'),
+              'The end of a goal is published no sooner than this after the goal came; not used in lockstep.'),
 )
 TASK_SERVER_INLINE = (INLINE['places'],)
 TASK_SOURCE = (
@@ -93,16 +96,17 @@ TASK_SOURCE = (
     Parameter('topic', 'tasks', name, 'a topic name', 'Topic of the tasks.'),
     Parameter('orders_topic', 'orders', name, 'a topic name', 'Topic of the orders.'),
     Parameter('wait_for_listener', True, boolean, 'true or false',
-              'The time of arrivals begins when somebody listens (in lockstep: who takes part); else at once.'),
+              'If true, the time of arrivals begins when a node subscribes (in lockstep: a participant). If false, it '
+              'begins at once.'),
 )
 TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'], INLINE['orders'])
 MAP_FRAME = Parameter('frame_id', 'map', name, 'a frame name', 'Frame of the map.')
 #: with the old form of map_server's command line
 MAP_OLD_FORM = (
     Parameter('negate', 0, integer(0), 'a whole number >= 0; 0 = white is free',
-              'How shades are read; with the old form of the command line only.'),
+              'Meaning of shades; only with the old form of the command line.'),
     Parameter('occupied_thresh', 0.65, number(), 'a finite number',
-              'A cell with more occupancy is occupied; with the old form only.'),
+              'A cell with more occupancy is occupied; only with the old form.'),
     Parameter('free_thresh', 0.196, number(), 'a finite number',
-              'A cell with less occupancy is free; with the old form only.'),
+              'A cell with less occupancy is free; only with the old form.'),
 )

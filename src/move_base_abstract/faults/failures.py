@@ -56,18 +56,19 @@ TABLE = (
               'Mean number of failures on the way to a goal.'),
     Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
               'kind: ' + _KINDS_TEXT + ', repair: seconds}',
-              'Failures at these instants of `/clock`; those before the robot is there are left out.'),
+              'Failures at these instants of `/clock`; instants before the robot is there are left out.'),
     Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]',
-              'Mean time until a failed robot is as before.'),
+              'Mean time until a failed robot is repaired.'),
     Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'",
-              'Distribution of that time, `never` until somebody repairs it; else `fixed`, with `stuck` `never`.'),
+              'Distribution of that time; `never`: until a service repairs it. If it is not set, `fixed` counts; with '
+              '`stuck`, `never` does.'),
     Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10',
               'Coefficient of variation of the time (standard deviation / mean), with `lognormal` only.'),
     Parameter('stuck_by_clearance', (), _BY_CLEARANCE,
               'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending',
               "With `stuck` and a map: the chance to get stuck on the way to a goal, by the way's least clearance."),
     Parameter('stuck_patience', 6.4, _SECONDS, 'a number in 0..1e9 [s, simulated]',
-              'How long a robot that is stuck tries before it gives the goal up.'),
+              'Time for which a robot that is stuck tries before it gives the goal up.'),
 )
 _REQUESTED_KIND = Parameter('kind', None, _KIND, _KINDS_TEXT)
 _REQUESTED_REPAIR = Parameter('repair', None, _SECONDS, 'a number in 0..1e9 [s, simulated]')

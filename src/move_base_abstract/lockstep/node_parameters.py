@@ -13,11 +13,11 @@ TABLE = (
     Parameter('lockstep_charge', 'none', text, "'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', "
               "'measured_cpu:FILE' or 'replay:FILE'", 'Simulated time that the work of the node takes.'),
     Parameter('foresee', True, boolean, 'true or false',
-              'Whether periodic output is told beforehand; the events are the same, for comparing.'),
+              'Whether periodic output is sent beforehand; the events are the same, for comparing.'),
     Parameter('events_only', False, boolean, 'true or false',
-              'In lockstep nothing is sent at a rate unless a parameter of its own says so; a namespace above counts '
+              'In lockstep, nothing is sent at a rate unless its own parameter says so; a namespace above counts, '
               'too.'),
     Parameter('log_motion', False, boolean, 'true or false',
-              'In lockstep the event log tells where robots start and by which limits they travel; a namespace above '
-              'counts too.'),
+              'In lockstep, the event log has the starts and limits of motion of robots; a namespace above counts, '
+              'too.'),
 )

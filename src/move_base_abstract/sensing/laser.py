@@ -23,7 +23,7 @@ _ANGLES = number(-6.3, 6.3)
 
 TABLE = (
     Parameter('scan_rate', 0.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
-              'How often the laser scans.'),
+              'Rate of the scans.'),
     Parameter('scan_beams', 361, integer(1, _MOST_BEAMS), 'a whole number in 1..10000',
               'Number of beams, at equal angles.'),
     Parameter('scan_angle_min', -math.pi, _ANGLES, _ANGLE,
@@ -31,9 +31,9 @@ TABLE = (
     Parameter('scan_angle_max', math.pi, _ANGLES, _ANGLE,
               'Direction of the last beam.'),
     Parameter('scan_range_min', 0.05, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]',
-              'What is nearer is told as -inf (REP 117).'),
+              'Ranges below this are -inf (REP 117).'),
     Parameter('scan_range_max', 10.0, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]',
-              'What is farther is told as inf (REP 117).'),
+              'Ranges above this are inf (REP 117).'),
     Parameter('scan_noise', 0.0, number(0.0, 10.0), 'a number in 0..10, the standard deviation [m]',
               'Standard deviation of each range.'),
     Parameter('scan_frame', 'base_laser_link', name, 'a frame name',
@@ -41,11 +41,11 @@ TABLE = (
     Parameter('scan_topic', 'scan', topic, 'a topic name',
               "Topic of the scan, in the robot's namespace."),
     Parameter('scan_x', 0.0, number(), _FINITE + ' [m, base frame]',
-              'Where the laser is on the robot.'),
+              'Position of the laser on the robot.'),
     Parameter('scan_y', 0.0, number(), _FINITE + ' [m, base frame]',
-              'Where the laser is on the robot.'),
+              'Position of the laser on the robot.'),
     Parameter('scan_yaw', 0.0, number(), _FINITE + ' [rad, base frame]',
-              'Which way the laser looks.'),
+              'Heading of the laser on the robot.'),
 )
 
 

@@ -110,7 +110,7 @@ class _Adoption:
             elif word != kinds.MAP:
                 self._keep_or_leave(node, word)
         for old, new in replaced:
-            self.done.append('{} in the place of {}'.format('/'.join(new), '/'.join(old)))
+            self.done.append('{} replaces {}'.format('/'.join(new), '/'.join(old)))
         return replaced
 
     def _serves_map(self, node):

@@ -8,11 +8,11 @@ from ..messages import message_fields
 from . import bag_difference
 
 _COLOUR = re.compile('\x1b\\[[0-9;]*m')
-_REORDERED = 'what happens at this instant is the same in both runs, in another order: nodes were connected in ' \
-             'another order, which is that in which they have registered with the ROS master, or talk past lockstep'
-_UNSEEN = 'the labels of these runs name no source of chance or wall time. Nobody sees the ' \
-          'order in which nodes have registered with the ROS master, what another run at the same time does (files, ' \
-          'shared memory), files of the run before, sets of objects and what libraries do'
+_REORDERED = 'the events of this instant are the same in both runs, in another order: nodes were connected in ' \
+             'another order, that of their registrations with the ROS master, or talk past lockstep'
+_UNSEEN = 'the labels of these runs name no source of chance or wall time. The tools do not see ' \
+          'the order of registrations with the ROS master, effects of another run at the same time (files, ' \
+          'shared memory), files of the run before, sets of objects, and the inside of libraries'
 
 
 def event_lines(difference, first, run):

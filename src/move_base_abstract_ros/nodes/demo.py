@@ -178,11 +178,11 @@ def _parse(words):
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
-    source.add_argument('--world', choices=(warehouse.KIND,), help='instead: a warehouse that is made by sizes, with '
+    source.add_argument('--world', choices=(warehouse.KIND,), help='drive in a warehouse that is made by sizes, with '
                         'orders that arrive and a dispatcher')
-    parser.add_argument('--orders', type=_count, metavar='N', help='with --world only: how many arrive within an hour '
+    parser.add_argument('--orders', type=_count, metavar='N', help='number of orders within an hour; only with --world '
                         f'(default: {warehouse.ORDERS})')
-    parser.add_argument('--policy', choices=warehouse.POLICIES, help='with --world only: who gets which order')
+    parser.add_argument('--policy', choices=warehouse.POLICIES, help="the dispatcher's policy; only with --world")
     parser.add_argument('--robots', type=_count, metavar='N',
                         help='number of robots (default: 5, or all of the mission; with --world 50)')
     parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')

@@ -101,7 +101,7 @@ def read_words(words):
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
-    parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
+    parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
     options = parser.parse_args(words)
     options.words = words[:len(words) - len(options.command)]
     return parser, options

@@ -25,8 +25,8 @@ from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.replacing import rospy_start
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
-        'ros::Duration::sleep); a wait for a file, a socket or another process holds everybody up until it is over; '
-        'what computes for long needs patience only')
+        'ros::Duration::sleep); a wait for a file, a socket or another process holds up all nodes until it is over; '
+        'a long computation only needs patience')
 _CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as its thread has told it
 _ADDR2LINE_SECONDS = 10.0  # wall
 #: by what a lockstep run does: what can be typed next; FILE is its launch file

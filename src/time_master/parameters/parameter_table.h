@@ -24,52 +24,52 @@ constexpr ParameterRow kParameterTable[] = {
     {"factor", "number", "simulated s per wall s", "1", "0.01 to 1e6",
      "Factor at the start; for scaled only."},
     {"busy_factor", "number", "simulated s per wall s", "1", "0, 0.01 to 1e6",
-     "Upper limit of the factor while anybody holds, 0 freezes the clock; for scaled only."},
+     "Upper limit of the factor while a node holds the clock; 0 freezes it; for scaled only."},
     {"finest_step", "number", "s, simulated", "0.01", "1e-6 to 3600",
-     "Two times on `/clock` lie at least so far apart, a stop or a freeze excepted; for scaled "
-     "only."},
+     "Least step between two times on `/clock`, except at a stop or a freeze; for scaled only."},
     {"max_clock_rate", "number", "Hz, wall", "500", "1 to 10000",
-     "`/clock` is sent at most so often; in lockstep only onlookers hear it, so the default is "
+     "Upper limit of the rate of `/clock`; in lockstep only onlookers hear it, so the default is "
      "200."},
     {"start_time", "number", "s, simulated", "1", "1e-6 to 2e9", "The first instant."},
     {"start_paused", "true or false", "", "false", "true, false",
      "Whether time stands still until resume, step or run_until."},
     {"repeat_rate", "number", "Hz, wall", "20", "1 to 1000",
-     "How often the last time is repeated while there is no new one."},
+     "Rate at which the last time is repeated while there is no new one."},
     {"longest_gap", "number", "s, wall", "0.25", "0.2 to 3e9",
      "If the time master did not run for longer than this, only this much counts, and a warning "
      "says so; for scaled only."},
     {"state_rate", "number", "Hz, wall", "2", "0.1 to 100",
-     "How often the state is sent, besides once on each change."},
+     "Rate at which the state is sent; it is also sent on each change."},
     {"participants", "list of texts", "", "[]", "list of node names",
      "Time starts when all of these nodes take part; names without a leading `/` are below the "
      "root."},
     {"settle", "number", "s, wall", "2", "0 to 3600",
-     "Where no participants are named, time starts when nobody new has joined for so long; the run "
-     "is then not repeatable."},
+     "If no participants are named, time starts when no node has joined for this time; the run is "
+     "then not repeatable."},
     {"lookahead", "number", "s, simulated", "0", "0, 1e-6 to 1000",
-     "How long everything takes from one participant to another; each goes through windows of that "
-     "length by itself."},
+     "Time that every message takes from one participant to another; each participant goes through "
+     "windows of this length by itself."},
     {"chaos_seed", "whole number", "", "0", "0 to 2147483647",
-     "Equal events come in another legal order, as this seed says; 0 is the stated order."},
+     "Seed of another legal order of equal events; 0 is the stated order."},
     {"chaos_delay", "number", "s, simulated", "0", "0 to 1000",
-     "With a `chaos_seed`, messages are under way for up to so long."},
+     "With a `chaos_seed`, messages take up to this time."},
     {"chaos_only", "list of texts", "", "[]", "list of texts: 12 hexadecimal digits each, or none",
      "Names of the decisions that are applied, 12 hexadecimal digits each, or `none`; empty: all."},
     {"chaos_decisions", "text", "", "", "path of a new file",
      "New file for the decisions that were applied, written when the run ends."},
     {"speed_limit", "number", "simulated s per wall s", "0", "0, 0.01 to 1e6",
-     "The run is at most so fast; 0: no limit."},
+     "Upper limit of the speed of the run; 0: no limit."},
     {"sim_time_factor_is_limit", "true or false", "", "false", "true, false",
      "Whether `/sim_time_factor` sets the speed limit in lockstep."},
     {"silence_limit", "number", "s, wall", "10", "0, 0.001 to 86400",
      "A participant that works longer than this on one instant is named in the log; 0: never."},
     {"on_silence", "text", "", "wait", "wait, drop",
-     "Whether a silent participant is waited for, or dropped as if it had died."},
+     "Whether time waits for a silent participant, or drops it as if it had died."},
     {"on_death", "text", "", "go_on", "go_on, end",
-     "Whether the run goes on, labelled degraded, when a participant dies, or ends."},
+     "Whether the run goes on when a participant dies (labelled degraded), or ends."},
     {"max_microsteps", "whole number", "", "100000", "1 to 1e8",
-     "So many rounds at one instant are a zero-delay loop, which is named and stopped."},
+     "Number of rounds at one instant that count as a zero-delay loop, which is named and "
+     "stopped."},
     {"event_log", "text", "", "", "path ending in .jsonl or .csv",
      "File for the events of the run; '': none."},
     {"excluded_topics", "list of texts", "", "[]", "list of topics",
@@ -77,26 +77,26 @@ constexpr ParameterRow kParameterTable[] = {
     {"lockstep_secret_file", "text", "", "", "path of a file of mode 0600",
      "File of mode 0600 with a secret that participants must have; '': none."},
     {"lockstep_secret", "text", "", "", "1 to 1024 bytes",
-     "The same secret as a parameter, which whoever reaches the ROS master can read."},
+     "The same secret as a parameter, which everybody who reaches the ROS master can read."},
     {"not_covered", "list of texts", "", "[]", "list of texts",
-     "Reasons why the log does not say all of the run: it is not called repeatable."},
+     "Reasons why the log does not cover the whole run, which is then not called repeatable."},
     {"message_bytes", "text", "", "", "path of a new file",
-     "New file for the bytes of what participants send each other, at most 256 MiB; `verify` reads "
+     "New file for the bytes of the messages between participants, at most 256 MiB; `verify` reads "
      "it."},
     {"note_of_start", "text", "", "", "path of a new file",
-     "New empty file that appears once time has started."},
+     "New empty file that appears when time has started."},
     {"note_of_end", "text", "", "", "path of a new file",
      "New file of JSON that appears when the run has ended and the log is written: `ended_by`, "
      "`at_ns`, `rounds`, `leaps`, `messages`."},
     {"log_messages", "true or false", "", "false", "true, false",
      "Whether messages and calls between participants are events of the log, too."},
     {"event_log_of_ends", "true or false", "", "false", "true, false",
-     "Whether only what tells how nodes fared goes to the log."},
+     "Whether the log has only the events that say how nodes ended."},
     {"strict", "true or false", "", "false", "true, false",
      "Whether the first reason not to call the run repeatable ends it with exit code 1."},
     {"end_when_idle", "true or false", "", "false", "true, false",
-     "Whether the run ends when nobody has anything left to do: exit code 0, or 1 for a deadlock "
-     "or a zero-delay loop."},
+     "Whether the run ends when no participant has anything left to do: exit code 0, or 1 for a "
+     "deadlock or a zero-delay loop."},
     {"network", "list of texts", "", "[]", "lines",
      "Lines of a radio network, as the launcher makes them of the network's file; not with a "
      "lookahead."},
@@ -107,7 +107,7 @@ constexpr ParameterRow kParameterTable[] = {
      "Whether messages for a roscpp program that looks at its queues only at its own ticks are "
      "kept until then."},
     {"idle_nodes", "list of texts", "", "[]", "list of node names",
-     "Threads of these nodes wait for work, whatever they wait for, when a run is called idle or a "
+     "Nodes whose waiting threads always count as waiting for work when a run is called idle or a "
      "deadlock."},
     {"end_at", "number", "s, simulated", "0", "0, start_time to 2147483647",
      "The run ends at this instant with exit code 0; 0: no end."},
@@ -115,7 +115,7 @@ constexpr ParameterRow kParameterTable[] = {
      "The run ends with the round in which the first of these nodes leaves (exit code 0) or dies "
      "(1)."},
     {"cores", "text", "", "auto", "auto, one, all, alternate",
-     "On which cores of their computer participants run; events do not depend on it."},
+     "Cores of their computer on which participants run; events do not depend on them."},
     {"lockstep_port", "whole number", "", "0", "0 to 65535",
      "TCP port for participants; 0: any free one."},
 };
