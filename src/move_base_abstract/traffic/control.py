@@ -128,7 +128,8 @@ class Traffic:
     def set_zone_limit(self, name: str, max_speed: Optional[float]) -> None:
         """Have robots drive at most at ``max_speed`` [m/s] in a zone, None: as fast as they are; at once.
 
-        Who has yet to leave it on its way goes on from rest, by a way that is planned now.
+        A robot that has yet to leave the zone on its way goes on from rest, by a way that is planned now.
+
         :raises ConfigurationError: if there is no zone of that name, for a speed that is not allowed, and where the law
             of motion of any robot has no room for limits.
         """
