@@ -60,7 +60,7 @@ TABLE = (
     Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]',
               'Mean time until a failed robot is repaired.'),
     Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'",
-              'Distribution of that time; `never`: until a service repairs it. If it is not set, `fixed` counts; with '
+              'Distribution of that time; `never`: until you repair the robot. If it is not set, `fixed` counts; with '
               '`stuck`, `never` does.'),
     Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10',
               'Coefficient of variation of the time (standard deviation / mean), with `lognormal` only.'),

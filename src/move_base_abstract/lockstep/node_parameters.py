@@ -13,7 +13,7 @@ TABLE = (
     Parameter('lockstep_charge', 'none', text, "'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', "
               "'measured_cpu:FILE' or 'replay:FILE'", 'Simulated time that the work of the node takes.'),
     Parameter('foresee', True, boolean, 'true or false',
-              'Whether periodic output is sent beforehand; the events are the same, for comparing.'),
+              'Whether the time master gets periodic output beforehand; the events are the same, for comparing.'),
     Parameter('events_only', False, boolean, 'true or false',
               'In lockstep, nothing is sent at a rate unless its own parameter says so; a namespace above counts, '
               'too.'),

@@ -91,7 +91,7 @@ constexpr ParameterRow kParameterTable[] = {
     {"log_messages", "true or false", "", "false", "true, false",
      "Whether messages and calls between participants are events of the log, too."},
     {"event_log_of_ends", "true or false", "", "false", "true, false",
-     "Whether the log has only the events that say how nodes ended."},
+     "Whether the log has only its end and the events of uncaught exceptions."},
     {"strict", "true or false", "", "false", "true, false",
      "Whether the first reason not to call the run repeatable ends it with exit code 1."},
     {"end_when_idle", "true or false", "", "false", "true, false",
