@@ -17,11 +17,13 @@ CORE = os.path.dirname(os.path.dirname(fleet_module.__file__)) + os.sep
 #: the machine that runs events and calls; what goes wrong there is for who called it
 MACHINE = {'event_queue.py', 'simulation.py', 'guard.py', 'arguments.py', 'units.py', 'fleet.py', 'chance.py',
            'shown.py', 'alarm.py', 'handed_on.py', 'stream.py'}
+#: where work begins, and where a state that others go by is set: what goes wrong before their first line undoes nothing
 ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'give_back'),
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
            ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
            ('room.py', '_look'), ('room.py', '_changed'), ('timed_task.py', 'shut_down'),
-           ('control.py', '_happen'), ('failing.py', '_no'), ('failing.py', 'repair'), ('failing.py', '_forget'),
+           ('traveller.py', '_happen'), ('travel.py', '_change_holds'), ('member.py', 'worker'),
+           ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'), ('failing.py', '_forget'),
            ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
            ('geometry.py', 'quaternion_of_yaw')}
 WORLD = {
