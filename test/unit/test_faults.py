@@ -23,8 +23,8 @@ ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'g
            ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
            ('room.py', '_look'), ('room.py', '_changed'), ('timed_task.py', 'shut_down'),
            ('traveller.py', '_happen'), ('travel.py', '_change_holds'), ('member.py', 'worker'),
-           ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'), ('failing.py', '_forget'),
-           ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
+           ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'),
+           ('failing.py', '_forget'), ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
            ('geometry.py', 'quaternion_of_yaw')}
 WORLD = {
     'zones': [{'name': 'gate', 'rectangle': [4.0, -9.0, 8.0, 9.0], 'capacity': 1},
