@@ -121,17 +121,18 @@ class ThreadsTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix='lockstep_chance_')
         try:
-            cls.early, cls.again = cls.run_once('early'), cls.run_once('early')
+            cls.early, cls.again = cls.run_once('early'), cls.run_once('early', ahead=1.5)
             cls.stray = cls.run_once('stray', PYTHONHASHSEED='random')
         finally:
             shutil.rmtree(cls.folder)
 
     @classmethod
-    def run_once(cls, name, **environment):
+    def run_once(cls, name, ahead=0.0, **environment):
+        """Return a run; ahead [s, wall]: for so long the program has to look for the time master."""
         command = [sys.executable, find_executable('lockstep'), os.path.join(FOLDER, 'early_threads.py')]
         words = ['__name:=' + name] if name == 'early' else []  # else its name is not known before it is a node
         with mock.patch.dict(os.environ, TMPDIR=cls.folder, **environment):
-            return run_programs({name: None}, until=10.0, commands={name: command + words})
+            return run_programs({name: None}, until=10.0, commands={name: command + words}, ahead=ahead)
 
     def test_a_thread_from_before_the_node_takes_turns_or_is_labelled(self):
         self.assertEqual((self.early.codes, self.again.codes), ({'early': 0}, {'early': 0}), self.early.outputs)

@@ -51,24 +51,29 @@ class Run:
 
 
 def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
-                 onlookers=(), others=None, guard=GUARD, is_warm=True):
+                 onlookers=(), others=None, guard=GUARD, is_warm=True, ahead=0.0):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
     whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
     takes no part; others: {name: (command line, s)} of programs that take no part and are stopped for so long (wall) as
-    soon as they have begun; guard [s, wall]: when a run is given up that does not end; is_warm: whether all are forks.
+    soon as they have begun; guard [s, wall]: when a run is given up that does not end; is_warm: whether all are forks;
+    ahead [s, wall]: how long programs have begun before the time master.
     """
     with Loopback(is_warm=is_warm) as ros:
         for name, value in (parameters or {}).items():
             ros.set_param(name, value)
         log = os.path.join(ros.log_dir, 'run.jsonl')
         names = ['/' + name for name in programs] + (['/fleet'] if fleet else [])
+        children = {}
+        if ahead:
+            ros.set_param('/time_master/mode', 'lockstep')
+            _spawn(ros, children, programs, commands)
+            time.sleep(ahead)
         master = ros.run('time_master', 'time_master', parameters=dict(
             {'mode': 'lockstep', 'participants': names, 'event_log': log, 'log_messages': True, 'start_paused': True,
              'state_rate': 50.0}, **(clock or {})))
         with busy(load):
-            children = {}
             for name, (words, pause) in (others or {}).items():
                 _stop_for(pause, ros.spawn(name, [*words, *remaps(name.strip('/'))]))
             for topic in onlookers:
@@ -76,8 +81,8 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
             if fleet:
                 children['fleet'] = ros.run('fleet', 'fleet', parameters={
                     'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})
-            for name, words in programs.items():
-                children[name] = ros.spawn('/' + name, (commands or {}).get(name) or command(words, name))
+            if not ahead:
+                _spawn(ros, children, programs, commands)
             state = _wait(ros, until, guard)
         ros.end(master)
         outputs, codes = _end(ros, children)
@@ -86,6 +91,11 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
                 guard, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
         with open(log, 'rb') as stream:
             return Run(stream.read(), outputs, codes, state)
+
+
+def _spawn(ros, children, programs, commands):
+    for name, words in programs.items():
+        children[name] = ros.spawn('/' + name, (commands or {}).get(name) or command(words, name))
 
 
 def _stop_for(pause, child):

@@ -15,6 +15,8 @@ from ..ros_master.queries import settle
 #: packages of ROS that sleep for their sockets, for the ROS master and as a courtesy, never for what another node does:
 #: their sleeps are not the program's. (actionlib and tools like rostopic poll: theirs count as the program's.)
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'genpy', 'genmsg'))
+#: ours that looks for the time master before the program takes part: how often depends on the wall
+_OWN = __name__.partition('.waiting.')[0] + '.exchange.'
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
@@ -118,7 +120,8 @@ class _Sleep:
 
 
 def _is_of_ros(frame):
-    """Whether ROS's own code sleeps: rospy does, for 0 s, after each message that it sends, also of the log."""
+    """Whether ROS's own code or ours sleeps: rospy does, for 0 s, after each message that it sends, also of the log."""
     if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
         frame = frame.f_back
-    return (frame.f_globals.get('__name__') or '').partition('.')[0] in _ROS
+    name = frame.f_globals.get('__name__') or ''
+    return name.partition('.')[0] in _ROS or name.startswith(_OWN)
