@@ -4,6 +4,7 @@
 Parameters: ~policy, ~robots (as in a scenario), ~tasks ([x, y, yaw]), ~limit [s], ~output (a line of JSON is added).
 """
 import json
+import math
 import os
 import sys
 import threading
@@ -12,7 +13,6 @@ import actionlib
 import rospy
 from geometry_msgs.msg import Quaternion
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
-from tf.transformations import quaternion_from_euler
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 from dispatching import Dispatcher  # noqa: E402
@@ -47,7 +47,7 @@ class Coordinator:
         goal.target_pose.header.frame_id = 'map'
         goal.target_pose.header.stamp = rospy.Time.now()
         goal.target_pose.pose.position.x, goal.target_pose.pose.position.y = x, y
-        goal.target_pose.pose.orientation = Quaternion(*quaternion_from_euler(0.0, 0.0, yaw))
+        goal.target_pose.pose.orientation = Quaternion(0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw))
         # a simple client takes no goal in its own callback
         self._handles[number] = self._clients[number].send_goal(
             goal, lambda handle: self._changed(number, task, handle))
