@@ -65,11 +65,7 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
             ros.set_param(name, value)
         log = os.path.join(ros.log_dir, 'run.jsonl')
         names = ['/' + name for name in programs] + (['/fleet'] if fleet else [])
-        children = {}
-        if ahead:
-            ros.set_param('/time_master/mode', 'lockstep')
-            _spawn(ros, children, programs, commands)
-            time.sleep(ahead)
+        children = _spawn_ahead(ros, ahead, programs, commands)
         master = ros.run('time_master', 'time_master', parameters=dict(
             {'mode': 'lockstep', 'participants': names, 'event_log': log, 'log_messages': True, 'start_paused': True,
              'state_rate': 50.0}, **(clock or {})))
@@ -82,7 +78,7 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
                 children['fleet'] = ros.run('fleet', 'fleet', parameters={
                     'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})
             if not ahead:
-                _spawn(ros, children, programs, commands)
+                children.update(_spawn(ros, programs, commands))
             state = _wait(ros, until, guard)
         ros.end(master)
         outputs, codes = _end(ros, children)
@@ -93,9 +89,19 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
             return Run(stream.read(), outputs, codes, state)
 
 
-def _spawn(ros, children, programs, commands):
-    for name, words in programs.items():
-        children[name] = ros.spawn('/' + name, (commands or {}).get(name) or command(words, name))
+def _spawn(ros, programs, commands):
+    return {name: ros.spawn('/' + name, (commands or {}).get(name) or command(words, name))
+            for name, words in programs.items()}
+
+
+def _spawn_ahead(ros, ahead, programs, commands):
+    """Start programs, if they are to begin ``ahead`` [s, wall] of the time master."""
+    if not ahead:
+        return {}
+    ros.set_param('/time_master/mode', 'lockstep')
+    children = _spawn(ros, programs, commands)
+    time.sleep(ahead)
+    return children
 
 
 def _stop_for(pause, child):
