@@ -47,8 +47,12 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
             else:
                 wanted.add(one.id)
     for what, those in old.items():
-        then = 'are kept, labelled' if keep_old else 'run again (--keep-old keeps them, labelled)'
-        print(f'experiment: {what} changed: {len(those)} trials {then}', file=stream, flush=True)
+        if len(those) == 1:
+            then = '1 trial is kept, labelled' if keep_old else '1 trial runs again (--keep-old keeps it, labelled)'
+        else:
+            then = f'{len(those)} trials ' + (
+                'are kept, labelled' if keep_old else 'run again (--keep-old keeps them, labelled)')
+        print(f'experiment: {what} changed: {then}', file=stream, flush=True)
     folder.write(FILE, json.dumps(programs, sort_keys=True).encode())
     return [one for one in chosen if one.id in wanted]
 
