@@ -12,12 +12,14 @@ import numpy as np
 import rostest
 import yaml
 
+from move_base_abstract.msg import RobotEvent
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_mapf.driving import drive
 from move_base_abstract_mapf.layout import Grid, read_folder, write_folder
 from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_mapf.plans import read_plan
-from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.nodes.orders_run.mapf_drive_node import PlanNode
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'launch', 'mapf.launch')
 GUARD = 120.0
@@ -86,6 +88,22 @@ class MapfDriveTest(unittest.TestCase):
         done = self.run_it('folder:=' + folder, 'plan:=' + self.plan)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn('the plan has 1 agents, the scenario 4 robots', done.stdout)
+
+    def test_a_folder_that_is_not_given_is_named(self):
+        with Loopback() as ros:
+            done = subprocess.run([find_executable('mapf_drive'), '__name:=drives'], env=ros.environment, check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn('parameter /drives/folder: got none; allowed: the path of a folder that mapf import made',
+                      done.stdout)
+
+    def test_an_event_that_no_robot_tells_so_changes_nothing(self):
+        node = PlanNode.__new__(PlanNode)
+        node._numbers = {'agent_0': 0}
+        for execution in (None, self):  # which has nothing of an Execution: it must not be asked
+            node._execution = execution
+            for texts in ([], ['agent_0-1'], ['agent_0-1', 'SUCCEEDED', '', '']):
+                node._on_event(RobotEvent(kind='ended', robot='agent_0', texts=texts))
 
 
 if __name__ == '__main__':

@@ -5,7 +5,6 @@ import time
 
 import rospy
 
-from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.config.node_tables import FLEET
 from move_base_abstract.encounters.control import make_encounters
 from move_base_abstract.scenario import check_one_process
@@ -14,7 +13,7 @@ from ..clocks.timing import make_timing
 from ..fleet.fleet_scenario import INLINE, read_fleet_scenario
 from ..fleet.fleet_server import FleetServer, robot_names
 from ..process.node_process import parse_no_arguments, run_node
-from ..process.own_parameters import own_parameters
+from ..process.own_parameters import own_values
 from ..robot.host import Host
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
@@ -38,11 +37,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw = own_parameters()
-    values = read_table(raw, FLEET, where)
-    known = tuple(parameter.name for parameter in FLEET) + INLINE + LOCKSTEP_PARAMETERS
-    for warning in unknown_names(raw, known, where):
-        rospy.logwarn(warning)
+    raw, values = own_values(FLEET, INLINE + LOCKSTEP_PARAMETERS)
     timing = make_timing()
     clock = timing.make_clock()
     scenario = read_fleet_scenario(raw, values, where, timing.base_settings)

@@ -4,7 +4,6 @@ import time
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.config.node_tables import TASK_SERVER
 from move_base_abstract.fleet.robot_rows import write
 from move_base_abstract.goals.events import robot_stream
@@ -16,7 +15,7 @@ from move_base_abstract.tasks.timed_task import DrawnDurations
 from .. import lockstep
 from ..clocks.timing import make_timing
 from ..process.node_process import parse_no_arguments, run_node
-from ..process.own_parameters import own_parameters
+from ..process.own_parameters import own_values
 from ..replacing.bulk_registration import bulk_registration
 from ..robot.host import Host
 from ..robot.task_server import TaskServer
@@ -36,10 +35,7 @@ def main():
 def _build():
     """Read the parameters, wait for the clock, and return the servers."""
     where = rospy.get_name()
-    raw = own_parameters()
-    values = read_table(raw, TASK_SERVER, where)
-    for warning in unknown_names(raw, tuple(row.name for row in TASK_SERVER) + ('places', *LOCKSTEP_PARAMETERS), where):
-        rospy.logwarn(warning)
+    raw, values = own_values(TASK_SERVER, ('places', *LOCKSTEP_PARAMETERS))
     timing = make_timing()
     clock = timing.make_clock()
     try:

@@ -4,7 +4,6 @@ from functools import partial
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
 from move_base_abstract.msg import Order, Task
@@ -14,7 +13,7 @@ from ..clocks.timing import make_timing
 from ..messages import orders, packing
 from ..messages.outlets import Outlet
 from ..process.node_process import parse_no_arguments, run_node
-from ..process.own_parameters import own_parameters
+from ..process.own_parameters import own_values
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 #: the scenario itself, instead of a file
@@ -29,11 +28,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw = own_parameters()
-    values = read_table(raw, TASK_SOURCE, where)
-    known = tuple(parameter.name for parameter in TASK_SOURCE) + _INLINE + LOCKSTEP_PARAMETERS
-    for warning in unknown_names(raw, known, where):
-        rospy.logwarn(warning)
+    raw, values = own_values(TASK_SOURCE, _INLINE + LOCKSTEP_PARAMETERS)
     scenario = _read_scenario(raw, values, where)
     timing = make_timing()
     clock = timing.make_clock()

@@ -7,6 +7,22 @@ anything. What somebody has set there all the same counts where the node's own n
 import rosgraph
 import rospy
 
+from move_base_abstract.common.parameter_table import read_table, unknown_names
+
+
+def own_values(table, more):
+    """Return (all private parameters, {name: value} of those in ``table`` (Parameter, ...), checked).
+
+    A name that is neither in ``table`` nor in ``more``, which has those that are read elsewhere, gets a warning.
+    :raises ConfigurationError: for a value that is not allowed.
+    """
+    where, raw = rospy.get_name(), own_parameters()
+    values = read_table(raw, table, where)
+    known = (*(parameter.name for parameter in table), *more)
+    for warning in unknown_names(raw, known, where):
+        rospy.logwarn(warning)
+    return raw, values
+
 
 def own_parameters():
     """Return {name: value} of the node's private parameters, or what else somebody has set under the node's name."""

@@ -11,7 +11,7 @@ from move_base_msgs.msg import MoveBaseActionGoal
 from std_msgs.msg import Int32
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.parameter_table import Parameter, read_table, text, topic, unknown_names
+from move_base_abstract.common.parameter_table import Parameter, text, topic
 from move_base_abstract.fleet.dispatch import CHARGE_LOOK_NS
 from move_base_abstract.fleet.dispatch_world import Distances, chargers_of, check_levels, starts_of
 from move_base_abstract.msg import Order, PlaceTaskActionGoal, PlaceTaskGoal, RobotEvent
@@ -26,7 +26,7 @@ from ...fleet.fleet_scenario import INLINE
 from ...messages import conversions, orders, packing
 from ...messages.outlets import Outlet
 from ...process.node_process import parse_no_arguments, run_node
-from ...process.own_parameters import own_parameters
+from ...process.own_parameters import own_values
 from ...robot.events_topic import EventsTopic
 from ...robot.work_server import ACTION as WORK
 from ..move_base_node import LOCKSTEP_PARAMETERS
@@ -57,11 +57,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    known = (*(parameter.name for parameter in _TABLE), *INLINE, *LOCKSTEP_PARAMETERS)
-    for warning in unknown_names(raw, known, where):
-        rospy.logwarn(warning)
+    raw, values = own_values(_TABLE, INLINE + LOCKSTEP_PARAMETERS)
     scenario = _read_scenario(raw, values, where)
     given = {one.name: values[one.name] for one in DISPATCHER_TABLE if values[one.name] is not None}
     settings = settings_of({**asdict(scenario.dispatcher or DispatchSettings()), **given}, where)

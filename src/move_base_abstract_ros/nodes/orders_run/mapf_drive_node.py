@@ -8,7 +8,8 @@ import itertools
 import rospy
 from move_base_msgs.msg import MoveBaseActionGoal
 
-from move_base_abstract.common.parameter_table import Parameter, one_of, read_table, text, topic, unknown_names
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, one_of, text, topic
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract_mapf.driving import check_starts
 from move_base_abstract_mapf.execution import ORDER_KEPT, POLICIES, Execution
@@ -19,7 +20,7 @@ from ...clocks.timing import make_timing
 from ...messages import packing
 from ...messages.outlets import Outlet
 from ...process.node_process import parse_no_arguments, run_node
-from ...process.own_parameters import own_parameters
+from ...process.own_parameters import own_values
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
 _CONNECT_SECONDS = 30.0  # of the clock's wait_until
@@ -39,12 +40,11 @@ def main():
 
 
 def _build():
-    where = rospy.get_name()
-    raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    known = (*(parameter.name for parameter in _TABLE), *LOCKSTEP_PARAMETERS)
-    for warning in unknown_names(raw, known, where):
-        rospy.logwarn(warning)
+    _, values = own_values(_TABLE, LOCKSTEP_PARAMETERS)
+    for name in ('folder', 'plan'):
+        if not values[name]:
+            raise ConfigurationError('parameter {}/{}: got none; allowed: {}'.format(
+                rospy.get_name(), name, next(one.allowed for one in _TABLE if one.name == name)))
     site = read_folder(values['folder'])
     plan = read_plan(values['plan'], site.grid.blocked)
     check_starts(plan, site)
@@ -86,7 +86,7 @@ class PlanNode:
         self._clock.simulation.queue.schedule(instant_ns, 0, lambda due_ns, _now_ns: self._execution.look(due_ns))
 
     def _on_event(self, message):
-        if message.kind != 'ended' or message.robot not in self._numbers or self._execution is None:
+        if self._execution is None or message.robot not in self._numbers or not _is_end(message):
             return
         with self._clock.lock:
             now_ns = self._clock.now_ns()
@@ -102,3 +102,8 @@ class PlanNode:
         goal_id = '{}-{}'.format(self._names[robot], next(self._goal_numbers[robot]))
         target, now_ns = self._in_frame.target(*self._grid.pose(cell, towards)), self._clock.simulation.now_ns
         self._goals[robot].send(lambda seq: packing.action_goal(seq, goal_id, now_ns, target))
+
+
+def _is_end(message):
+    """Return whether a RobotEvent is the end of a goal, as robots tell it: anybody may send others."""
+    return message.kind == 'ended' and len(message.texts) == 3
