@@ -179,9 +179,9 @@ class Experiments(OwnFolder, unittest.TestCase):
         wait_for(lambda: self.complete('killed'), 'the first trial')
         killed.workers()[0].suspend()
         killed.workers()[1].kill()
+        count = len(self.complete('killed'))  # now: others may have done all by the time it has ended
         before = killed.workers()[0]
         wait_for(lambda: not before.is_running(), 'the end of a worker that is stopped')
-        count = len(self.complete('killed'))
         wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of all workers')
         killed.process.kill()
         killed.end()
