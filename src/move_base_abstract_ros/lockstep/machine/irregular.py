@@ -45,14 +45,14 @@ EVENTS = {
     'os.exec': 'becomes another program, which takes part no more',
     'os.fork': 'forks: the child does not take part in lockstep',
     'os.forkpty': 'forks: the child does not take part in lockstep',
-    'builtins.input': 'waits for somebody to type',
+    'builtins.input': 'waits until a person types',
 }
 _STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
-_PROCESSOR = 'tells what the processor has worked, or the machine has to do'
+_PROCESSOR = 'says how long the processor has worked, or how busy the machine is'
 _WOKEN = 'has the kernel wake the program by the wall clock'
 _NUMBER = 'is another number in another run'
-_COMPUTER = 'is another one on another computer'
-_WRITTEN = 'tells when a file was written, by the wall clock'
+_COMPUTER = 'differs from computer to computer'
+_WRITTEN = 'says when a file was written, by the wall clock'
 _THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
 _WATCHES = 'looks at a connection or a file, by the wall clock'
 #: {function: label}; it counts if the program's own code calls it
@@ -67,7 +67,7 @@ CALLS = {
     'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
-_ADDRESS = 'tells an address, which differs from run to run'
+_ADDRESS = 'gives an address, which differs from run to run'
 _DEVICES = ('/dev/', '/proc/', '/sys/')
 #: paths there that read the same in each run, or are the program's own output
 _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',

@@ -38,8 +38,8 @@ WORDS = (
     'a library has the kernel wake the program by the wall clock',
     'a library starts a process that is not a participant: its answers depend on the machine',
     'getpid() is another number in another run',
-    'a library opens a device, or what the system says of itself: that is so on this machine, now',
-    "random bytes of a device cannot be stood in for, and are the machine's")
+    'a library opens a device, or a file in which the system describes itself: what it reads differs from run to run',
+    "random bytes of a device cannot be replaced, and are the machine's")
 #: notices that count only for the program's own libraries: others name files by the pid, and look at the computer
 _OF_OWN = (_NUMBER, _DEVICE)
 _SYSTEMS = ('/usr/lib/', '/lib/', '/lib64/', '/opt/ros/')

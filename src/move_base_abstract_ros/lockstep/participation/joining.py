@@ -103,5 +103,5 @@ def _warn(joined):
     if not joined.charge.is_repeatable:
         joined.label('it charges what it measures; replay the record to repeat the run')
     if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
-        rospy.logdebug('%s: sets of texts are iterated in another order in every run; PYTHONHASHSEED=0 fixes that',
+        rospy.logdebug('%s: sets of texts have another order in every run; PYTHONHASHSEED=0 fixes that',
                        rospy.get_name())

@@ -57,8 +57,8 @@ def prepare(path, rank, sleep, environment):
     if any(name.startswith(_PARTICIPANT) for name in needed):
         return dict(environment)  # it takes part by itself
     if not links_to_roscpp(path):
-        raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}; programs that it starts can be given "
-                         'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
+        raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}. If it starts one, give that program "
+                         'instead'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
                          'preload a library into it'.format(path))
@@ -142,7 +142,7 @@ def needed_libraries(path):
     with open(path, 'rb') as stream:
         data = stream.read()
     if len(data) < _HEADER.size or data[:6] != b'\x7fELF\x02\x01':
-        raise ValueError("'{}' is no 64-bit little-endian ELF program".format(path))
+        raise ValueError("'{}' is not a 64-bit little-endian ELF program".format(path))
     try:
         return _needed(data)
     except (struct.error, IndexError, UnicodeDecodeError):

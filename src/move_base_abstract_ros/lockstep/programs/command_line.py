@@ -68,8 +68,8 @@ def find(command, is_script=False):
         raise ValueError("there is no program '{}'".format(command[0]))
     kind = 'script' if is_script else kind_of(path)
     if kind is None:
-        raise ValueError("'{}' is neither a Python or shell script nor a binary; programs that it starts can be given "
-                         'themselves'.format(path))
+        raise ValueError("'{}' is neither a Python or shell script nor a binary. If it starts a program, give that "
+                         'program instead'.format(path))
     return kind, path, command[1:]
 
 
