@@ -22,7 +22,7 @@ class Told:
             self._say(place)
 
     def is_ordered(self):
-        """Return whether the calling thread does what it does in the same order in each run."""
+        """Return whether the actions of the calling thread have the same order in each run."""
         participant = self.participant
         if participant is None:
             return threading.current_thread() is threading.main_thread()

@@ -17,7 +17,7 @@ _local = threading.local()
 class sender:  # noqa: N801 - it is called like a function
     """A context in which all that is created or published belongs to the robot ``index``, which gives its order.
 
-    Messages of one node at one instant come in the order of these indices.
+    Of messages of one instant whose senders have the same rank, those of the lowest index come first.
     """
 
     __slots__ = ('_index', '_before')

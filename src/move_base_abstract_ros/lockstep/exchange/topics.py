@@ -16,7 +16,8 @@ from .links import MemberLinks, PublisherLink, creating_index
 class Topics:
     """The topics of a participant. The protocol has a number for each topic of a participant, not its name.
 
-    ``excluded`` are the names of topics that are not part of lockstep, ``constants`` those of :meth:`.constant`.
+    ``excluded`` are the names of topics that are not part of lockstep, ``constants`` those of
+    :meth:`.Participant.constant`.
     """
 
     def __init__(self, participant):
