@@ -1,4 +1,4 @@
-"""A pytest plugin: tests that run robots and your nodes in lockstep (docs/testing.md).
+"""A pytest plugin for tests that run robots and your nodes in lockstep (docs/testing.md).
 
     python3 -m pytest -p move_base_abstract_testing
 

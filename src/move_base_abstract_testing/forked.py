@@ -1,4 +1,4 @@
-"""Running a test in a fork of pytest, which has imported all: a ROS node can be made once in a process."""
+"""Run a test in a fork of pytest, since a process can be only one ROS node. The fork finds all modules imported."""
 import json
 import os
 import select
@@ -14,13 +14,18 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 
 WALL_LIMIT_S = 120.0
-_GRACE_S = 1.0  # wall, from what it says to its end
+_GRACE_S = 1.0  # wall, from the fork's reports to its end
 _CALL = 'call'
 _PIECE = 1 << 16
 
 
 def reports_of(item, wall_limit):
-    """Return the reports of an item, run in a process of its own; twice, if it asserts that both runs are identical."""
+    """Run an item in a process of its own, and return its reports.
+
+    If the test calls ``assert_identical()``, it is run twice, and fails if the two event logs differ.
+
+    :param wall_limit: how long one run may take [s, wall].
+    """
     folder = tempfile.mkdtemp(prefix='lockstep_test_')
     reports = _run(item, os.path.join(folder, 'run_1'), wall_limit)
     if _is_good(reports) and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
@@ -36,7 +41,7 @@ def reports_of(item, wall_limit):
     else:
         for report in reports:
             if report.failed:
-                report.sections.append(('lockstep', 'event log and what nodes have printed: {}'.format(folder)))
+                report.sections.append(('lockstep', 'event log and output of the nodes: {}'.format(folder)))
     return reports
 
 
@@ -73,12 +78,12 @@ def _run(item, folder, wall_limit):
 
 
 def _runner(item):
-    """Return pytest's own module that runs tests."""
+    """Return the module of pytest that runs tests."""
     return item.config.pluginmanager.getplugin('runner')
 
 
 def _import_all():
-    """Import what each run needs, once, in the process that is forked."""
+    """Import the modules that each run needs. This is done once, in the process that is then forked."""
     from move_base_abstract_experiments.carrying import warm_ros
 
     from . import system_under_test  # noqa: F401 - for the forks
@@ -86,7 +91,7 @@ def _import_all():
 
 
 def _read(descriptor, wall_limit):
-    """Return what the fork says (bytes), or None if it has said nothing after ``wall_limit`` [s, wall]."""
+    """Return what the fork writes (bytes), or None if it has not finished after ``wall_limit`` [s, wall]."""
     deadline, found = time.monotonic() + wall_limit, b''
     with os.fdopen(descriptor, 'rb', 0) as stream:
         while True:
@@ -100,7 +105,7 @@ def _read(descriptor, wall_limit):
 
 
 def _end(pid):
-    """End the fork, if it has not; its children end with it."""
+    """End the fork if it has not ended by itself. Its children end with it."""
     forked = processes.Forked(pid)
     try:
         forked.wait(_GRACE_S)
@@ -119,7 +124,7 @@ def _reports(item, text, wall_limit):
 
 
 def _difference(first, second):
-    """Return where the event logs of two runs differ, in words, or ''."""
+    """Return a text that says where the event logs of two runs differ, or '' if they are equal and repeatable."""
     with event_log.open_text(first) as one, event_log.open_text(second) as other:
         logs = EventLog(one, first), EventLog(other, second)
         found = event_log.compare(*logs)

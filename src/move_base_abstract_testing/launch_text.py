@@ -1,4 +1,4 @@
-"""The launch file of a test: its robots, its own launch file, its nodes."""
+"""The launch file of a test. It starts the robots, includes the test's own launch file, and starts its nodes."""
 from xml.sax.saxutils import quoteattr
 
 from .settings import Settings
@@ -7,7 +7,7 @@ TEST = '/test'  # the name of the test's own node
 
 
 def launch_text(settings: Settings) -> str:
-    """Return it as XML."""
+    """Return the launch file as XML."""
     lines = ['<launch>']
     if settings.scenario is not None:
         lines += ['  <node pkg="move_base_abstract" type="fleet" name="fleet">',

@@ -1,4 +1,4 @@
-"""The hooks and the fixture that pytest finds: each test with the fixture ``lockstep`` runs in a process of its own."""
+"""The hooks and the fixture that pytest finds. Each test with the fixture ``lockstep`` runs in its own process."""
 import os
 import sys
 
@@ -6,18 +6,18 @@ import pytest
 
 from . import forked
 
-_MARKER = ("lockstep(scenario=None, launch=None, args={}, nodes=[], ...): what the fixture 'lockstep' starts; "
-           'docs/testing.md of move_base_abstract')
+_MARKER = ("lockstep(scenario=None, launch=None, args={}, nodes=[], ...): the system that the fixture 'lockstep' "
+           'starts; docs/testing.md of move_base_abstract')
 
 
 def pytest_configure(config):
-    """Make the marker known."""
+    """Register the marker."""
     config.addinivalue_line('markers', _MARKER)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
-    """Start Python once more, if it is not as our launcher starts it: one order of sets, one layout of memory."""
+    """Restart Python with a fixed order of sets and a fixed layout of memory, unless it was started like that."""
     if config.option.collectonly or config.option.help or hasattr(config, 'workerinput'):
         return
     from move_base_abstract_experiments.carrying import warm_ros
@@ -32,7 +32,7 @@ def pytest_cmdline_main(config):
 
 
 def pytest_generate_tests(metafunc):
-    """Make a test of each chaos seed that a marker asks for."""
+    """Make one test for each chaos seed that a marker asks for."""
     given = _marked(metafunc.definition).get('chaos_seeds')
     if given is None or 'lockstep' not in metafunc.fixturenames:
         return
@@ -44,7 +44,7 @@ def pytest_generate_tests(metafunc):
         seeds = chaos_seeds(given)
     except ConfigurationError as error:
         problem = '{}: {}'.format(metafunc.definition.nodeid, error)
-    if problem:  # not within except: pytest would show the first error, too, with its traceback
+    if problem:  # not within ``except``, where pytest would also show the first error with its traceback
         pytest.fail(problem, pytrace=False)
     metafunc.parametrize('lockstep', seeds, ids=['chaos_{}'.format(seed) for seed in seeds], indirect=True)
 
@@ -61,7 +61,7 @@ def pytest_runtest_protocol(item, nextitem):
 
 
 def _marked(item):
-    """Return the keywords of an item's markers; those that are nearer to it count."""
+    """Return the keywords of all markers of an item. If two markers have the same keyword, the nearer one counts."""
     found = {}
     for marker in reversed(list(item.iter_markers('lockstep'))):
         found.update(marker.kwargs)
@@ -70,7 +70,7 @@ def _marked(item):
 
 @pytest.fixture
 def lockstep(request):
-    """Give a system in lockstep: see move_base_abstract_testing.system_under_test.Lockstep."""
+    """Give a system in lockstep. See move_base_abstract_testing.system_under_test.Lockstep."""
     from .settings import OF_TESTS
     from .system_under_test import Lockstep
     node = request.node

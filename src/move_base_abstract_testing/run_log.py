@@ -7,7 +7,7 @@ from move_base_abstract.runs.event_log import EventLog
 
 
 class LogEvent(NamedTuple):
-    """An event. ``robot``: or node, or topic; ``values``: as the kind has them (docs/time_master.md)."""
+    """An event. ``robot`` is a robot, a node or a topic; ``values`` depend on the kind (docs/time_master.md)."""
 
     time_ns: int
     robot: str
@@ -16,15 +16,18 @@ class LogEvent(NamedTuple):
 
     @property
     def time(self) -> float:
-        """When it was [s, simulated]."""
+        """The instant of the event [s, simulated]."""
         return self.time_ns * 1e-9
 
 
 class RunLog:
-    """The log of a run that is over. ``end``: its end record."""
+    """The log of a run that is over. ``end`` is its end record, {} if it has none."""
 
     def __init__(self, path: str) -> None:
-        """:raises EventLogError: if it is none."""
+        """Read the file.
+
+        :raises EventLogError: if it is not an event log.
+        """
         self.path = path
         with event_log.open_text(path) as stream:
             log = EventLog(stream, path)
@@ -32,10 +35,10 @@ class RunLog:
         self.end: Dict[str, Any] = log.end or {}
 
     def of(self, kind: Optional[str] = None, robot: Optional[str] = None) -> List[LogEvent]:
-        """Return the events of a kind, of a robot, or of both."""
+        """Return the events of this kind, of this robot, or of both; all events if neither is given."""
         return [one for one in self.events if kind in (None, one.kind) and robot in (None, one.robot)]
 
     @property
     def labels(self) -> List[str]:
-        """Why the run is not called repeatable, or is called degraded."""
+        """The reasons why the run is not called repeatable, or is called degraded."""
         return event_log.labels_of(self.end) if self.end else ['it has no end']

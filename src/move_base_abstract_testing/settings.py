@@ -1,4 +1,4 @@
-"""What a test asks for: the keywords of ``@pytest.mark.lockstep``, which ``lockstep.start`` takes as well."""
+"""The keywords of ``@pytest.mark.lockstep`` and of ``lockstep.start``, by which a test says what to start."""
 import os
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, List, Optional, Tuple, Union
@@ -8,27 +8,27 @@ from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.property_names import ALL, NAMES
 
 DEPARTURE, IDLE = 'test', 'idle'
-#: of the marker, and not of a run
+#: keywords of the marker that ``lockstep.start`` ignores
 OF_TESTS = ('chaos_seeds', 'wall_limit')
-_MOST_SEEDS = 100_000  # each is a test
+_MOST_SEEDS = 100_000  # each seed is a test
 
 
 @dataclass
 class Settings:
-    """One run. Paths are relative to the folder of the test's file."""
+    """The settings of one run. Paths are relative to the folder of the test's file."""
 
     scenario: Optional[str] = None  # path of a fleet's file
     launch: Optional[str] = None  # path of a launch file
-    args: Dict[str, Any] = field(default_factory=dict)  # of the launch file
-    nodes: List[str] = field(default_factory=list)  # 'PACKAGE/TYPE', perhaps with words behind it
-    replace: Dict[str, str] = field(default_factory=dict)  # 'PACKAGE/TYPE': what is started in its place
-    parameters: Dict[str, Any] = field(default_factory=dict)  # of ROS, by full name
+    args: Dict[str, Any] = field(default_factory=dict)  # arguments of the launch file
+    nodes: List[str] = field(default_factory=list)  # 'PACKAGE/TYPE', optionally followed by arguments
+    replace: Dict[str, str] = field(default_factory=dict)  # 'PACKAGE/TYPE': the 'PACKAGE/TYPE' started instead
+    parameters: Dict[str, Any] = field(default_factory=dict)  # ROS parameters, by full name
     time_master: Dict[str, Any] = field(default_factory=dict)  # parameters of the time master
-    seed: int = 0  # of the programs' global generators
-    sleep: str = 'wall'  # which time a sleep of the wall clock takes in programs
-    log_messages: bool = True  # what participants send each other is in the log, too
-    properties: Tuple[str, ...] = (ALL,)  # that the run must keep
-    until: str = DEPARTURE  # the run is over with the test, or when nobody has anything left to do
+    seed: int = 0  # seed of the programs' global random generators
+    sleep: str = 'wall'  # the time that time.sleep() takes in programs: 'wall' or 'simulated'
+    log_messages: bool = True  # whether the log has a hash of each message between participants
+    properties: Tuple[str, ...] = (ALL,)  # the properties that the run must keep
+    until: str = DEPARTURE  # 'test': the run ends with the test; 'idle': when no participant has anything left to do
 
     def __post_init__(self) -> None:
         _check('properties', [name for name in self.properties if name not in NAMES], NAMES)
@@ -41,11 +41,11 @@ class Settings:
 
 
 def chaos_seeds(given: Any) -> List[int]:
-    """Return the seeds that a marker asks for: of 4 they are 0 to 3, of ``range(2, 9)`` or ``[1, 7]`` those.
+    """Return the seeds that a marker asks for. 4 gives 0 to 3; ``range(2, 9)`` and ``[1, 7]`` give their numbers.
 
-    :raises ConfigurationError: for what is neither a number nor a list, tuple or range of numbers, 0 to 2**32 - 1.
+    :raises ConfigurationError: if ``given`` is not a number, or a list, tuple or range of numbers, 0 to 2**32 - 1.
     """
-    seeds = range(given) if type(given) is int else given  # a bool is no number
+    seeds = range(given) if type(given) is int else given  # a bool is not a number here
     if not (isinstance(seeds, (range, list, tuple)) and 0 < len(seeds[:_MOST_SEEDS + 1]) <= _MOST_SEEDS
             and all(type(one) is int and 0 <= one < 1 << 32 for one in seeds)):
         raise ConfigurationError('lockstep: chaos_seeds: must be a number of seeds, or the seeds in a list or range '
@@ -60,7 +60,10 @@ def _check(what: str, wrong: List[Any], allowed: Tuple[str, ...]) -> None:
 
 
 def settings_of(given: Dict[str, Any], folder: str) -> Settings:
-    """Return the Settings of keywords. :raises ConfigurationError: for what is none, or a file that is not there."""
+    """Return the Settings of the keywords ``given``; ``folder`` is the one to which paths are relative.
+
+    :raises ConfigurationError: if a keyword is not known, a value is not allowed, or a file is not there.
+    """
     known = {one.name for one in fields(Settings)}
     unknown = sorted(set(given) - known - set(OF_TESTS))
     if unknown:

@@ -1,6 +1,7 @@
-"""The processes of one test's run: a ROS master, the time master, robots, the user's nodes; and how they ended.
+"""The processes of one test's run (ROS master, time master, robots, the user's nodes), and how they ended.
 
-They are children of this process, forked where that is the same as being started. It has one thread until they are.
+They are children of this process. A node is forked where that has the same effect as starting it. This process has a
+single thread until all of them are started.
 """
 import contextlib
 import itertools
@@ -26,7 +27,7 @@ from .settings import DEPARTURE, Settings
 
 _FILE = re.compile(r'[^\w.-]+', re.ASCII)
 _LAST_BYTES = 1 << 16
-_OVER_S = 30.0  # wall, that the time master may take to end a run that is over
+_OVER_S = 30.0  # wall; the time master may take so long to end a run that is over
 _OWN_END_S, _POLITE_S = 3.0, 1.0  # wall, for nodes to end by themselves, and after a signal
 _LOOK_S = 0.005  # wall
 
@@ -35,16 +36,19 @@ class _Process(NamedTuple):
     name: str
     pid: int
     takes_part: bool
-    output: str  # path of the file of what it prints
+    output: str  # path of the file into which it prints
     is_shell: bool
     has_last_words: bool
 
 
 class System:
-    """Started when it is made; ``folder``: an empty one for all that the run writes."""
+    """The processes of a run. They are started by the constructor, and ended by :meth:`end`."""
 
     def __init__(self, settings: Settings, folder: str) -> None:
-        """:raises SimulatorError: if it cannot be started; what has been started is ended by :meth:`end`."""
+        """Start all processes. ``folder`` is an empty folder, into which the run writes all its files.
+
+        :raises SimulatorError: if a process cannot be started.
+        """
         self.log = os.path.join(folder, 'events.jsonl')
         self._folder, self._settings = folder, settings
         self._statuses: Dict[int, int] = {}
@@ -100,9 +104,11 @@ class System:
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
-        """Have an error come up meanwhile, in the main thread, if one ends for whom time would wait for ever.
+        """Give a context in which the main thread gets an error if the time master or a participant ends.
 
-        :raises SimulatorError: that says who, and what it has printed.
+        Without it time would wait for ever for a participant that has ended before the start.
+
+        :raises SimulatorError: with the name of the process, and the last lines that it has printed.
         """
         def look(*_signal: Any) -> None:
             processes.reap(self._statuses)
@@ -120,7 +126,7 @@ class System:
             signal.signal(signal.SIGCHLD, before)
 
     def end(self) -> List[ends.End]:
-        """Wait until the time master has written the log, end all; return how processes have ended."""
+        """Wait until the time master has written the log, end all processes, and return how each of them ended."""
         if self._processes:
             time_master = self._processes[0]
             deadline = time.monotonic() + _OVER_S
@@ -139,7 +145,7 @@ class System:
         return self._ends
 
     def _end_others(self, others: Any) -> Any:
-        """Give the others the time to end by themselves; return who had to be told."""
+        """Give the other processes time to end by themselves. Return the pids of those that had to get a signal."""
         processes.await_ends(set(others), _OWN_END_S, self._statuses)
         left = others - set(self._statuses)
         if left:
@@ -162,7 +168,7 @@ class System:
 
 @contextlib.contextmanager
 def _python_outputs() -> Iterator[None]:
-    """Have a fork print where it is told to, and not where pytest collects what a test prints."""
+    """Give a context in which a fork prints into its own file, and not into pytest's capture of a test's output."""
     ours = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
     try:
@@ -172,7 +178,7 @@ def _python_outputs() -> Iterator[None]:
 
 
 def _enter(folder: str) -> None:
-    """Have this process, and all that it starts, use this computer's own address and the run's folder."""
+    """Have this process and its children use the loopback address, and write into the run's folder."""
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folder, ROS_HOME=folder, PYTHONUNBUFFERED='1',

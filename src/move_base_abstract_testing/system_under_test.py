@@ -1,4 +1,4 @@
-"""What a test has in its hands: the fixture ``lockstep``."""
+"""The fixture ``lockstep``, by which a test drives its run."""
 import os
 import time
 from math import cos, sin
@@ -20,11 +20,14 @@ from .run_log import RunLog
 from .settings import settings_of
 from .system import System
 
-IDENTICAL = 'assert_identical'  # a file that says that the run is to be made once more
+IDENTICAL = 'assert_identical'  # a file of this name says that the test must be run once more
 
 
 class Goal:
-    """A goal that was sent. ``state``: None until it has ended, then a name of actionlib_msgs/GoalStatus."""
+    """A goal that was sent. ``state`` is None until it has ended, then a name of actionlib_msgs/GoalStatus.
+
+    ``ended_at`` is the simulated time of its end [s], or None.
+    """
 
     def __init__(self, system: 'Lockstep', robot: str) -> None:
         self.robot = robot
@@ -35,16 +38,19 @@ class Goal:
 
     @property
     def is_done(self) -> bool:
-        """Whether it has ended."""
+        """Whether the goal has ended."""
         return self.state is not None
 
     def wait(self, limit: float = 3600.0) -> str:
-        """Let time go on until it has ended; return how. :raises AssertionError: after ``limit`` [s]."""
+        """Let time go on until the goal has ended, and return its state.
+
+        :raises AssertionError: if it has not ended after ``limit`` [s, simulated].
+        """
         self._system.run_until(lambda: self.is_done, limit, "the goal of '{}' has ended".format(self.robot))
         return str(self.state)
 
     def cancel(self) -> None:
-        """Ask for its end."""
+        """Ask the robot to cancel the goal."""
         self._handle.cancel()
 
     def _changed(self, handle: Any) -> None:
@@ -54,13 +60,18 @@ class Goal:
 
 
 class Lockstep:
-    """A run that a test drives, as the participant ``/test``. Simulated time stands while the test computes.
+    """A run that a test drives, as the participant ``/test``. Simulated time stands still while the test computes.
 
-    Besides what is here a test may do whatever a node may: subscribe, publish, call services, sleep in ROS time.
+    A test may also do whatever a node may do: subscribe, publish, call services, sleep in ROS time.
     """
 
     def __init__(self, folder: str, base: str, chaos_seed: Optional[int] = None) -> None:
-        """folder: for what runs write, each in one of its own; base: what paths are relative to."""
+        """Prepare a run, which :meth:`start` starts.
+
+        :param folder: the folder for all files of the run.
+        :param base: the folder to which the paths in settings are relative.
+        :param chaos_seed: the seed of the order of equal events, or None.
+        """
         self.folder = folder
         self.chaos_seed = chaos_seed
         self._base = base
@@ -72,15 +83,17 @@ class Lockstep:
         self._judged: Optional[Judgement] = None
 
     def start(self, **given: Any) -> None:
-        """Start the system; the fixture has done it where the test's marker says what. See Settings.
+        """Start the system. The keywords are the fields of Settings.
 
-        :raises SimulatorError: if it cannot be started.
+        If the test's marker has such keywords, the fixture has called this already.
+
+        :raises SimulatorError: if it cannot be started, or was started before.
         """
         if self._system is not None:
             raise SimulatorError('lockstep: one test has one run, and it has been started')
         self._settings = settings_of(given, self._base)
         if self.chaos_seed is not None:
-            asked = self._settings.time_master  # seed 0 is the stated order, in which nothing is late
+            asked = self._settings.time_master  # seed 0 is the stated order, in which no message is late
             kept = {name: value for name, value in asked.items() if self.chaos_seed or not name.startswith('chaos_')}
             self._settings.time_master = {**kept, 'chaos_seed': self.chaos_seed}
         try:
@@ -96,20 +109,21 @@ class Lockstep:
 
     @property
     def time(self) -> float:
-        """The present [s, simulated]."""
+        """The present simulated time [s]."""
         return float(rospy.get_time())
 
     def run_for(self, seconds: float) -> None:
-        """Let so much simulated time pass [s]."""
+        """Let ``seconds`` of simulated time pass."""
         rospy.sleep(seconds)
 
     def run_until(self, condition: Union[float, Callable[[], object]], limit: float = 3600.0, what: str = '',
                   every: float = 1.0) -> None:
-        """Let time go on until an instant [s], or until ``condition()`` is true.
+        """Let time go on until an instant [s, simulated], or until ``condition()`` is true.
 
-        That is looked at when something has come to the test (a message, a result), and ``every`` so many seconds.
+        The condition is checked when the test has received something (a message, a result), and every ``every``
+        simulated seconds. ``what`` names it in the error.
 
-        :raises AssertionError: when it is not after ``limit`` [s, simulated].
+        :raises AssertionError: if the condition is not true after ``limit`` [s, simulated].
         """
         if not callable(condition):
             self.run_for(max(0.0, condition - self.time))
@@ -121,7 +135,10 @@ class Lockstep:
                     what or 'the condition', limit, self.time))
 
     def send_goal(self, robot: str, x: float, y: float, yaw: float = 0.0, frame: str = 'map') -> Goal:
-        """Send a goal [m, rad] to a robot, and return it; it is under way then. See Goal."""
+        """Send a goal to a robot: ``x`` and ``y`` [m], ``yaw`` [rad], in ``frame``. Return its Goal without waiting.
+
+        :raises AssertionError: if no node serves the robot's move_base within 60 s of simulated time.
+        """
         if robot not in self._clients:
             client = self._clients[robot] = actionlib.ActionClient('/{}/move_base'.format(robot), MoveBaseAction)
             if not client.wait_for_server(rospy.Duration(60.0)):
@@ -136,19 +153,22 @@ class Lockstep:
         return goal
 
     def allow(self, *properties: str) -> None:
-        """Have it be no failure if the run breaks these properties: their names, or the text of a statement."""
+        """Allow the run to break these properties; each is a property's name, or the text of a statement."""
         self._allowed += properties
 
     def assert_identical(self) -> None:
-        """Have the test fail unless one more run of all of it has the same event log, to the byte.
+        """Have the test fail unless a second run of the whole test has the same event log, to the byte.
 
-        That one is made by pytest after this one, in a process of its own.
+        pytest makes the second run after this one, in a process of its own.
         """
         with open(os.path.join(self.folder, IDENTICAL), 'w', encoding='utf-8'):
             pass
 
     def finish(self) -> List[Broken]:
-        """End the run, if it has not been: return what it has broken. The fixture does it at the end of the test."""
+        """End the run if it is not over, and return the properties that it has broken.
+
+        The fixture calls this at the end of the test.
+        """
         if self._system is None:
             return []
         if self._judged is None:
@@ -160,17 +180,20 @@ class Lockstep:
 
     @property
     def not_allowed(self) -> List[Broken]:
-        """What the run that is over has broken and :meth:`allow` has not named."""
+        """The properties that the run has broken, without those that :meth:`allow` names. This ends the run."""
         return [one for one in self.finish() if one.property not in self._allowed and one.text not in self._allowed]
 
     def never_held(self) -> List[Tuple[str, str]]:
-        """Return (node, text) of each ``sometimes`` that has not held in this run, which is ended."""
+        """End the run, and return (node, text) of each ``sometimes`` that has not held in it."""
         self.finish()
         return self._judged.never_held() if self._judged is not None else []
 
     @property
     def log(self) -> RunLog:
-        """The run's event log as objects; the run is ended for it."""
+        """The run's event log as objects. This ends the run.
+
+        :raises SimulatorError: if no run was started.
+        """
         self.finish()
         if self._system is None:
             raise SimulatorError('lockstep: nothing was started, so there is no log')

@@ -14,10 +14,10 @@
 namespace move_base_abstract::native {
 namespace {
 
-/** What a file is for us. */
+/** The kinds of files in memory. */
 enum Kind : int { kUnknown, kPythons, kLibrary, kPool, kWrapper };
 
-/** @brief An object in memory. It stays what it is: Python lets go of no module in C. */
+/** @brief A file in memory. It is never unloaded, since Python does not unload modules in C. */
 struct Object {
   std::uintptr_t begin;
   std::uintptr_t end;
@@ -26,8 +26,8 @@ struct Object {
 
 constexpr int kMost = 2048;
 Object objects[kMost];
-std::atomic<int> count{0};  // of objects that are written
-std::atomic<int> taken{0};  // of places in the table
+std::atomic<int> count{0};  // number of objects that are written
+std::atomic<int> taken{0};  // number of places of the table that are taken
 
 bool isNamed(const char* name, std::initializer_list<const char*> beginnings) {
   for (const char* beginning : beginnings) {
@@ -41,7 +41,8 @@ bool isNamed(const char* name, std::initializer_list<const char*> beginnings) {
 Kind kindOf(const char* path) {
   const char* const slash = strrchr(path, '/');
   const char* const name = slash == nullptr ? path : slash + 1;
-  // The program is Python; libc and its parts; Python's modules in C; what these alone need.
+  // The program, which is Python; libc and its parts; Python's modules in C; libraries that only
+  // these need.
   const bool is_pythons =
       *path == '\0' || strstr(path, "/lib-dynload/") != nullptr ||
       isNamed(name,
@@ -69,7 +70,7 @@ struct Search {
   Object found;
 };
 
-/** @return whether the object is the one that is sought. */
+/** @return whether the object is the one in which the address lies. */
 int lookAt(dl_phdr_info* info, std::size_t, void* given) {
   auto* const search = static_cast<Search*>(given);
   std::uintptr_t begin = UINTPTR_MAX;
@@ -89,7 +90,7 @@ int lookAt(dl_phdr_info* info, std::size_t, void* given) {
   return 1;
 }
 
-/** @brief Keep what was found, where everybody sees it; whoever is not in time looks it up anew. */
+/** @brief Keep an object for all threads. If another thread is doing so, it is looked up again. */
 void keep(const Object& found) {
   const int place = taken.load();
   int expected = place;
@@ -109,7 +110,7 @@ Kind kindAt(const void* caller) {
       return objects[k].kind;
     }
   }
-  Search search{address, {0, 0, kLibrary}};  // code without a file: it was compiled while running
+  Search search{address, {0, 0, kLibrary}};  // for code without a file, compiled at run time
   if (dl_iterate_phdr(&lookAt, &search) != 0) {
     keep(search.found);
   }

@@ -1,4 +1,4 @@
-// Who asks: Python itself, or a library that works for the program. No ROS.
+// Which code calls: Python itself, or a library that works for the program. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_CALLERS_H
 #define MOVE_BASE_ABSTRACT_PYTHON_SHIM_CALLERS_H
 
@@ -6,20 +6,21 @@
 
 namespace move_base_abstract::native {
 
-/** @return whether the code at an address is the program's, or a library's that works for it: not
- * Python, its modules in C, what these need, and libc. For any thread; it takes no lock of its own.
- */
+/** @return whether the code at an address belongs to the program, or to a library that works for
+ * it, and not to Python, its modules in C, libraries that only these need, or libc. For any thread;
+ * it takes no lock of its own. */
 bool isFollowed(const void* caller);
 
-/** @return whether it is a library's of worker threads: they wait for each other in ways of their
- * own, and what time it is decides nothing. */
+/** @return whether the code belongs to a library of worker threads. These wait for each other in
+ * their own ways, and the time that they read decides nothing. */
 bool isWorkerPool(const void* caller);
 
-/** @return the code that @p caller works for: what calls the C++ library. It may allocate. */
+/** @return the code for which @p caller works: if that is the C++ library or Boost, the code that
+ * called it. This may allocate. */
 const void* beyondWrappers(const void* caller);
 
-/** @brief Write the path of the file that an address lies in, or "". @return where it lies there.
- */
+/** @brief Write into @p path the path of the file in which an address lies, or "".
+ * @return the offset in the file. */
 std::size_t placeOf(const void* address, char* path, std::size_t size);
 
 }  // namespace move_base_abstract::native

@@ -25,7 +25,7 @@ using shim::numberFor;
 ByteStream of_run(0);
 ByteStream of_strays(0);
 
-/** @brief What the machine would have given. @return false if the machine shall. */
+/** @brief Fill @p buffer with the run's bytes. @return false if the caller sees the machine's. */
 bool fill(void* buffer, std::size_t size, const void* caller) {
   const Sees whose = sees(caller);
   if (whose == Sees::kMachine) {
@@ -38,7 +38,8 @@ bool fill(void* buffer, std::size_t size, const void* caller) {
   return true;
 }
 
-/** @brief Tell of a draw from libc's generators, which all threads share, that has no order. */
+/** @brief Note a draw from libc's generators in a thread without an order: all threads share them.
+ */
 void checkOrder(const void* caller) {
   if (sees(caller) == Sees::kStray) {
     notice(What::kStrayChance, caller);
@@ -164,7 +165,7 @@ std::uint32_t arc4random_uniform(std::uint32_t bound) {
   return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
 }
 
-/** std::random_device::_M_getval(), whatever the device is called. */
+/** std::random_device::_M_getval(), for a device of any name. */
 unsigned _ZNSt13random_device9_M_getvalEv(void* device) {
   static native::Real<unsigned(void*)> function("_ZNSt13random_device9_M_getvalEv");
   unsigned number = 0;

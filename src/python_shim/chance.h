@@ -4,12 +4,12 @@
 
 namespace move_base_abstract::native {
 
-/** @brief libc's generators start from the seed; a library may have them start from another
- * number. So do the bytes that are drawn instead of the machine's. */
+/** @brief Start libc's generators, and the bytes that replace the machine's, from the seed. A
+ * library may start libc's generators again from another number. */
 void seedGenerators();
 
-/** @return a descriptor of a file with the run's own random bytes, a MiB of them; -1: @p path is no
- * device of random bytes, or the machine's are to be seen. */
+/** @return a descriptor of a file with 1 MiB of the run's own random bytes; -1 if @p path is not a
+ * device of random bytes, or the caller sees the machine's. */
 int openEntropy(const char* path, int flags, const void* caller);
 
 }  // namespace move_base_abstract::native

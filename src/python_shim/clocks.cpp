@@ -13,26 +13,26 @@ namespace {
 
 using shim::kMicrosecond;
 
-constexpr int kLooks = 1000000;             // without a wait, after which a clock goes on
-constexpr Nanoseconds kStep = 1'000'000;    // by so much
-constexpr Nanoseconds kPause = 50'000'000;  // wall, after which the processor's time is looked at
+constexpr int kLooks = 1000000;             // number of looks without a wait until a clock goes on
+constexpr Nanoseconds kStep = 1'000'000;    // by which it goes on then
+constexpr Nanoseconds kPause = 50'000'000;  // wall, between two looks at the processor's time
 
 Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
-/** The clocks go on as libraries compute: one of them has computed for too long. */
+/** Whether the clocks go on as libraries compute, because one of them has computed for too long. */
 std::atomic<bool> go_on_computing{false};
 
-/** @brief A thread's looks at clocks, and how long it has computed meanwhile. */
+/** @brief A thread's looks at clocks, and the time that it has computed meanwhile. */
 struct Looking {
   Nanoseconds at;        // simulated time of the first of these looks
-  int looks;             // less than kLooks
-  Nanoseconds computed;  // the processor's time then, or up to which it is counted
-  Nanoseconds checked;   // by the wall, when that was looked at
-  Nanoseconds slept;     // of a stray thread
+  int looks;             // number of looks at that time, less than kLooks
+  Nanoseconds computed;  // the processor's time from which computing is counted
+  Nanoseconds checked;   // wall time of the last look at the processor's time
+  Nanoseconds slept;     // how far the clocks of a stray thread have gone on by themselves
 };
 thread_local Looking t_looking __attribute__((tls_model("initial-exec"))) = {-1, 0, 0, 0, 0};
 
-/** A thread that computes for long between its waits may wait for a clock to say that it is enough:
- * from then on the clocks go on as it computes. That is told: it is another time in each run. */
+/** A thread that computes for long between its waits may do so until a clock shows some time. So
+ * from then on the clocks go on as it computes. That is noted, since it differs in each run. */
 void countComputing(Looking* me, Sees whose, const void* caller) {
   const Nanoseconds wall = machineTime(CLOCK_MONOTONIC_COARSE);
   if (wall - me->checked < kPause) {
@@ -50,7 +50,7 @@ void countComputing(Looking* me, Sees whose, const void* caller) {
   }
 }
 
-/** @brief A loop that only looks at a clock sees it go on some day. */
+/** @brief Count a look at a clock. After many looks the clock goes on, for a loop that waits so. */
 void countLook(Sees whose, const void* caller) {
   Looking* const me = &t_looking;
   if (me->at != cell(kNow)) {
@@ -66,14 +66,14 @@ void countLook(Sees whose, const void* caller) {
   me->looks = 0;
   if (whose == Sees::kRun && mayCall()) {
     sleepInPython(-kStep);
-    me->at = cell(kNow);  // its own looks have let time go on: it still computes
+    me->at = cell(kNow);  // its own looks have let time go on; that is not a wait
   } else {
     goOn(kStep, whose);
   }
 }
 
-/** @brief A library reads a clock, of which it sees @p step [ns]. @return whether it is the run's.
- */
+/** @brief Read a clock for a library, in whole steps of @p step [ns].
+ * @return false if the library sees the machine's clock. */
 bool read(clockid_t clock, Nanoseconds step, const void* caller, Nanoseconds* time) {
   const Sees whose = sees(caller);
   if (whose == Sees::kMachine) {

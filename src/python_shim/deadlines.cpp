@@ -1,4 +1,4 @@
-// Waits until an instant of a clock that a library has read: it is none of the machine's. No ROS.
+// Waits until an instant of a clock that a library has read, which is not the machine's. No ROS.
 #include <linux/futex.h>
 #include <pthread.h>
 #include <semaphore.h>
@@ -15,7 +15,7 @@
 namespace move_base_abstract::native {
 namespace {
 
-/** @brief A wait that ends by the machine's clock when it is to end by the one that is seen. */
+/** @brief A deadline by a clock that the library sees, translated into the machine's clock. */
 class Deadline {
  public:
   Deadline(clockid_t clock, const timespec* deadline, const void* caller)
@@ -31,9 +31,9 @@ class Deadline {
     translated_ = shim::toTimespec(machineTime(clock) + lasts_);
     deadline_ = &translated_;
   }
-  /** @return the deadline by the machine's clock; null if there is none. */
+  /** @return the deadline by the machine's clock; null if there is no deadline. */
   const timespec* operator*() const { return deadline_; }
-  /** @brief The clocks that are seen go on by a wait that was in vain. @return @p result. */
+  /** @brief Move the clocks that are seen on by the wait, if it timed out. @return @p result. */
   int over(int result, bool is_timed_out) const {
     if (is_timed_out && deadline_ == &translated_) {
       goOn(lasts_, whose_);
@@ -135,7 +135,8 @@ int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* until) {
   return deadline.over(result, result != 0 && errno == ETIMEDOUT);
 }
 
-/** The C++ library (std::future), Abseil and Rust wait for a futex until an instant. */
+/** By this function the C++ library (std::future), Abseil and Rust wait for a futex until an
+ * instant. */
 long syscall(long number, ...) noexcept {
   static native::Real<long(long, ...)> function("syscall");
   va_list rest;

@@ -1,4 +1,4 @@
-// Files of random bytes, and of what the system says of itself. No ROS.
+// Devices of random bytes, and files in which the system describes itself. No ROS.
 #include <fcntl.h>
 #include <stdio.h>
 #include <sys/types.h>
@@ -14,7 +14,8 @@
 namespace move_base_abstract::native {
 namespace {
 
-/** @return a descriptor of what a library opens if it is a file of random bytes; else -1. */
+/** @return a descriptor of the run's random bytes, if a library opens a device of them; -1 if not.
+ */
 int instead(const char* path, int flags, const void* caller) {
   const bool is_seen = path != nullptr && shim::isOfSystem(path) && sees(caller) != Sees::kMachine;
   const int file = is_seen ? openEntropy(path, flags, caller) : -1;
@@ -32,10 +33,10 @@ namespace native = move_base_abstract::native;
 #pragma GCC visibility push(default)
 extern "C" {
 
-#define MOVE_BASE_ABSTRACT_MODE(last)                             \
-  va_list rest;                                                   \
-  va_start(rest, last);                                           \
-  const auto mode = va_arg(rest, unsigned); /* if flags say so */ \
+#define MOVE_BASE_ABSTRACT_MODE(last)                                  \
+  va_list rest;                                                        \
+  va_start(rest, last);                                                \
+  const auto mode = va_arg(rest, unsigned); /* used if flags say so */ \
   va_end(rest)
 
 int open(const char* path, int flags, ...) {

@@ -10,9 +10,9 @@ namespace move_base_abstract::native {
 namespace {
 
 struct Notice {
-  std::atomic<const void*> caller;  // not null: it is written
+  std::atomic<const void*> caller;  // null until the notice is written
   What what;
-  const void* place;  // beyond libraries that only hand on
+  const void* place;  // the code for which the caller works, beyond the C++ library
 };
 
 constexpr int kMost = 256;
@@ -30,7 +30,7 @@ void notice(What what, const void* caller) {
   }
   const int place = taken.load() < kMost ? taken.fetch_add(1) : kMost;
   if (place >= kMost) {
-    return;  // there are labels enough
+    return;  // there are enough labels
   }
   const int error = errno;
   notices[place].what = what;
@@ -47,8 +47,8 @@ namespace native = move_base_abstract::native;
 #pragma GCC visibility push(default)
 extern "C" {
 
-/** @return what was noticed (a What), or -1 if that is not written yet; and which file has asked,
- * and where in it. */
+/** @brief Read a notice: write the calling file's path, and the offset in it.
+ * @return the kind of the notice (a What), or -1 if it is not written yet. */
 int move_base_abstract_native_notice(int index, char* path, std::size_t size, std::size_t* offset) {
   if (index < 0 || index >= native::kMost || native::notices[index].caller.load() == nullptr) {
     return -1;

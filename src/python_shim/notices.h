@@ -1,10 +1,10 @@
-// What was noticed and is to be told: Python fetches it when a turn is over. No ROS.
+// Notices of what cannot be followed. Python fetches them when a turn is over. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_NOTICES_H
 #define MOVE_BASE_ABSTRACT_PYTHON_SHIM_NOTICES_H
 
 namespace move_base_abstract::native {
 
-/** What is told; lockstep/machine/native.py has the words, in the same order. */
+/** The kinds of notices; lockstep/machine/native.py has their texts, in the same order. */
 enum class What {
   kStrayClock,
   kStrayChance,
@@ -20,7 +20,7 @@ enum class What {
   kEntropy
 };
 
-/** @brief Note what the code at @p caller does; once. For any thread, at any time. */
+/** @brief Note once what the code at @p caller does. For any thread, at any time. */
 void notice(What what, const void* caller);
 
 }  // namespace move_base_abstract::native

@@ -8,8 +8,8 @@ namespace move_base_abstract::native {
 namespace {
 
 /**
- * Versions of glibc's symbols, newest first: where libc has an old function of the same name too,
- * dlsym() may find that one. Which of them a machine has is looked up.
+ * Versions of glibc's symbols, newest first. If libc also has an old function of the same name,
+ * dlsym() may find that one, so all versions are tried in this order.
  */
 constexpr const char* kVersions[] = {"GLIBC_2.36", "GLIBC_2.34",  "GLIBC_2.30",
                                      "GLIBC_2.17", "GLIBC_2.3.2", "GLIBC_2.2.5"};
@@ -17,7 +17,7 @@ constexpr const char* kVersions[] = {"GLIBC_2.36", "GLIBC_2.34",  "GLIBC_2.30",
 }  // namespace
 
 void* findReal(const char* symbol) {
-  if (strncmp(symbol, "_Z", 2) == 0) {  // of the C++ library, which plug-ins bring along
+  if (strncmp(symbol, "_Z", 2) == 0) {  // in the C++ library, which extension modules load
     void* const library = dlopen("libstdc++.so.6", RTLD_LAZY | RTLD_NOLOAD);
     return library == nullptr ? nullptr : dlsym(library, symbol);
   }

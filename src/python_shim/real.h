@@ -6,16 +6,16 @@
 
 namespace move_base_abstract::native {
 
-/** @return what would have been called if this library were not here; null if there is none. */
+/** @return the function that would be called without this library; null if there is none. */
 void* findReal(const char* symbol);
 
-/** @brief A function that is looked up when it is called for the first time, by whatever thread. */
+/** @brief A function that is looked up when it is first called. For any thread. */
 template <typename Function>
 class Real {
  public:
   explicit constexpr Real(const char* symbol) : symbol_(symbol) {}
 
-  /** @return the function; null if this C library has none. */
+  /** @return the function; null if this C library does not have it. */
   Function* get() {
     void* found = found_.load(std::memory_order_relaxed);
     if (found == nullptr) {
@@ -36,7 +36,7 @@ class Real {
 
 }  // namespace move_base_abstract::native
 
-/** Who has called the function that this stands in. */
+/** The address from which the function was called in which this stands. */
 #define MOVE_BASE_ABSTRACT_CALLER __builtin_return_address(0)
 
 #endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_REAL_H

@@ -17,7 +17,7 @@ std::atomic<Sleep*> sleep_in_python{nullptr};
 char* seed_text = nullptr;
 thread_local Nanoseconds t_epoch __attribute__((tls_model("initial-exec"))) = 0;
 
-/** Programs that this one starts are not preloaded too. */
+/** Take this library out of LD_PRELOAD, so that programs that this one starts do not load it. */
 __attribute__((constructor)) void leaveEnvironment() {
   constexpr const char* kVariable = "LD_PRELOAD";
   const char* const preload = getenv(kVariable);
@@ -68,18 +68,19 @@ namespace native = move_base_abstract::native;
 #pragma GCC visibility push(default)
 extern "C" {
 
-// What Python calls, by ctypes.
+// The functions that Python calls, by ctypes.
 
 std::atomic<std::int64_t>* move_base_abstract_native_cells() { return native::cells; }
 
-/** @brief From now on libraries see the run's chance; @p text: what it starts from. */
+/** @brief Have libraries see the run's chance from now on. @p text is the seed and the node's name;
+ * @p sleep is Python's function for sleepInPython(). */
 void move_base_abstract_native_begin(const char* text, int (*sleep)(std::int64_t)) {
   native::seed_text = strdup(text);
   native::sleep_in_python = sleep;
   native::seedGenerators();
 }
 
-/** @brief The calling thread is one of those that take turns now, or is none any more. */
+/** @brief Note that the calling thread takes turns from now on, or takes turns no more. */
 void move_base_abstract_native_enter(int is_entering) {
   native::t_epoch = is_entering != 0 ? native::cell(native::kEpoch) : -1;
 }

@@ -1,4 +1,4 @@
-// What Python says of the run, and what this library says to Python. No ROS.
+// The state of the run, which this library shares with Python. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
 #define MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
 
@@ -10,17 +10,17 @@ namespace move_base_abstract::native {
 
 using shim::kSecond;
 
-/** Numbers that Python reads and writes where they lie, in the order of machine/native.py. */
+/** Numbers in memory that Python reads and writes, too, in the order of machine/native.py. */
 enum Cell {
   kNow,         // simulated time [ns]
-  kSlept,       // by which clocks have gone on by themselves [ns]
-  kDate,        // what clocks show at 0 [ns]: dates, ...
-  kUptime,      // ... those that count from the machine's start, ...
-  kProcessor,   // ... and of the processor
-  kEpoch,       // whose threads have turns: those that have entered at the same number
+  kSlept,       // how far clocks have gone on by themselves [ns]
+  kDate,        // what clocks of dates show at simulated time 0 [ns]
+  kUptime,      // the same for clocks that count from the machine's start
+  kProcessor,   // the same for clocks of the processor
+  kEpoch,       // a thread takes turns if it has entered at the present value of this number
   kIsFollowed,  // whether the program sees the run's time and chance
   kMayCall,     // whether Python can be called
-  kNotices,     // how many things were noticed
+  kNotices,     // number of notices
   kPatience,    // how long a thread may compute between two of its waits [ns of the processor]
   kCells
 };
@@ -29,22 +29,23 @@ extern std::atomic<Nanoseconds> cells[kCells];
 
 inline Nanoseconds cell(Cell which) { return cells[which].load(std::memory_order_relaxed); }
 
-/** @brief What a library sees that calls. */
+/** @brief What the calling code sees. */
 enum class Sees {
-  kMachine,  // it is Python itself, or works for it, or nothing is followed
-  kRun,      // the thread has the turn: it does what it does in the same order in each run
-  kStray     // the run's too, but nobody knows in which order
+  kMachine,  // the machine: it is Python itself, or works for it, or nothing is followed
+  kRun,      // the run: the thread takes turns, so its calls have the same order in each run
+  kStray     // the run, too, but the order of the thread's calls is not known
 };
 
 /** @return what the code at @p caller sees in the calling thread. For any thread, at any time. */
 Sees sees(const void* caller);
 
-/** @brief Have Python sleep [ns] as time.sleep() does; a negative number: let others go on.
- * @return false: the sleep was interrupted. For a thread that sees kRun, where mayCall(). */
+/** @brief Have Python sleep for @p duration [ns], as time.sleep() does; if it is negative, let
+ * others go on. Only for a thread that sees kRun, and if mayCall().
+ * @return false if the sleep was interrupted. */
 bool sleepInPython(Nanoseconds duration);
 inline bool mayCall() { return cell(kMayCall) != 0; }
 
-/** @return the seed and the node's name. */
+/** @return the seed and the node's name, as one text. */
 const char* seedText();
 
 }  // namespace move_base_abstract::native

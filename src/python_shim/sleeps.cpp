@@ -1,4 +1,4 @@
-// Where libraries sleep by the wall. No ROS.
+// Sleeps of libraries. No ROS.
 #include <poll.h>
 #include <sys/select.h>
 #include <time.h>
@@ -14,7 +14,8 @@ namespace {
 
 Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 
-/** @brief Sleep so long [ns], as who sees the run. @return 0, or -1: it was interrupted. */
+/** @brief Sleep for @p duration [ns], in a thread that sees @p whose.
+ * @return 0, or -1 if it was interrupted. */
 int sleepFor(Nanoseconds duration, Sees whose, timespec* rest) {
   if (duration <= 0) {
     return 0;
@@ -91,7 +92,7 @@ unsigned sleep(unsigned seconds) {
   return native::sleepFor(seconds * shim::kSecond, whose, nullptr) == 0 ? 0 : seconds;
 }
 
-// Without a descriptor these are sleeps.
+// Without a descriptor, these functions sleep.
 
 int poll(pollfd* files, nfds_t count, int milliseconds) {
   static native::Real<int(pollfd*, nfds_t, int)> function("poll");

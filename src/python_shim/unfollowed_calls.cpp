@@ -1,4 +1,4 @@
-// What libraries ask and do that cannot be followed: it is told. No ROS.
+// Calls of libraries that cannot be followed, of which each is noted. No ROS.
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>

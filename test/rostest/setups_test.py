@@ -146,7 +146,7 @@ class TfRivals(unittest.TestCase):
         robot = RobotProcess('move_base', {'tf_prefix': 'rivalled'}, (), next(_names))
         self.addCleanup(robot.end)
         line = robot.wait_for_line('look-ups jump')
-        for word in (rospy.get_name() + ' too', "'rivalled/odom'", "below 'map'"):
+        for word in (rospy.get_name() + ' also', "'rivalled/odom'", "below 'map'"):
             self.assertIn(word, line)
 
 

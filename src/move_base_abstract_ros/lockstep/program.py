@@ -1,4 +1,4 @@
-"""Run an unmodified Python program as a participant: hooks first, then the program, in this process."""
+"""Run an unmodified Python program as a participant: install the hooks, then run the program in this process."""
 import builtins
 import os
 import runpy
@@ -26,7 +26,15 @@ _HASHES = 'strings have other hashes in each run, so sets of them have another o
 
 
 def run(kind, path, arguments, options):
-    """Run the script or module with hooks; exits with its code."""
+    """Run a script or module with the hooks, and exit with its code.
+
+    Without a time master in lockstep the program runs as without the launcher.
+
+    :param kind: 'script' or 'module'.
+    :param path: the path of the script, or the name of the module.
+    :param arguments: the program's own arguments.
+    :param options: the launcher's options.
+    """
     if not _has_master():
         _execute(kind, path, arguments, _compile, lambda _source: {})
         return
@@ -44,7 +52,7 @@ def run(kind, path, arguments, options):
 
 
 def _watch(options, name, before_node):
-    """Have the program see the run's time and chance, and be told where it sees something else."""
+    """Have the program see the time and the chance of the run. Where it sees others, the run is labelled."""
     seen = clocks.install(options.seed, options.sleep == 'simulated', native.slept_ns())
     sleep = watchdog.install(options.sleep, before_node.take_part, seen)
     start = '{}:{}'.format(options.seed, name)
@@ -64,7 +72,7 @@ def _compile(source, path):
 
 
 def _has_master():
-    """Whether lockstep is wanted; what cannot be asked is left to the program to find out."""
+    """Return whether the time master is in lockstep. If the ROS master cannot be asked, the program will find out."""
     try:
         import rosgraph
         return rosgraph.Master('/lockstep').hasParam('/time_master/mode') and joining.is_lockstep()
@@ -73,7 +81,7 @@ def _has_master():
 
 
 class _Joining:
-    """Has the program take part when it calls rospy.init_node, or waits for others before that."""
+    """Makes the program take part when it calls rospy.init_node, or when it first waits for another node before."""
 
     def __init__(self, options, name):
         self._rank = options.rank
@@ -83,7 +91,7 @@ class _Joining:
         self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
     def install(self):
-        """Stand before rospy.init_node."""
+        """Put the hooks in front of rospy.init_node and of calls that may wait before it."""
         rospy_start.prepare()
         for name in ('rospy.init_node', 'rospy.client.init_node'):
             replace(name, lambda init_node: lambda *args, **kwds: self._init_node(init_node, args, kwds))
@@ -94,7 +102,7 @@ class _Joining:
     def _init_node(self, init_node, args, kwds):
         self.early.init_node(init_node, args, kwds)
         if self._is_node:
-            return  # it has been called before
+            return  # init_node has been called before
         self._is_node = True
         joined = joining.participant()
         if joined is None:
@@ -115,15 +123,15 @@ class _Joining:
 
 
 def _is_one_hash():
-    """Whether texts have the same hashes in each run."""
+    """Return whether texts have the same hashes in each run."""
     return not sys.flags.hash_randomization or (
         not sys.flags.ignore_environment and os.environ.get('PYTHONHASHSEED', 'random').isdigit())
 
 
 def node_name(kind, path, arguments):
-    """Return the node's resolved name if it is sure before the program calls rospy.init_node, else ''.
+    """Return the node's resolved name if it is certain before the program calls rospy.init_node; otherwise ''.
 
-    The command line has it, or the one call of init_node in a script.
+    The name is from the command line, or from the only call of init_node in a script.
     """
     if any(word.startswith(_NAME) for word in arguments):
         return binary.node_name(path, arguments, os.environ)
@@ -132,7 +140,7 @@ def node_name(kind, path, arguments):
 
 
 def _execute(kind, path, arguments, compile_script, names_of_script):
-    """Be __main__, as Python itself would make it; the launcher's own folder is searched for modules no more."""
+    """Run the program as ``__main__``, as Python itself would. Modules are not looked for in the launcher's folder."""
     module = types.ModuleType('__main__')
     module.__builtins__ = builtins
     sys.modules['__main__'] = module
@@ -152,13 +160,13 @@ def _execute(kind, path, arguments, compile_script, names_of_script):
 
 
 def _call(main):
-    """Call the program; a traceback begins with its own first line."""
+    """Call the program. A traceback begins with the program's own first line."""
     try:
         main()
     except SystemExit:
         raise
     except TurnLost:
-        sys.exit(finish.exit_code() or 0)  # the run is over, which the log says
+        sys.exit(finish.exit_code() or 0)  # the run is over, as the log says
     except BaseException as error:
         trace = error.__traceback__
         while trace is not None and _is_ours(trace.tb_frame.f_code.co_filename):

@@ -1,1 +1,1 @@
-"""Maps from topics, the map as one robot uses it, and the topics of costmaps and plans."""
+"""Maps from topics, the map of one robot, and the topics of costmaps and plans."""

@@ -1,4 +1,4 @@
-"""The costmaps' topics, so that existing RViz set-ups show something: the map as it is, and the footprint."""
+"""The topics of costmaps, so that existing RViz set-ups show the map and the footprint. The map is not inflated."""
 import rospy
 from geometry_msgs.msg import PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
@@ -18,9 +18,9 @@ _FLOAT32_MAX = 3.4e38
 class CostmapTopics:
     """Grids and footprints of one robot.
 
-    The global costmap is the map in the global frame. Without a map it is free everywhere inside the bounds; without
-    these the world has no end and thus no grid: then its topic is there and stays silent. The local one is a window of
-    it that goes with the robot, in the odom frame, which coincides with the global one.
+    The global costmap is the map, in the global frame. Without a map it is free everywhere inside the bounds. Without
+    bounds the world is infinite and has no grid; then the topic exists but has no messages. The local costmap is a
+    window of the global one that moves with the robot. It is in the odom frame, which coincides with the global frame.
     """
 
     def __init__(self, names, settings, host, robot_map):
@@ -45,26 +45,29 @@ class CostmapTopics:
         robot_map.follow(self._show_map)
 
     def moved(self, pose, stamp_ns, is_event):
-        """Show the robot at ``pose`` (global frame); ``is_event``: it starts or stands, which no cap leaves out."""
+        """Show the robot at ``pose`` (global frame), at ``stamp_ns`` [ns].
+
+        ``is_event`` says that it starts or comes to rest; then the window is shown whatever its rate is.
+        """
         self._footprints.show(pose, stamp_ns)
         if is_event or self._throttle.ready():
             self._window.show()
 
     def is_heard(self):
-        """Return who listens to what moves with the robot: 0 is nobody."""
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear what moves with the robot."""
         return max(self._footprints.is_heard(), self._window.is_heard())
 
     def hearers(self):
-        """Return (topic, name) of each node that listens to what moves with the robot."""
+        """Return (topic, name) of each node that hears a topic that moves with the robot."""
         return self._footprints.hearers() + self._window.hearers()
 
     def close(self):
-        """Leave the graph."""
+        """Remove the topics."""
         for topic in (self._grid, self._window, *self._updates, self._footprints):
             topic.unregister()
 
     def _show_map(self, message, _occupancy):
-        """Publish the map's own message: all robots of the process share it."""
+        """Publish the received map message itself, which all robots of the process share."""
         self._grid.publish(message)
         if self._footprints.shown is not None:
             self._window.show()
@@ -92,7 +95,7 @@ def _footprint_packer(footprint, frame_id):
 
 
 def _to_float32(value):
-    """Return what a Point32 can hold of ``value``."""
+    """Return ``value``, limited to the range of a float32."""
     return max(-_FLOAT32_MAX, min(_FLOAT32_MAX, value))
 
 

@@ -1,4 +1,4 @@
-"""Maps that come on a topic: one subscription and one copy per topic and process, whatever the number of robots."""
+"""Maps from topics. A process has one subscription and one copy of the map per topic, for any number of robots."""
 import threading
 import time
 
@@ -11,14 +11,14 @@ from move_base_abstract.maps.occupancy import OccupancyMap
 
 from ..messages import conversions
 
-_REMINDER_SECONDS = 5.0
+_REMINDER_SECONDS = 5.0  # wall
 
 
 class MapListener:
-    """Receives the maps of one topic; use :meth:`on` to get the process's listener of a topic.
+    """Receives the maps of one topic. Use :meth:`on` to get the process's listener of a topic.
 
-    Threading: ``follow`` and ``leave`` from any thread; followers are called in the thread that receives maps, one at a
-    time and without a lock that ``follow`` or ``leave`` wait for, or in that of ``follow``.
+    Threading: any thread may call ``follow`` and ``leave``. Followers are called in the thread that receives maps, one
+    at a time, while ``follow`` and ``leave`` do not block; the first call may be in the thread that calls ``follow``.
     """
 
     _listeners = {}
@@ -27,11 +27,11 @@ class MapListener:
     def __init__(self, topic):
         self.topic = topic
         self._lock = threading.RLock()
-        self._turn = threading.Lock()  # of the threads that receive maps: one publisher has one
+        self._turn = threading.Lock()  # for the threads that receive maps, one for each publisher
         self._followers = []
         self._latest = None
         self._came = threading.Event()
-        # With numpy_msg the cells stay the bytes that came; a list would take eight times as much.
+        # With numpy_msg the cells stay the received bytes; a list would take eight times as much memory.
         self._subscriber = rospy.Subscriber(topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
 
     @classmethod
@@ -43,19 +43,19 @@ class MapListener:
             return cls._listeners[topic]
 
     def wait(self):
-        """Wait for the first map, however long that takes, and say so; False if ROS shuts down meanwhile."""
+        """Wait for the first map, with a warning every 5 s; return False if ROS shuts down meanwhile."""
         reminded = time.monotonic()
         while not self._came.wait(0.1):
             if rospy.is_shutdown():
                 return False
             if time.monotonic() - reminded > _REMINDER_SECONDS:
                 reminded = time.monotonic()
-                rospy.logwarn('%s: no map has come on %s yet, and robots are to use it: is a map server running?',
+                rospy.logwarn('%s: no map has come on %s yet, and robots need it: is a map server running?',
                               rospy.get_name(), self.topic)
         return True
 
     def follow(self, follower):
-        """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each that comes."""
+        """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each new map."""
         with self._lock:
             self._followers.append(follower)
             if self._latest is not None:
@@ -85,7 +85,7 @@ class MapListener:
 
 
 def occupancy_in(message):
-    """Return the OccupancyMap of a nav_msgs/OccupancyGrid as genpy reads it; as of :func:`to_occupancy`."""
+    """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a list or bytes; see :func:`to_occupancy`."""
     message.data = numpy.array(message.data, numpy.int8)
     return to_occupancy(message)
 
@@ -93,13 +93,13 @@ def occupancy_in(message):
 def to_occupancy(message):
     """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a numpy array; the cells are not copied.
 
-    :raises ValueError: if size and data do not fit, or resolution or origin are impossible.
+    :raises ValueError: if the number of cells does not fit the size, or the resolution or the origin is not allowed.
     """
     info = message.info
     if len(message.data) != info.width * info.height:
         raise ValueError('got {} cells; allowed: {} x {}, as its info says'.format(
             len(message.data), info.width, info.height))
     if not any(conversions.quaternion_tuple(info.origin.orientation)):
-        info.origin.orientation.w = 1.0  # who draws maps by hand often leaves the orientation out
+        info.origin.orientation.w = 1.0  # in maps drawn by hand the orientation is often left out
     return OccupancyMap(message.data.reshape(info.height, info.width), info.resolution,
                         conversions.from_pose(info.origin))

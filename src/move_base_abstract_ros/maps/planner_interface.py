@@ -1,4 +1,4 @@
-"""The plans that move_base shows and makes on request."""
+"""The plans that move_base publishes, and those that it makes on request."""
 from contextlib import nullcontext
 
 import rospy
@@ -14,7 +14,7 @@ from ..messages import conversions
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import of_message
 
-#: what local planners tell of the samples that they weigh, with publish_cost_grid_pc and publish_traj_pc: silent here
+#: topics on which local planners show their samples, with publish_cost_grid_pc and publish_traj_pc; no messages here
 _CLOUDS = {'DWAPlannerROS': ('cost_cloud', 'trajectory_cloud'), 'TrajectoryPlannerROS': ('cost_cloud',)}
 
 
@@ -43,18 +43,18 @@ class PlannerInterface:
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
 
     def set_add_unreachable_goal(self, is_added):
-        """Say whether a plan that ends near the goal has the goal itself behind its end."""
+        """Set whether a plan that ends near the goal also has the goal itself as its last pose."""
         self._add_unreachable_goal = is_added
 
     def close(self):
-        """Leave the graph."""
+        """Remove the topics and services."""
         for topic in (self._plans, *self._clouds):
             topic.unregister()
         for service in self._services:
             service.shutdown('the robot is removed')
 
     def _show(self, event):
-        """Publish the way that the robot now takes; who comes later gets it, too."""
+        """Publish the way that the robot now takes, also for later listeners."""
         start = self._navigator.robot.pose_at(event.time_ns)
         self._plans.show(start, event.corners, event.goal, event.time_ns)
 
@@ -67,11 +67,14 @@ class PlannerInterface:
         if active:
             raise rospy.ServiceException('move_base must be in an inactive state to make a plan for an external user')
         plan = self._make_plan(request)
-        plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)  # as move_base leaves it, unlike planners
+        plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)  # as in move_base, unlike in planners
         return GetPlanResponse(plan)
 
     def _make_plan(self, request):
-        """Plan from the request's start (or from the robot) in the global frame; an empty plan if there is no way."""
+        """Return the plan from the request's start, or from the robot, in the global frame; empty if there is no way.
+
+        :raises rospy.ServiceException: if no plan can be made, for example for a pose in another frame.
+        """
         self._map.wait()
         lacking = self._navigator.planner.lacking
         if lacking:
@@ -90,7 +93,7 @@ class PlannerInterface:
         return self._to_path(poses, now_ns)
 
     def _in_global_frame(self, message):
-        """Return the Pose2D of a request's pose; like upstream's planners this takes the global frame only."""
+        """Return the Pose2D of a request's pose. Like upstream's planners this takes only the global frame."""
         if message.header.frame_id.lstrip('/') != self._global_frame:
             raise ValueError("the start and the goal must be in the global frame '{}', got '{}'".format(
                 self._global_frame, message.header.frame_id))

@@ -1,4 +1,4 @@
-"""The map as one robot uses it, between the process's map listener and the core."""
+"""The map of one robot, between the process's map listener and the core."""
 import rosgraph.names
 import rospy
 
@@ -6,10 +6,10 @@ from move_base_abstract.maps.map_check import MapCheck
 
 
 def wait_for_maps(robots, participant):
-    """Wait for the first map of all ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile.
+    """Wait for the first map of each of ``robots`` [(RobotNames, RobotSettings)]; False if ROS shuts down meanwhile.
 
-    In lockstep this is done in the first round: a map that came at some later time of the wall would make a run
-    another one each time. (Not before it: map_server waits for the first /clock.)
+    In lockstep call this in the first round: if a map came at some later wall time, each run would be different. (Not
+    before it, since map_server waits for the first message on /clock.)
     """
     topics = sorted({_topic(names, settings) for names, settings in robots if settings.values['use_map']})
     for topic in topics:
@@ -21,7 +21,7 @@ def wait_for_maps(robots, participant):
 
 
 def _topic(names, settings):
-    """Return the absolute name of the map's topic: map_topic, else what ``map`` is remapped to, else /map."""
+    """Return the absolute name of the map's topic: ``map_topic``, or the remapping of ``map``, or ``/map``."""
     given = settings.values['map_topic']
     if given is not None:
         return rospy.resolve_name(given, names.private)
@@ -33,7 +33,7 @@ def _topic(names, settings):
 
 
 class RobotMap:
-    """The map as one robot uses it: ``check`` judges its goals, or is None where the robot uses no map."""
+    """The map of one robot. ``check`` (MapCheck) judges its goals; it is None if the robot uses no map."""
 
     def __init__(self, names, settings, clock):
         values = settings.values
@@ -46,7 +46,7 @@ class RobotMap:
             return
         self._global_frame = values['global_frame']
         self._timeout = values['frame_timeout']
-        # Only who uses a map pays for numpy: some 0.1 s and 15 MB a process.
+        # Imported only if a map is used, since numpy takes some 0.1 s and 15 MB in each process.
         from .map_listener import MapListener
         self._listener = MapListener.on(_topic(names, settings))
         self.check = MapCheck(None, values['allow_unknown'], values['allow_occupied_goals'],
@@ -55,24 +55,24 @@ class RobotMap:
         self.follow(self._take)
 
     def follow(self, follower):
-        """Call ``follower(message, occupancy)`` with the latest map and with each that comes, until :meth:`close`."""
+        """Call ``follower(message, occupancy)`` with the latest map and with each new one, until :meth:`close`."""
         if self.check is not None:
             self._followers.append(follower)
             self._listener.follow(follower)
 
     def follow_changes(self, changed):
-        """Call ``changed()`` when goals are judged by another map than before."""
+        """Call ``changed()`` whenever goals are judged by another map than before."""
         self._changed = changed
 
     def wait(self):
-        """Wait for the first map, up to frame_timeout [s, of the clock's wait_until]. May block; no lock is held."""
+        """Wait for the first map, up to frame_timeout [s, of the clock]. May block, so do not hold a lock."""
         if self.check is not None:
             self._clock.wait_until(lambda: self._has_come, self._timeout, 'a map')
 
     def give(self, message):
-        """Use the nav_msgs/OccupancyGrid ``message`` from now on, until another one comes on the topic.
+        """Use the nav_msgs/OccupancyGrid ``message`` from now on, until another map comes on the topic.
 
-        Return why not, or ''. Where the robot uses no map nothing happens.
+        Return '', or the reason why it cannot be used. If the robot uses no map, do nothing and return ''.
         """
         if self.check is not None:
             from .map_listener import occupancy_in

@@ -1,4 +1,4 @@
-"""What a robot looks like in RViz: an arrow, its name, its goal and its leg, all in one colour, as markers."""
+"""The markers of a robot for RViz: an arrow, its name, its goal and its leg, all in one colour."""
 import colorsys
 import re
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ ARROW, NAME, GOAL, LEG = range(4)
 
 _GOLDEN_RATIO = 0.618033988749895
 _SATURATION, _VALUE = 0.95, 0.75
-# heights [m]: what matters more lies on top, seen from above
+# heights [m]; seen from above, the more important markers lie on top
 _LEG_Z, _GOAL_Z, _ARROW_Z, _NAME_Z = 0.02, 0.04, 0.06, 0.2
 
 
 @dataclass(frozen=True)
 class Look:
-    """What does not change: the robot's name, its number (its colour), the frame and the arrow's length [m]."""
+    """What does not change: the robot's name, its number (for its colour), the frame, and the arrow's length [m]."""
 
     name: str
     number: int
@@ -32,9 +32,9 @@ class Look:
 
 @dataclass(frozen=True)
 class View:
-    """Where the robot is, where it wants to be, and start, corners and end of its leg; None for what it has not.
+    """What changes: the robot's pose, its goal or None, and its leg (start, corners, end) or None, in the global frame.
 
-    ``state``: what it does, a line of text; ``is_changing``: it may say something else soon.
+    ``state`` is a line of text about what it does; ``is_changing`` says that this text may change soon.
     """
 
     pose: Pose2D
@@ -45,24 +45,27 @@ class View:
 
     @property
     def route(self):
-        """What needs not be drawn again while the robot moves."""
+        """The parts that need not be drawn again while the robot moves: (goal, leg)."""
         return self.goal, self.leg
 
 
 def robot_number(name, index):
-    """Return the number at the end of ``name``, else ``index``: robots of several processes differ in colour too."""
+    """Return the number at the end of ``name``, or ``index`` without one.
+
+    So robots of several processes have different colours, too.
+    """
     digits = re.search(r'(\d{1,9})$', name)
     return int(digits.group(1)) if digits else index
 
 
 def colour(number, alpha=1.0):
-    """Return the colour of robot ``number``; neighbours differ much (hues a golden section apart)."""
+    """Return the colour (ColorRGBA) of robot ``number``. Successive hues differ much, by a golden section."""
     red, green, blue = colorsys.hsv_to_rgb((number * _GOLDEN_RATIO) % 1.0, _SATURATION, _VALUE)
     return ColorRGBA(red, green, blue, alpha)
 
 
 def body(look, view):
-    """Return the markers that follow the robot: arrow, and name with what it does."""
+    """Return the markers that follow the robot: the arrow, and the name with the text of its state."""
     nose, size = view.pose, look.size
     arrow = _marker(look, ARROW, Marker.ARROW, nose.compose(Pose2D(-size / 2.0)), _ARROW_Z, 1.0)
     arrow.scale.x, arrow.scale.y, arrow.scale.z = size, 0.45 * size, 0.2 * size
@@ -74,13 +77,13 @@ def body(look, view):
 
 
 def route(look, view):
-    """Return the markers of goal and leg, or what takes them away."""
+    """Return the markers of the goal and the leg, or those that delete them."""
     return [_goal(look, view.goal) if view.goal else _deletion(look, GOAL),
             _leg(look, view.leg) if view.leg else _deletion(look, LEG)]
 
 
 def farewell(look):
-    """Return what takes all markers of the robot away."""
+    """Return the markers that delete all markers of the robot."""
     return [_deletion(look, marker_id) for marker_id in (ARROW, NAME, GOAL, LEG)]
 
 
@@ -99,7 +102,7 @@ def _leg(look, places):
 
 
 def _marker(look, marker_id, kind, pose, height, alpha):
-    """Return a marker without a stamp: it is shown at once, whatever time it is."""
+    """Return a marker without a stamp, which RViz shows at once, whatever time it is."""
     marker = Marker(ns=look.name, id=marker_id, type=kind, action=Marker.ADD, color=colour(look.number, alpha))
     marker.header.frame_id = look.frame_id
     marker.pose = conversions.to_pose(pose)

@@ -1,4 +1,4 @@
-"""The links of a radio as lines in RViz: what each looks like follows from how it is, and what has gone over it."""
+"""The links of a radio as lines in RViz. The colour shows whether a link is up, carries data, or loses data."""
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -8,14 +8,14 @@ _USED, _LOSING = ColorRGBA(0.1, 0.65, 0.25, 0.9), ColorRGBA(0.95, 0.55, 0.1, 0.9
 
 
 class RadioMarkers:
-    """Makes markers of RadioLinks, one after the other."""
+    """Makes markers of successive RadioLinks messages; colours show changes since the message before."""
 
     def __init__(self, frame_id):
         self._frame_id = frame_id
         self._counts = {}
 
     def of(self, message):
-        """Return the MarkerArray of RadioLinks: a line for each link whose hosts' places are known."""
+        """Return the MarkerArray of a RadioLinks message: a line for each link whose two positions are known."""
         placed = [link for link in message.links if link.placed]
         markers = MarkerArray([self._line(number, link, message.stamp) for number, link in enumerate(placed)])
         self._counts = {(link.one, link.other): (link.arrived, link.lost) for link in message.links}

@@ -1,7 +1,7 @@
-"""The robots of a process as one MarkerArray, drawn only while somebody looks.
+"""The robots of a process as one MarkerArray, drawn only while a node subscribes to it.
 
-Whatever happens to a robot is drawn within 50 ms of wall time, robots under way five times a second, and what is drawn
-at one instant is one message.
+A change of a robot is drawn within 50 ms of wall time, and robots under way are drawn five times a second. All that is
+drawn at one instant is one message.
 """
 import threading
 import time
@@ -27,20 +27,21 @@ from .. import lockstep
 from . import marker_builder
 from .marker_builder import Look, View
 
-TOPIC = 'move_base_abstract/markers'  # unless a parameter says otherwise
+TOPIC = 'move_base_abstract/markers'  # the default of the parameter marker_topic
 _CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
-_REFRESH_SECONDS = 0.2  # wall; how often robots with a goal are drawn
+_REFRESH_SECONDS = 0.2  # wall; the period at which robots with a goal are drawn
 
-#: what makes a robot look different
+#: the events after which a robot looks different
 _CHANGES = (Stands, Aimed, Held, Failed, Repaired, ChargePassed, Charging, TaskWaits, TaskBegan, TaskEnded)
 _lock = threading.Lock()
 _boards = {}
 
 
 def add(clock, settings, navigator, stream, state, is_changing=False):
-    """Draw the robot of ``navigator`` from now on, anew at what ``stream`` tells; return its :class:`RobotMarkers`.
+    """Draw the robot of ``navigator`` from now on, again at each event of ``stream``; return its :class:`RobotMarkers`.
 
-    ``state()``: what it does, a line of text; the caller holds the clock's lock. ``is_changing``: also while it stands.
+    ``state()`` returns a line of text about what the robot does; it is called with the clock's lock held.
+    ``is_changing`` says that this text may also change while the robot stands.
     """
     robot = navigator.robot
     look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
@@ -51,7 +52,7 @@ def add(clock, settings, navigator, stream, state, is_changing=False):
 
 
 def board(clock, topic):
-    """Return the one board of this process on a topic."""
+    """Return this process's board on a topic. There is one for each topic."""
     topic = '/' + topic.strip('/')
     with _lock:
         if topic not in _boards:
@@ -72,11 +73,11 @@ class RobotMarkers:
         board.add(self)
 
     def changed(self, _event):
-        """Have the robot drawn soon; returns at once."""
+        """Have the robot drawn soon. This returns at once."""
         self._board.change(self)
 
     def close(self):
-        """Have the robot taken away."""
+        """Have the robot's markers deleted."""
         self._board.remove(self)
 
     def draw(self, view):
@@ -88,11 +89,11 @@ class RobotMarkers:
         return markers
 
     def forget_drawn(self):
-        """Somebody new looks, who has seen nothing yet."""
+        """Draw everything next time, since a new subscriber has seen nothing yet."""
         self._drawn_route = None
 
     def view(self, now_ns):
-        """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
+        """Return the :class:`View` of the robot at ``now_ns`` [ns]. The caller must hold the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
         way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
         return View(robot.pose_at(now_ns), self._navigator.travel.target, way, self._state(), self._is_changing)
@@ -110,7 +111,7 @@ class _Board(rospy.SubscribeListener):
         self._under_way = set()
         self._removed = []
         participant = lockstep.participant()
-        if participant is not None:  # pictures are drawn by the wall clock
+        if participant is not None:  # the markers are drawn by the wall clock
             participant.exclude(topic)
         self._publisher = rospy.Publisher(topic, MarkerArray, subscriber_listener=self, queue_size=10)
         threading.Thread(target=self._run, name='markers', daemon=True).start()
@@ -122,11 +123,11 @@ class _Board(rospy.SubscribeListener):
         self.change(robot)
 
     def is_watched(self):
-        """Return whether anybody looks."""
+        """Return whether any node subscribes."""
         return bool(self._publisher.impl.connections)  # not get_num_connections: this is asked at each event
 
     def change(self, robot):
-        """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
+        """Draw ``robot`` soon, if there is a subscriber."""
         if self.is_watched():
             with self._condition:
                 self._changed.add(robot)
@@ -142,7 +143,7 @@ class _Board(rospy.SubscribeListener):
             self._condition.notify()
 
     def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
-        """Draw everything for who comes anew."""
+        """Draw everything for a new subscriber."""
         with self._condition:
             for robot in self._robots.values():
                 robot.forget_drawn()
@@ -164,7 +165,7 @@ class _Board(rospy.SubscribeListener):
             time.sleep(_CHANGE_SECONDS)
 
     def _wait(self):
-        """Return (robots to draw, robots to take away) when there is something to do."""
+        """Wait until there is something to do, and return (robots to draw, robots to delete)."""
         with self._condition:
             watched = self._publisher.get_num_connections() > 0
             self._condition.wait_for(lambda: self._changed or self._removed,

@@ -1,4 +1,4 @@
-"""What belongs to the world, as markers: zones, places, lanes and their nodes, with who is there and who waits."""
+"""Markers of zones, places, lanes and their nodes, with the robots that are there and those that wait."""
 import math
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,7 +17,7 @@ _NODES, _NODE_NAMES = 'nodes', 'node names'  # marker namespaces
 _LANE = ColorRGBA(0.35, 0.45, 0.55, 0.6)
 _FREE, _FULL = ColorRGBA(0.35, 0.35, 0.35, 0.9), ColorRGBA(0.75, 0.2, 0.05, 0.9)
 _OUTLINE_Z, _SIGN_Z = 0.03, 0.2  # m
-_MOST_NAMES = 4  # of those who wait
+_MOST_NAMES = 4  # number of waiting robots that a sign names
 _CIRCLE = 24  # corners of the outline of a place
 
 
@@ -25,8 +25,8 @@ _CIRCLE = 24  # corners of the outline of a place
 class AreaLook:
     """What does not change: the marker namespace, the frame, corners [(x, y)] [m], and the length of an arrow [m].
 
-    ``is_lane``: the corners are those of a line, not of an outline, and the sign is in its middle, while it is in use.
-    ``one_way``: such a line has one arrow, along it, else one each way.
+    ``is_lane`` says that the corners are those of a line and not of an outline; its sign is in its middle. With
+    ``one_way`` such a line has one arrow, along it, and otherwise one in each direction.
     """
 
     name: str
@@ -39,20 +39,23 @@ class AreaLook:
 
 @dataclass(frozen=True)
 class Use:
-    """How an area is used: what it is called, who is in it, for how many there is room (None: any), and who waits."""
+    """The use of an area: its title, the robots in it, its capacity (None: no limit), and the robots that wait."""
 
     title: str
     inside: Tuple[str, ...] = ()
     capacity: Optional[int] = None
     waiting: Tuple[str, ...] = ()
     closed: bool = False
-    #: as of a robot's View: an area is never under way
+    #: the attributes of a robot's View: an area is never under way
     goal = None
     is_changing = False
 
 
 class AreaMarkers:
-    """One zone or place on the board of its process; ``use()`` returns its :class:`Use`, under the clock's lock."""
+    """One zone, place or lane on the board of its process.
+
+    ``use()`` returns its :class:`Use`; it is called with the clock's lock held.
+    """
 
     def __init__(self, board, look, use):
         self.look = look
@@ -62,27 +65,27 @@ class AreaMarkers:
         board.add(self)
 
     def changed(self):
-        """Have it drawn soon; returns at once."""
+        """Have the area drawn soon. This returns at once."""
         self._board.change(self)
 
     def draw(self, view):
-        """Return the markers that show the :class:`Use` ``view``, none if that is what was drawn last."""
+        """Return the markers that show the :class:`Use` ``view``; [] if it is the one that was drawn last."""
         if view == self._drawn:
             return []
         self._drawn = view
         return draw(self.look, view)
 
     def forget_drawn(self):
-        """Somebody new looks, who has seen nothing yet."""
+        """Draw the area next time, since a new subscriber has seen nothing yet."""
         self._drawn = None
 
     def view(self, _now_ns):
-        """Return how it is used."""
+        """Return the area's :class:`Use`."""
         return self._use()
 
 
 def add(clock, scenario, traffic, rooms):
-    """Draw the zones, places and lanes of a ``scenario`` from now on; ``rooms``: Rooms, or None without places."""
+    """Draw the zones, places and lanes of a ``scenario`` from now on; ``rooms`` is Rooms, or None without places."""
     edges = _edges(scenario)
     if not scenario.zones and not edges and not (rooms is not None and rooms.places):
         return
@@ -113,7 +116,7 @@ def _nets(scenario):
 
 
 def _edges(scenario):
-    """Return the lanes of a scenario, those without a capacity, too: [Edge]."""
+    """Return all lanes of a scenario, also those without a capacity: [Edge]."""
     return [edge for net in _nets(scenario) for edge in net.edges]
 
 
@@ -123,7 +126,7 @@ def _nodes(scenario):
 
 
 class _Nodes:
-    """The nodes of nets on the board of their process: they never change."""
+    """The nodes of nets of lanes, which never change, on the board of their process."""
 
     def __init__(self, board, look, nodes):
         self.look = look
@@ -132,21 +135,21 @@ class _Nodes:
         board.add(self)
 
     def draw(self, _view):
-        """Return the markers, none if they were drawn."""
+        """Return the markers; [] if they have been drawn."""
         markers, self._is_drawn = [] if self._is_drawn else self._markers, True
         return markers
 
     def forget_drawn(self):
-        """As of AreaMarkers."""
+        """Draw the nodes next time, since a new subscriber has seen nothing yet."""
         self._is_drawn = False
 
     def view(self, _now_ns):
-        """Return how they are used: as they always are."""
+        """Return a Use that is always the same."""
         return Use(_NODES)
 
 
 class _Traffic:
-    """How zones and lanes are used. All of them are looked at once when any has changed: traffic says no more."""
+    """The use of zones and lanes. After a change of any of them all are read: traffic does not say which it was."""
 
     def __init__(self, traffic, board):
         self.areas = []  # AreaMarkers
@@ -162,7 +165,7 @@ class _Traffic:
                 area.changed()
 
     def use(self, kind, name, capacity):
-        """Return the Use of an area; of a lane on which nobody drives there is no state."""
+        """Return the Use of an area. A lane on which no robot drives has no state, but an empty Use."""
         if self._states is None:
             self._states = {(state.kind, state.name): state for state in self._traffic.states()}
         state = self._states.get((kind, name))
@@ -182,7 +185,7 @@ def _circle(place):
 
 
 def sign_text(use):
-    """Return what the sign of an area says."""
+    """Return the text of an area's sign."""
     first = use.title if use.capacity is None else '{} {}/{}'.format(use.title, len(use.inside), use.capacity)
     lines = [first + (' closed' if use.closed else '')]
     if use.waiting:
@@ -192,7 +195,7 @@ def sign_text(use):
 
 
 def draw(look, use):
-    """Return the markers of an area: its outline, and a sign below it; red where nobody more is let in."""
+    """Return the markers of an area: its outline, and a sign below it. They are red if no more robots may enter."""
     is_full = use.closed or (use.capacity is not None and len(use.inside) >= use.capacity)
     colour = _FULL if is_full else _LANE if look.is_lane else _FREE
     outline = _marker(look, OUTLINE, Marker.LINE_STRIP, colour)
@@ -227,7 +230,7 @@ def draw_nodes(look, nodes):
 
 
 def _lane_heads(look, colour):
-    """Return the arrows of a lane: a head in the middle of it for each direction in which it is driven."""
+    """Return the arrows of a lane: a head near its middle for each direction in which robots may drive."""
     heads = _marker(look, HEADS, Marker.LINE_LIST, colour)
     heads.scale.x = 0.08 * look.size
     (ax, ay), (bx, by) = _longest_piece(look)
@@ -248,7 +251,10 @@ def _longest_piece(look):
 
 
 def _lane_sign(look, use, colour):
-    """Return the sign of a lane: how many are on it, for how many there is room, who waits; none where all may go."""
+    """Return the sign of a lane: the number of robots on it, its capacity, and the robots that wait.
+
+    A lane that is open, has no capacity, and on which no robot waits has no sign.
+    """
     if not use.waiting and use.capacity is None and not use.closed:
         sign = Marker(ns=look.name, id=SIGN, action=Marker.DELETE)
         sign.header.frame_id = look.frame_id
@@ -257,7 +263,7 @@ def _lane_sign(look, use, colour):
     sign = _marker(look, SIGN, Marker.TEXT_VIEW_FACING, colour)
     sign.scale.z = 0.5 * look.size
     sign.text = sign_text(replace(use, title='')).strip()
-    is_upright = abs(by - ay) > abs(bx - ax)  # the sign lies beside it, or below it
+    is_upright = abs(by - ay) > abs(bx - ax)  # then the sign lies beside the lane, and otherwise below it
     sign.pose.position.x = 0.5 * (ax + bx) - (3.0 * look.size if is_upright else 0.0)
     sign.pose.position.y = 0.5 * (ay + by) - (0.0 if is_upright else look.size)
     sign.pose.position.z = _SIGN_Z

@@ -1,4 +1,4 @@
-"""Between ROS messages and the core's values. Times are int64 nanoseconds on the core's side."""
+"""Conversion between ROS messages and the core's values. The core's times are integer nanoseconds."""
 import genpy
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
@@ -19,7 +19,7 @@ def to_duration(duration_ns):
 
 
 def to_header(frame_id, stamp_ns):
-    """Return a header."""
+    """Return a std_msgs/Header with the frame ``frame_id`` and the stamp ``stamp_ns`` [ns]."""
     return Header(frame_id=frame_id, stamp=to_time(stamp_ns))
 
 
@@ -29,7 +29,7 @@ def to_pose(pose):
 
 
 def to_pose_stamped(pose, frame_id, stamp_ns):
-    """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D)."""
+    """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D) in the frame ``frame_id`` at ``stamp_ns`` [ns]."""
     return PoseStamped(to_header(frame_id, stamp_ns), to_pose(pose))
 
 
@@ -41,7 +41,7 @@ def quaternion_tuple(orientation):
 def from_pose(message):
     """Return the Pose2D of a geometry_msgs/Pose.
 
-    :raises ValueError: if it is no pose in the plane: NaN, inf, a tilted or empty quaternion.
+    :raises ValueError: if its quaternion is not a heading in the plane: NaN, inf, tilted, or empty.
     """
     quaternion = quaternion_tuple(message.orientation)
     fault = quaternion_fault(quaternion)
@@ -51,13 +51,13 @@ def from_pose(message):
 
 
 def from_transform(transform):
-    """Return the Pose2D of a geometry_msgs/Transform."""
+    """Return the Pose2D of a geometry_msgs/Transform, unchecked."""
     return Pose2D(transform.translation.x, transform.translation.y,
                   yaw_of_quaternion(quaternion_tuple(transform.rotation)))
 
 
 def from_target(message):
-    """Return the core's GoalPose of a geometry_msgs/PoseStamped, unchecked: the core judges it."""
+    """Return the core's GoalPose of a geometry_msgs/PoseStamped, unchecked, since the core checks it."""
     position = message.pose.position
     return GoalPose(message.header.frame_id, message.header.stamp.to_nsec(), (position.x, position.y),
                     quaternion_tuple(message.pose.orientation), position.z)

@@ -1,4 +1,4 @@
-"""Two messages field by field, as genpy reads them: which fields differ, and what they are."""
+"""Comparison of two messages field by field, as genpy reads them."""
 import os
 import struct
 
@@ -7,13 +7,13 @@ import roslib.message
 
 from move_base_abstract.common.shown import shown
 
-MOST = 12  # fields that are told
+MOST = 12  # fields that are shown
 _LENGTH = struct.Struct('<I')
 _BROKEN = (genpy.MessageException, ValueError, TypeError, LookupError)
 
 
 def class_of(kind):
-    """Return the class of messages of a type such as 'std_msgs/String', or None where it is not installed."""
+    """Return the class of a message type such as 'std_msgs/String', or None if it is not installed."""
     try:
         return roslib.message.get_message_class(kind)
     except (ImportError, ValueError, LookupError):
@@ -21,9 +21,10 @@ def class_of(kind):
 
 
 def kept(path, number):
-    """Return (type, bytes) of a message by its number, from 1 on, in a file of the time master's ``message_bytes``.
+    """Return (type, bytes) of message ``number``, counted from 1, in a file of the time master's ``message_bytes``.
 
-    None where the file does not have it: it has an upper limit. Of calls and responses the type is ''.
+    Return None if the file does not have it, since such a file has an upper limit, or cannot be read. Calls and
+    responses have the type ''.
     """
     try:
         with open(path, 'rb') as stream:
@@ -49,9 +50,13 @@ def _word(stream, is_wanted):
 
 
 def difference(kind, one, other):
-    """Return texts of the fields in which two messages differ; why there are none, if they cannot be read.
+    """Return lines that name the fields in which two messages differ, with both values.
 
-    :param kind: a class of messages, or None; :param one, other: bytes.
+    If the messages cannot be read, or all fields are equal, the only line says so.
+
+    :param kind: the class of the messages, or None if it is not installed.
+    :param one: the bytes of the first message.
+    :param other: the bytes of the second message.
     """
     if kind is None:
         return ['the type of the message is not known here']
@@ -68,7 +73,7 @@ def difference(kind, one, other):
 
 
 def _fields(name, value):
-    """Yield (path, value) of all that a message holds, in the order of its definition."""
+    """Yield (path, value) of each field of a message, in the order of its definition."""
     if isinstance(value, genpy.Message):
         for field in value.__slots__:
             yield from _fields('{}.{}'.format(name, field) if name else field, getattr(value, field))

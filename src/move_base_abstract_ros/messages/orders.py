@@ -1,4 +1,4 @@
-"""Orders and tasks as messages. Times are int64 nanoseconds on the core's side."""
+"""Orders and tasks as messages. The core's times are integer nanoseconds."""
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import Order, OrderStop, Task
 from move_base_abstract.orders.order import WORK, Stop
@@ -8,13 +8,13 @@ from . import conversions
 
 
 def to_task(task, frame, stamp_ns):
-    """Return the message of a Task that arrives at ``stamp_ns`` [ns]; ``frame``: of its pose."""
+    """Return the message of a Task that arrives at ``stamp_ns`` [ns]; its pose is in the frame ``frame``."""
     return Task(conversions.to_header(frame, stamp_ns), task.task_id, task.place, conversions.to_pose(task.pose),
                 conversions.to_duration(task.duration_ns), task.power, task.energy, task.priority)
 
 
 def to_order(order, frame, stamp_ns):
-    """Return the message of an Order that arrives at ``stamp_ns`` [ns]."""
+    """Return the message of an Order that arrives at ``stamp_ns`` [ns]; its poses are in the frame ``frame``."""
     deadline = conversions.to_time(0 if order.deadline_ns is None else stamp_ns + order.deadline_ns)
     return Order(conversions.to_header(frame, stamp_ns), order.order_id,
                  [OrderStop(stop.place, conversions.to_pose(stop.pose), stop.action,
@@ -23,9 +23,9 @@ def to_order(order, frame, stamp_ns):
 
 
 def from_order(message, frame, places, now_ns):
-    """Return the Order in a message that comes at ``now_ns`` [ns]; ``places``: {name: Place}.
+    """Return the Order in a message that comes at ``now_ns`` [ns]; ``places`` is {name: Place}.
 
-    :raises ValueError: if a pose is none, or is of another frame than ``frame``.
+    :raises ValueError: if a pose is not a pose in the plane, or is in another frame than ``frame``.
     """
     given = message.header.frame_id.lstrip('/')
     deadline_ns = message.deadline.to_nsec()

@@ -1,8 +1,8 @@
-"""Answers in order, none of them sooner than promised.
+"""A queue that sends answers in order, each not before its earliest wall time.
 
-A stock SimpleActionClient puts a goal on the wire before it notes the goal's handle; a final answer that comes in
-between is dropped, and the client waits for ever. So final answers wait for a short time of the wall clock, and
-whatever follows them waits behind them.
+A stock SimpleActionClient puts a goal on the wire before it notes the goal's handle. A final answer that comes in
+between is dropped, and the client waits for ever. So final answers wait for a short wall time, and all later messages
+wait behind them.
 """
 import heapq
 import itertools
@@ -14,7 +14,7 @@ import rospy
 
 
 class _Waker:
-    """One daemon thread for all outboxes of the process; it sleeps unless something is held back."""
+    """One daemon thread for all outboxes of the process. It sleeps unless a message is held back."""
 
     def __init__(self):
         self._condition = threading.Condition()
@@ -44,14 +44,17 @@ _WAKER = _Waker()
 
 
 class Outbox:
-    """A first-in first-out line of messages, packers for an Outlet, each with the earliest wall time of its leaving."""
+    """A first-in first-out queue of messages. Each has an Outlet, a packer, and the earliest wall time to send it.
+
+    Any thread may call the methods.
+    """
 
     def __init__(self):
         self._lock = threading.Lock()
         self._waiting = deque()
 
     def send(self, outlet, pack, not_before=0.0):
-        """Send ``pack`` to ``outlet`` when all earlier ones are out and ``not_before`` [s, time.monotonic] has come."""
+        """Send ``pack`` to ``outlet`` after all earlier messages, not before ``not_before`` [s, time.monotonic]."""
         with self._lock:
             if not (self._waiting or not_before):
                 _send(outlet, pack)
@@ -61,7 +64,7 @@ class Outbox:
                 self._drain()
 
     def flush(self):
-        """Publish all that waits, now."""
+        """Send all waiting messages now."""
         with self._lock:
             while self._waiting:
                 _send(*self._waiting.popleft()[1:])

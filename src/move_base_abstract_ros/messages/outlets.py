@@ -1,7 +1,7 @@
-"""Publishers to which a message is bytes, made once for all who listen, and not at all where nobody does.
+"""Publishers that take packers: a message is made as bytes, once for all listeners, and not at all without a listener.
 
-A robot has a dozen topics that tell where it is and what it does; most of them have no listener most of the time, and
-making a message costs more than all the rest of an event. What is to be sent is a packer, see :mod:`packing`.
+A robot has a dozen topics that say where it is and what it does. Most of them have no listener most of the time, and
+making a message costs more than the rest of an event. For packers see :mod:`packing`.
 """
 import threading
 from contextlib import contextmanager
@@ -14,32 +14,32 @@ from ..lockstep.exchange import rollback
 
 
 class _Header:
-    """What rospy writes a message's number into."""
+    """The header into which rospy writes a message's number."""
 
     seq = 0
     frame_id = ''
 
 
 class _Listeners:
-    """Who is told, before anything else, that somebody begins to listen, or ends; whether what is sent is for none."""
+    """The functions to call before all else when a listener comes or goes; ``is_quiet``: nothing reaches a listener."""
 
     came = staticmethod(lambda: None)
     left = staticmethod(lambda: None)
     is_quiet = False
-    changes = 0  # how often who hears what has changed
+    changes = 0  # number of changes of the listeners, or of what has an effect on them
 
 
 _listeners = _Listeners()
 
 
 def follow_listeners(came, left):
-    """Have ``came()`` called whenever somebody begins to hear a robot's topic, ``left()`` at the end."""
+    """Have ``came()`` called whenever a node begins to hear a robot's topic, and ``left()`` whenever one stops."""
     _listeners.came = came
     _listeners.left = left
 
 
 def changes():
-    """Return how often it has changed, in this process, who hears what: as long as it is the same, so are they."""
+    """Return how often the listeners of this process's outlets have changed. An equal number means equal listeners."""
     return _listeners.changes
 
 
@@ -55,7 +55,7 @@ def _left():
 
 @contextmanager
 def nobody_hears():
-    """Give a context in which what is sent reaches nobody; what is shown is kept for those who come later."""
+    """Give a context in which :meth:`Outlet.send` reaches nobody. Shown values are still kept for later listeners."""
     _listeners.is_quiet = True
     try:
         yield
@@ -64,7 +64,7 @@ def nobody_hears():
 
 
 class Packed:
-    """A packer in the form in which rospy's own publishers take a message."""
+    """A packer as a message that rospy's own publishers take."""
 
     _has_header = True
 
@@ -73,12 +73,12 @@ class Packed:
         self._pack = pack
 
     def serialize(self, buffer):
-        """Write the message."""
+        """Write the message's bytes into ``buffer``."""
         buffer.write(self._pack(self.header.seq))
 
 
 class Outlet(rospy.SubscribeListener):
-    """A publisher of packers. Threading: as of rospy's."""
+    """A publisher of packers. It may be used from the same threads as rospy's publishers."""
 
     def __init__(self, topic, message_type, queue_size, tcp_nodelay=False, latch=False):
         super().__init__()
@@ -87,42 +87,45 @@ class Outlet(rospy.SubscribeListener):
         self._impl = self._publisher.impl
 
     def is_heard(self):
-        """Return who listens, and not only seems to, see :meth:`.links.MemberLinks.is_heard`: 0 is nobody."""
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes on which a message has any effect now.
+
+        A participant may be connected without any effect, see :meth:`.links.MemberLinks.is_heard`.
+        """
         connections = self._impl.connections
         return _heard_by(connections, 'is_heard') if connections else NOBODY
 
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
-        """Somebody begins to listen."""
+        """Note that a node begins to listen, and greet it."""
         _came()
         self.greet(peer_publish)
 
     def peer_unsubscribe(self, _topic_name, _num_peers):
-        """A listener has gone."""
+        """Note that a listener has gone."""
         _left()
 
     @staticmethod
     def begins_to_hear():
-        """Somebody who listened without any effect hears from now on."""
+        """Note that messages have an effect from now on at a listener at which they had none."""
         _came()
 
     @staticmethod
     def hears_less():
-        """Of what somebody listens to, less has an effect than before."""
+        """Note that fewer messages than before have an effect at a listener."""
         _left()
 
     def greet(self, peer_publish):
-        """Tell a newcomer, or have rospy tell it, what it has missed."""
+        """Send a new listener what it has missed, or have rospy do so. By default do nothing."""
 
     def is_heard_again(self):
-        """Return on whom, of those who listen, repeating what was said has any effect: 0 is nobody."""
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of listeners on which a repetition has any effect."""
         return _heard_by(self._impl.connections, 'is_heard_again')
 
     def hearers(self):
-        """Return (topic, name) of each node that listens to it."""
+        """Return (topic, name) of each node that hears this topic."""
         return self._names('hearers')
 
     def hearers_of_repetition(self):
-        """Return (topic, name) of each node on which repeating what was said has any effect."""
+        """Return (topic, name) of each node on which a repetition has any effect."""
         return self._names('hearers_of_repetition')
 
     def _names(self, attribute):
@@ -130,9 +133,10 @@ class Outlet(rospy.SubscribeListener):
                 for name in getattr(connection, attribute, (connection.endpoint_id,))]
 
     def send(self, pack):
-        """Send what ``pack`` makes to all who listen.
+        """Send the message that ``pack`` makes to all listeners.
 
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
+        :raises NotForeseeable: if an onlooker listens while messages are only foreseen, see :mod:`.rollback`.
         """
         impl = self._impl
         if _listeners.is_quiet or not self.is_heard():
@@ -154,11 +158,11 @@ class Outlet(rospy.SubscribeListener):
             impl.release()
 
     def latch(self, pack):
-        """Have rospy send what ``pack`` makes to those who come from now on."""
+        """Have rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
         self._impl.latch = Packed(pack)
 
     def unregister(self):
-        """Leave the graph."""
+        """Stop publishing: leave the ROS graph."""
         self._publisher.unregister()
 
 
@@ -168,32 +172,32 @@ def _heard_by(connections, attribute):
         is_heard = getattr(connection, attribute, None)
         if is_heard:
             return PARTICIPANTS
-        if is_heard is None:  # one of rospy's own
+        if is_heard is None:  # a connection of rospy's own
             heard = ONLOOKERS
     return heard
 
 
 class LatchedOutlet(Outlet):
-    """A latched publisher. Who comes late gets what was shown or sent last; what was shown is made at that moment.
+    """A latched publisher. A late listener gets the message last sent, or one made of the values last shown.
 
-    ``make(*shown)`` returns the packer of what was shown. It is called in the caller's thread, or in the one in which
-    rospy connects a listener.
+    ``make(*shown)`` returns the packer of the shown values. It is called when a message is needed: in the caller's
+    thread, or in the thread in which rospy connects a listener.
     """
 
     def __init__(self, topic, message_type, make, queue_size=10, tcp_nodelay=False):
         self._make = make
-        self._kept = None, None  # what was shown, or the packer of what was sent
-        self._greeting = threading.Lock()  # onlookers come in threads of rospy's
+        self._kept = None, None  # the values last shown, or the packer last sent
+        self._greeting = threading.Lock()  # rospy connects onlookers in threads of its own
         super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
     def show(self, *shown):
-        """Send ``make(*shown)`` if anybody listens, and keep it for those who come later."""
+        """Send ``make(*shown)`` if a node hears the topic, and keep the values for later listeners."""
         self._keep(shown, None)
         if self.is_heard():
             super().send(self._make(*shown))
 
     def send(self, pack):
-        """Send what ``pack`` makes, and keep it for those who come later."""
+        """Send the message that ``pack`` makes, and keep the packer for later listeners."""
         self._keep(None, pack)
         super().send(pack)
 
@@ -203,7 +207,7 @@ class LatchedOutlet(Outlet):
 
     def greet(self, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
-        with self._greeting:  # what was made for one who came before must not take the place of this
+        with self._greeting:  # so that an older message, made for an earlier listener, does not replace this one
             shown, pack = self._kept
             if pack is not None:
                 self.latch(pack)
@@ -212,20 +216,20 @@ class LatchedOutlet(Outlet):
 
 
 class LatchedOutlets:
-    """Latched publishers that show the same at the same time, each in its own way."""
+    """Latched publishers that show the same values at the same time, each as a message of its own type."""
 
     def __init__(self):
         self._outlets = ()
-        self.shown = None  # last
+        self.shown = None  # the values last shown
         self._is_heard = False
-        self._lock = threading.Lock()  # listeners come and go in threads of rospy's
+        self._lock = threading.Lock()  # listeners come and go in threads of rospy's own
 
     def add(self, topic, message_type, make, queue_size=10):
-        """Have a topic; ``make(*shown)`` as of :class:`LatchedOutlet`."""
+        """Add a topic. ``make(*shown)`` is as in :class:`LatchedOutlet`."""
         self._outlets += (_Member(self, topic, message_type, make, queue_size),)
 
     def show(self, *shown):
-        """Send what was shown to those who listen, in the order in which the topics came, and keep it for others."""
+        """Send the values to all listeners, in the order in which the topics were added; keep them for later ones."""
         rollback.changes(self, 'shown')
         self.shown = shown
         if self._is_heard:
@@ -234,7 +238,7 @@ class LatchedOutlets:
                     outlet.send(outlet.make(*shown))
 
     def is_heard(self):
-        """Return who listens to any of them: 0 is nobody."""
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear any of the topics."""
         heard = NOBODY
         for outlet in self._outlets:
             if outlet._impl.connections:
@@ -242,29 +246,29 @@ class LatchedOutlets:
         return heard
 
     def hearers(self):
-        """Return (topic, name) of each node that listens to one of them."""
+        """Return (topic, name) of each node that hears one of the topics."""
         return [hearer for outlet in self._outlets for hearer in outlet.hearers()]
 
     def begin(self, outlet):
-        """Make what a newcomer to ``outlet`` gets."""
-        with self._lock:  # what was made for one who came before must not take the place of this
+        """Make the message that a new listener of ``outlet`` gets."""
+        with self._lock:  # so that an older message, made for an earlier listener, does not replace this one
             self._is_heard = True
             if self.shown is not None:
                 outlet.latch(outlet.make(*self.shown))
 
     def end(self):
-        """Look whether anybody is left, now that somebody has gone."""
+        """Note whether any listener is left, after one has gone."""
         with self._lock:
             self._is_heard = bool(self.is_heard())
 
     def unregister(self):
-        """Leave the graph."""
+        """Stop publishing all topics: leave the ROS graph."""
         for outlet in self._outlets:
             outlet.unregister()
 
 
 class _Member(Outlet):
-    """One of several topics that show the same."""
+    """One of several topics that show the same values."""
 
     def __init__(self, group, topic, message_type, make, queue_size):
         self._group = group
@@ -276,6 +280,6 @@ class _Member(Outlet):
         self._group.begin(self)
 
     def peer_unsubscribe(self, topic_name, num_peers):
-        """A listener has gone."""
+        """Note that a listener has gone."""
         super().peer_unsubscribe(topic_name, num_peers)
         self._group.end()

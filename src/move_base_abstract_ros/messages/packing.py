@@ -1,8 +1,8 @@
-"""The bytes of the messages that are sent most, made in one step each, equal to those that genpy makes.
+"""Fast functions that make the bytes of the most frequent messages, equal to those that genpy makes.
 
-A *packer* is a function ``pack(seq)`` that returns a message's bytes; ``seq`` is the number that rospy gives it, which
-stands in the header of those that have one. The format is that of ROS 1 (little endian, texts and lists behind their
-length); a test compares all that is here with genpy.
+A *packer* is a function ``pack(seq)`` that returns a message's bytes. ``seq`` is the number that rospy gives to the
+message; it is part of the header, if the message has one. The format is that of ROS 1: little endian, and the length
+before each text and list. A test compares the bytes of all these functions with those of genpy.
 """
 import struct
 from io import BytesIO
@@ -11,7 +11,7 @@ from math import cos, sin
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 
-#: geometry_msgs/Twist that stands still
+#: the bytes of a geometry_msgs/Twist of zeros, of a robot at rest
 ZERO_TWIST = bytes(48)
 _COVARIANCE = bytes(288)
 _STAMP = struct.Struct('<II')
@@ -22,7 +22,7 @@ _SCAN = struct.Struct('<7fI')
 
 
 def of_message(message):
-    """Return the packer of any message, by genpy."""
+    """Return the packer of a message of any type; genpy makes the bytes."""
     def pack(seq):
         if message._has_header:
             message.header.seq = seq
@@ -33,18 +33,21 @@ def of_message(message):
 
 
 def text(value):
-    """Return the bytes of a text."""
+    """Return the bytes of a text: its length, then UTF-8."""
     data = value.encode('utf-8')
     return _LENGTH.pack(len(data)) + data
 
 
 def header(seq, stamp_ns):
-    """Return the bytes of a header without a frame."""
+    """Return the bytes of a std_msgs/Header without a frame; ``stamp_ns`` in [ns]."""
     return _HEAD_WITHOUT_FRAME.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, 0)
 
 
 class InFrame:
-    """Messages whose header names the frame ``frame_id``; ``child_id`` is the second frame of those that have one."""
+    """Messages in the frame ``frame_id``. ``child_id`` is the child frame of transforms and odometry.
+
+    The methods return bytes. ``seq`` is the number of the message, ``stamp_ns`` its stamp [ns].
+    """
 
     def __init__(self, frame_id, child_id=''):
         frame, child = frame_id.encode('utf-8'), child_id.encode('utf-8')
@@ -74,17 +77,17 @@ class InFrame:
         return self.pose_stamped(seq, pose, stamp_ns) + _COVARIANCE
 
     def target(self, x, y, yaw):
-        """Return a geometry_msgs/PoseStamped of now: position [m] and heading [rad], as they are given."""
+        """Return a geometry_msgs/PoseStamped with stamp 0, position ``x``, ``y`` [m] and heading ``yaw`` [rad]."""
         return self._pose.pack(0, 0, 0, *self._frame, x, y, 0.0, *quaternion_of_yaw(yaw))
 
     def transform(self, pose, stamp_ns):
-        """Return the geometry_msgs/TransformStamped by which the child frame stands at ``pose``."""
+        """Return the geometry_msgs/TransformStamped that puts the child frame at ``pose`` (Pose2D)."""
         half = pose.yaw / 2.0
         return self._pose_of_child.pack(0, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
                                         pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
 
     def odometry(self, seq, pose, velocity, stamp_ns):
-        """Return a nav_msgs/Odometry; ``velocity`` = (forward [m/s], turning [rad/s]), all variances 0."""
+        """Return a nav_msgs/Odometry; ``velocity`` is (forward [m/s], turning [rad/s]), all variances are 0."""
         half = pose.yaw / 2.0
         forward, turning = velocity
         return b''.join((
@@ -93,7 +96,7 @@ class InFrame:
             _COVARIANCE, _TWIST.pack(forward, 0.0, 0.0, 0.0, 0.0, turning), _COVARIANCE))
 
     def laser_scan(self, seq, scan, period):
-        """Return a sensor_msgs/LaserScan of a Scan; one comes every ``period`` [s]."""
+        """Return a sensor_msgs/LaserScan of ``scan`` (Scan); ``period`` [s] is the time between two scans."""
         settings = scan.settings
         return b''.join((
             self.head(seq, scan.stamp_ns), _SCAN.pack(
@@ -102,30 +105,30 @@ class InFrame:
             scan.ranges.astype('<f4').tobytes(), _LENGTH.pack(0)))
 
     def polygon(self, seq, points, stamp_ns):
-        """Return a geometry_msgs/PolygonStamped of ``points`` [(x, y)], which a float32 can hold."""
+        """Return a geometry_msgs/PolygonStamped of ``points`` [(x, y)], each a number [m] that a float32 can hold."""
         data = [self.head(seq, stamp_ns), _LENGTH.pack(len(points))]
         data += [struct.pack('<3f', x, y, 0.0) for x, y in points]
         return b''.join(data)
 
 
 def transforms(packed):
-    """Return a tf2_msgs/TFMessage of TransformStamped that are bytes."""
+    """Return a tf2_msgs/TFMessage; ``packed`` is a list of TransformStamped as bytes."""
     return _LENGTH.pack(len(packed)) + b''.join(packed)
 
 
 def status(goal_id, stamp_ns, state, said):
-    """Return an actionlib_msgs/GoalStatus of a goal: its id, the stamp of the id [ns], state (number) and text."""
+    """Return an actionlib_msgs/GoalStatus of a goal: its id, the id's stamp [ns], its ``state`` (number), its text."""
     name, words = goal_id.encode('utf-8'), said.encode('utf-8')
     return struct.pack('<III{}sBI{}s'.format(len(name), len(words)), stamp_ns // NS_PER_S, stamp_ns % NS_PER_S,
                        len(name), name, state, len(words), words)
 
 
 def statuses(seq, packed, stamp_ns):
-    """Return an actionlib_msgs/GoalStatusArray of GoalStatus that are bytes."""
+    """Return an actionlib_msgs/GoalStatusArray; ``packed`` is a list of GoalStatus as bytes."""
     return b''.join((header(seq, stamp_ns), _LENGTH.pack(len(packed)), *packed))
 
 
 def action_goal(seq, goal_id, stamp_ns, target):
-    """Return the action message of a goal: ``target`` is the bytes of the action's own part."""
+    """Return the action message of a goal; ``target`` is the action's own part as bytes."""
     return b''.join((header(seq, stamp_ns), _STAMP.pack(stamp_ns // NS_PER_S, stamp_ns % NS_PER_S), text(goal_id),
                      target))

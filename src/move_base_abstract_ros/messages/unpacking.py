@@ -1,7 +1,7 @@
-"""Messages that are received most, read in a few steps, without the objects that genpy makes of their parts.
+"""Fast reading of the most frequent received messages, without the objects that genpy makes for their parts.
 
-Each class stands for its message as the class of a subscription: rospy knows type and md5sum of it. What is not as
-expected (bytes that are no UTF-8, too short a message) is left to genpy, whose answer counts.
+Each class can be given to a subscription as its message class, since it inherits type and md5sum of the message. If
+the bytes are not as expected (not UTF-8, or too short), genpy reads them, and its result or error counts.
 """
 import struct
 
@@ -33,7 +33,7 @@ class GoalIn(MoveBaseActionGoal):
     """A move_base_msgs/MoveBaseActionGoal: ``name`` and ``stamp_ns`` [ns] of its id, ``target`` (GoalPose)."""
 
     def __init__(self):
-        """Make one that is to be read."""
+        """Make an empty message, which :meth:`deserialize` fills."""
 
     def deserialize(self, data):
         """Read the bytes."""
@@ -61,7 +61,7 @@ class ResultIn(MoveBaseActionResult):
     """A move_base_msgs/MoveBaseActionResult: ``name`` of its goal, ``state`` (number) and ``said`` (text)."""
 
     def __init__(self):
-        """Make one that is to be read."""
+        """Make an empty message, which :meth:`deserialize` fills."""
 
     def deserialize(self, data):
         """Read the bytes."""

@@ -1,4 +1,4 @@
-"""Says who is gone when simulated time stands still for good: a time master that was killed says nothing by itself."""
+"""An error that names the missing node if simulated time stands still for good, as after a time master was killed."""
 import threading
 import time
 
@@ -8,25 +8,25 @@ import rospy
 from .ros_master_watch import is_answering
 
 _PERIOD_S = 1.0  # wall
-_STILL_S = 2.0  # wall; after that somebody is asked
+_STILL_S = 2.0  # wall; if time stands still for so long, its publishers are asked
 _TIMEOUT_S = 5.0  # wall
 
 
 def watch_clock():
-    """Watch /clock from now on, in a thread of its own, where ROS time is simulated. To be called once a process."""
+    """Watch /clock from now on, in a thread of its own, if ROS time is simulated. Call this once in a process."""
     if rospy.get_param('/use_sim_time', False):
         threading.Thread(target=_Watch().run, name='clock_watch', daemon=True).start()
 
 
 class _Watch:
-    """A time that stands still is no fault while its publisher answers: it may be paused."""
+    """Watches simulated time. If it stands still while its publisher answers, that is no fault: it may be paused."""
 
     def __init__(self):
-        self._publishers = []  # those of the time that moved last
+        self._publishers = []  # the publishers of /clock when time began to move last
         self._is_told = False
 
     def run(self):
-        """Look at the time now and then, until ROS shuts down."""
+        """Look at the time every second, until ROS shuts down."""
         last_ns, since = 0, time.monotonic()
         while not rospy.is_shutdown():
             time.sleep(_PERIOD_S)
@@ -63,7 +63,7 @@ def _publishers():
     master = rosgraph.Master(rospy.get_name())
     try:
         names = [name for topic, nodes in master.getSystemState()[0] if topic == '/clock' for name in nodes]
-    except Exception:  # of its network, of its protocol
+    except Exception:  # an error of the network or of the protocol
         return None
     found = []
     for name in names:

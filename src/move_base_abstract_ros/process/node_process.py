@@ -1,4 +1,4 @@
-"""One of our nodes as a process: its command line, its start, its end, and a plain line for whatever goes wrong."""
+"""One of our nodes as a process: its command line, its start, its end, and one plain line for each error."""
 import argparse
 import gc
 import http.client
@@ -24,15 +24,16 @@ _POLL_S = 0.05  # wall
 _MASTER_TIMEOUT_S = 2.0  # wall
 _FAILED = 1
 _WRONG_ARGUMENTS = 2
-#: what comes out of rospy where the ROS master is gone
+#: the errors that rospy raises if the ROS master is gone
 _NETWORK_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
                    rosgraph.MasterError)
 
 
 def parse_no_arguments(name, description, is_strict=True):
-    """Handle the command line of a node that is configured by parameters: --help, and what is no argument of it.
+    """Handle the command line of a node that is configured by parameters only: --help, and unknown arguments.
 
-    ``is_strict``: arguments are an error, exit code 2; else a warning, for who stands in for a node that ignores them.
+    With ``is_strict`` an unknown argument is an error, with exit code 2. Otherwise it is a warning, for a node that
+    replaces one that ignores such arguments.
     """
     parser = argparse.ArgumentParser(prog=name, description=description, usage='%(prog)s [-h] [NAME:=VALUE ...]',
                                      epilog='NAME:=VALUE is a remapping, _PARAMETER:=VALUE a private parameter, as for '
@@ -45,10 +46,12 @@ def parse_no_arguments(name, description, is_strict=True):
 
 
 def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
-    """Be the node ``name`` until ROS shuts down; exits where anything goes wrong.
+    """Be the node ``name`` until ROS shuts down. At an error, print it in one line and exit.
 
-    ``set_up()`` makes the node's object, or returns None if ROS shuts down meanwhile; ``say_goodbye(object)`` comes
-    before the topics close. ``failed``: the exit code where a parameter cannot be used. ``options`` of rospy.init_node.
+    :param set_up: makes and returns the node's object; returns None if ROS shuts down meanwhile.
+    :param say_goodbye: is called with that object before the topics close.
+    :param failed: the exit code if a parameter cannot be used.
+    :param options: those of rospy.init_node.
     """
     end = ProcessEnd(name, lambda signal: _shut_down(signal, name, end))
     watch = RosMasterWatch(name)
@@ -63,7 +66,7 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
     if result is None:
         return
     end.enter_service()
-    # What is there now stays to the end: Python's search for garbage need not go through it again and again.
+    # The present objects live until the end, so Python's search for garbage need not go through them again and again.
     gc.collect()
     gc.freeze()
     if say_goodbye is not None:
@@ -74,7 +77,7 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
 
 
 def _shut_down(signal, name, end):
-    """Shut rospy down in order, or as far as that goes without a ROS master, under whose lock rospy may be waiting."""
+    """Shut rospy down in order. If the ROS master is gone, do not wait long: rospy may hang in a call, with a lock."""
     if not is_answering(rosgraph.get_master_uri(), name, _MASTER_TIMEOUT_S):
         if not end.is_in_service:
             leave(0)
@@ -91,9 +94,9 @@ def _start(name, set_up, watch, options):
 
 
 def _in_thread(work, end, watch):
-    """Return what ``work()`` returns or raises; None if the process is to end before.
+    """Run ``work()`` in a thread; return its result or its error, or None if the process must end before.
 
-    Another thread than the main one: what it waits for need not come, once the ROS master is gone.
+    It is not the main thread, since ``work`` may wait for ever if the ROS master is gone.
     """
     results = []
 
@@ -111,14 +114,14 @@ def _in_thread(work, end, watch):
 
 
 def _finish(end):
-    """Leave when the shutdown is over; ProcessEnd sees to it that this is soon."""
+    """Exit when the shutdown is over; ProcessEnd makes sure that this is soon."""
     end.over.wait()
     logging.shutdown()
     leave(0)
 
 
 def tell_error(name, error, failed=_FAILED):
-    """Tell people why the node cannot start or go on, in one line; return the exit code."""
+    """Log or print in one line why the node cannot start or go on; return the exit code."""
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else _FAILED
     code = _FAILED

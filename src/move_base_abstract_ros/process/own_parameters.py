@@ -1,8 +1,8 @@
-"""What is set in a node's own namespace, also where a remap changes what that name stands for elsewhere.
+"""The parameters in a node's own namespace, also if a remap of the same name changes that name for rospy.
 
-``<remap from="move_base" to="navigate"/>`` renames move_base's action. The node and its parameters keep their name, for
-roslaunch and in roscpp; rospy alone would look for the whole namespace below ``navigate``, where nobody has set
-anything. What somebody has set there all the same counts where the node's own name has no such parameter.
+``<remap from="move_base" to="navigate"/>`` renames move_base's action. The node and its parameters keep their names in
+roslaunch and in roscpp. Only rospy would look for the whole namespace below ``navigate``, where usually nothing is set.
+A parameter that is set there counts only if the node's own namespace does not have it.
 """
 import rosgraph
 import rospy
@@ -11,9 +11,11 @@ from move_base_abstract.common.parameter_table import read_table, unknown_names
 
 
 def own_values(table, more):
-    """Return (all private parameters, {name: value} of those in ``table`` (Parameter, ...), checked).
+    """Return (all private parameters, {name: checked value} of those in ``table`` (Parameter, ...)).
 
-    A name that is neither in ``table`` nor in ``more``, which has those that are read elsewhere, gets a warning.
+    A parameter that is neither in ``table`` nor in ``more`` gets a warning. ``more`` are the names of parameters that
+    are read elsewhere.
+
     :raises ConfigurationError: for a value that is not allowed.
     """
     where, raw = rospy.get_name(), own_parameters()
@@ -25,7 +27,7 @@ def own_values(table, more):
 
 
 def own_parameters():
-    """Return {name: value} of the node's private parameters, or what else somebody has set under the node's name."""
+    """Return {name: value} of the node's private parameters; another value if the node's name itself is a parameter."""
     where = rospy.get_name()
     remapped = rospy.resolve_name(where)
     if remapped == where:

@@ -1,10 +1,10 @@
 """The end of a process: SIGINT and SIGTERM end it at any moment, whatever its threads do.
 
-rospy's own handlers run in the main thread, between two lines of whatever that does, and tell the ROS master goodbye
-there: under locks that the interrupted line may hold, and with a master that may be gone. Here a signal wakes a thread
-that waits for nothing else. That one shuts rospy down; what has not ended soon after, is ended.
+rospy's own handlers run in the main thread, between two of its lines, and unregister at the ROS master there. But the
+interrupted line may hold a lock, and the ROS master may be gone. Here a signal wakes a thread that waits for nothing
+else, and that thread shuts rospy down. If the process has not ended soon after, it is ended.
 
-Imports nothing but the standard library, so that a program can begin with it.
+This module imports only the standard library, so that a program can import it first.
 """
 import os
 import signal
@@ -15,15 +15,15 @@ import time
 
 GRACE_S = 5.0  # wall, from the signal to the end of the process while it starts
 GRACE_OF_NODE_S = 12.0  # wall; roslaunch waits for 15 s, and a thousand robots have much to unregister
-LAST_GRACE_S = 2  # wall, whole: after that the kernel ends it
+LAST_GRACE_S = 2  # wall, a whole number; after that the kernel ends the process
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class ProcessEnd:
-    """Takes the signals from now on. To be made once, in the main thread.
+    """Handles SIGINT and SIGTERM from now on. Make it once, in the main thread.
 
-    ``on_signal(name)`` is called at the first signal, in a thread of its own; with ``None`` somebody else handles the
-    signals, and here is only seen to it that the process ends.
+    ``on_signal(name)`` is called at the first signal, in a thread of its own. If it is None, other code handles the
+    signals, and this only makes sure that the process ends.
     """
 
     def __init__(self, name, on_signal=None):
@@ -43,11 +43,11 @@ class ProcessEnd:
 
     @property
     def is_in_service(self):
-        """Whether the node is there for others."""
+        """Whether the node has started, and other nodes may use it."""
         return self._grace_s >= GRACE_OF_NODE_S
 
     def enter_service(self):
-        """The node is there for others: its end may take longer from now on, as it has to say goodbye."""
+        """Note that the node has started. Its end may take longer from now on, since it has much to unregister."""
         self._grace_s = GRACE_OF_NODE_S
 
     def _await_signal(self):
@@ -57,14 +57,14 @@ class ProcessEnd:
                 break
         grace_s = self._grace_s
         self.hasten(grace_s)
-        signal.alarm(int(grace_s) + LAST_GRACE_S)  # should the threads of Python no longer run
+        signal.alarm(int(grace_s) + LAST_GRACE_S)  # in case Python's threads no longer run
         self.asked.set()
         if self._on_signal is not None:
             self._on_signal(signal.Signals(number[0]).name)
         self.over.set()
 
     def hasten(self, seconds):
-        """End the process in ``seconds`` [wall], if it has not ended by then. From any thread."""
+        """End the process after ``seconds`` [wall], unless it has ended by then. For any thread."""
         threading.Thread(target=self._end_at_last, args=(seconds,), daemon=True).start()
 
     def _end_at_last(self, grace_s):
@@ -73,13 +73,16 @@ class ProcessEnd:
 
 
 def leave(code, text=''):
-    """End the process now, without waiting for threads: what they hold may never be given back."""
+    """End the process now with the exit ``code``, after printing ``text``, without waiting for its threads.
+
+    Threads may hold locks for ever.
+    """
     try:
         if text:
             os.write(sys.stderr.fileno(), (text + '\n').encode('utf-8', 'backslashreplace'))
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
     except (OSError, ValueError, AttributeError):
-        pass  # nobody reads it
+        pass  # the output is closed
     os._exit(code)
 

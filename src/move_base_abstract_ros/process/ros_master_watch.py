@@ -1,4 +1,4 @@
-"""Notices that the ROS master has gone while a node starts: rospy itself would try for ever, or fail in any line."""
+"""Notices that the ROS master has gone while a node starts. rospy itself would try for ever, or fail anywhere."""
 import http.client
 import sys
 import threading
@@ -9,12 +9,15 @@ import rosgraph
 import rospy
 
 _PERIOD_S = 0.2  # wall
-_TIMEOUT_S = 5.0  # wall; one that is busy answers late
-_GONE_AFTER = 3  # refused connections in a row: nobody listens there any more
+_TIMEOUT_S = 5.0  # wall; a busy ROS master answers late
+_GONE_AFTER = 3  # number of refused connections in a row after which the ROS master counts as gone
 
 
 class RosMasterWatch:
-    """Asks the ROS master now and then whether it is there, from its first answer on, until :meth:`stop`."""
+    """Asks the ROS master every 0.2 s whether it is there, until :meth:`stop`. It counts as gone only after an answer.
+
+    ``has_lost`` says whether it is gone.
+    """
 
     def __init__(self, name):
         self._name = name
@@ -24,12 +27,12 @@ class RosMasterWatch:
         self.has_lost = False
 
     def start(self):
-        """Begin. One that is there now is missed from now on, however soon it goes."""
+        """Ask once, then start the thread. So a ROS master that is there now is missed, however soon it goes."""
         self._is_known = is_answering(self._uri, self._name, _TIMEOUT_S)
         threading.Thread(target=self._watch, name='ros_master_watch', daemon=True).start()
 
     def stop(self):
-        """Ask no more."""
+        """Stop asking."""
         self._stopped.set()
 
     def _watch(self):
@@ -58,14 +61,14 @@ class RosMasterWatch:
 
 
 class _Transport(xmlrpc.client.Transport):
-    """With a time-out, which the standard one lacks."""
+    """A transport with a time-out [s, wall], which the standard one lacks."""
 
     def __init__(self, timeout):
         super().__init__()
         self._timeout = timeout
 
     def make_connection(self, host):
-        """Return a connection of which nothing waits for ever."""
+        """Return a connection with the time-out."""
         connection = super().make_connection(host)
         connection.timeout = self._timeout
         return connection

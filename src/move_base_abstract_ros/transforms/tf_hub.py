@@ -1,7 +1,7 @@
-"""The one publisher of /tf of the process; what belongs to one instant can leave as one message.
+"""The one publisher of /tf of the process. Transforms of one instant can leave as one message.
 
-Without heartbeats nothing repeats where a robot stands, so that a listener that comes late can be told: then each new
-one is sent the latest transforms of all frames, as if /tf were latched.
+Without heartbeats no later message says where a robot stands. A late listener can still learn it: on request, each new
+listener gets the latest transforms of all frames, as if /tf were latched.
 """
 import threading
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from ..messages.outlets import Outlet, Packed
 
 
 class _TfOutlet(Outlet):
-    """The publisher of /tf; ``greet``: how newcomers are."""
+    """The publisher of /tf; ``greet(peer_publish)`` is called for each new listener."""
 
     def __init__(self, greet):
         self.greet = greet
@@ -88,20 +88,20 @@ def _packer(makes):
 
 
 def send(key, make):
-    """Publish the transforms ``make()`` (TransformStamped as bytes, in a list), or keep them for the :func:`batch`.
+    """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :func:`batch`.
 
-    ``key``: whose they are. Nothing is made where nobody listens.
+    ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
     """
     _HUB.send(key, make)
 
 
 def is_heard():
-    """Return who listens to /tf: 0 is nobody."""
+    """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf."""
     return _HUB.is_heard()
 
 
 def hearers():
-    """Return ('/tf', name) of each node that listens to it."""
+    """Return ('/tf', name) of each node that hears /tf."""
     return _HUB.hearers()
 
 
@@ -111,10 +111,10 @@ def tell_newcomers():
 
 
 def forget(key):
-    """Tell newcomers no more of these transforms."""
+    """Send the transforms of ``key`` to new listeners no more."""
     _HUB.forget(key)
 
 
 def batch():
-    """Return a context that collects what is sent meanwhile and publishes it as one message."""
+    """Return a context that collects all transforms sent meanwhile, and publishes them as one message."""
     return _HUB.batch()

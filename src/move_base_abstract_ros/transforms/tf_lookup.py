@@ -1,7 +1,7 @@
-"""Looking foreign frames up in tf, listening only from the first goal on that needs it.
+"""Look-up of foreign frames in tf. It listens to tf only from the first goal on that needs it.
 
-Every listener of /tf costs each process time for each message of every robot; most set-ups send their goals in the
-global frame and never need one.
+A listener of /tf takes time for each message of every robot. Most set-ups send their goals in the global frame and
+never need one.
 """
 import threading
 import time
@@ -22,7 +22,7 @@ _POLL_SECONDS = 0.01
 
 
 class _EarlyFrames:
-    """One buffer for all robots of a process, and what comes on /tf_static in the first round."""
+    """One buffer for all robots of a process, with the static transforms that come in the first round."""
 
     def __init__(self):
         self.buffer = tf2_ros.Buffer(debug=False)
@@ -32,14 +32,14 @@ class _EarlyFrames:
         self._subscriber = rospy.Subscriber(_STATIC, TFMessage, self._on_static, queue_size=None)
 
     def listen(self):
-        """Listen to /tf as well, from now on."""
+        """Listen to /tf, too, from now on."""
         with self._lock:
             if self._listener is None:
                 self._listener = tf2_ros.TransformListener(self.buffer)
 
     def wait(self):
-        """Wait for all outsiders that publish static transforms; they are latched, so each has something to say."""
-        takes_part = lockstep.participant().members.is_member  # what participants say comes in a later round
+        """Wait for all onlookers that publish static transforms; these are latched, so each of them sends some."""
+        takes_part = lockstep.participant().members.is_member  # the transforms of participants come in a later round
         expected = {name for name in _publishers(_STATIC) if not takes_part(name)}
         deadline = time.monotonic() + _STATIC_SECONDS
         while not expected <= self._heard and not rospy.is_shutdown():
@@ -59,7 +59,7 @@ _early = []
 
 
 def listen_to_static_frames():
-    """Get to know all static transforms of nodes that do not take part; in the first round. May block."""
+    """Receive all static transforms of nodes that do not take part. Call this in the first round. May block."""
     _early.append(_EarlyFrames())
     _early[0].wait()
 
@@ -70,9 +70,9 @@ def _publishers(topic):
 
 
 class TfLookup:
-    """Finds frames in the global frame. What is not known yet is waited for, up to ``timeout`` [s].
+    """Finds frames in the global frame. For an unknown frame it waits up to ``timeout`` [s, of ``clock``].
 
-    Of which clock these seconds are says ``clock``; without one nothing is waited for.
+    Without a clock it does not wait.
     """
 
     def __init__(self, global_frame, timeout=0.0, clock=None):
@@ -108,7 +108,7 @@ class TfLookup:
     def lookup(self, frame_id, stamp_ns):
         """Return the Pose2D of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = latest]. Never blocks.
 
-        :raises FrameError: if tf does not know.
+        :raises FrameError: if tf cannot find the frame.
         """
         if self._buffer is None:
             raise FrameError("frame '{}' has not been looked for yet".format(frame_id))
@@ -119,7 +119,7 @@ class TfLookup:
         return conversions.from_transform(transform.transform)
 
     def close(self):
-        """Listen no more; what was looked up stays what it was."""
+        """Listen no more. Frames that tf knows already can still be found."""
         listener, self._listener = self._listener, None
         if listener is not None:
             listener.unregister()

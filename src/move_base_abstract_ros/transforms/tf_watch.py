@@ -1,8 +1,9 @@
-"""Warning of other nodes that say something else of a robot's frames in tf.
+"""A warning if another node publishes a robot's frames in tf.
 
-tf believes whoever spoke last of a frame, so two publishers of one frame make it jump to and fro, and nobody says so.
-A listener of /tf for good would cost each process time for each message of every robot. So each publisher of tf that
-is new is listened to for a short while only: at the start, soon after it, and then once a minute.
+tf uses the latest transform of a frame, whichever node sent it. So two publishers of one frame make it jump to and fro,
+and tf does not say so. A permanent listener of /tf would take time for each message of every robot. So this listens
+only to new publishers of tf, each for a short while. It looks for them at the start, soon after it, and then once a
+minute.
 """
 import itertools
 import threading
@@ -19,7 +20,7 @@ _FIRST_PAUSES, _PAUSE = (1.0, 5.0, 20.0), 60.0  # s, wall
 
 
 class _Watch:
-    """The watch of one process; its thread begins with the first claim."""
+    """The watch of one process. Its thread starts with the first claim."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -70,13 +71,13 @@ class _Watch:
                 is_new = robot is not None and (frame, node) not in self._warned
                 self._warned.update([(frame, node)] if is_new else [])
             if is_new:
-                rospy.logwarn("%s: %s too publishes the frame '%s' in tf (below '%s'): look-ups jump between the two. "
-                              "Only one of them may; tf_prefix gives each robot's frames names of their own",
+                rospy.logwarn("%s: %s also publishes the frame '%s' in tf (below '%s'): look-ups jump between the two. "
+                              'Only one node may publish it; tf_prefix gives the frames of each robot their own names',
                               robot, node, frame, transform.header.frame_id)
 
 
 def _publishers():
-    """Return the names of the other nodes that publish tf; none if the ROS master does not answer."""
+    """Return the names of the other nodes that publish tf; an empty set if the ROS master does not answer."""
     try:
         published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
     except (OSError, rosgraph.MasterException):
@@ -88,10 +89,10 @@ _WATCH = _Watch()
 
 
 def claim(robot, frames):
-    """Warn from now on, in the name of ``robot``, if another node publishes one of ``frames``, its own in tf."""
+    """Warn from now on if another node publishes one of ``frames``, the frames of ``robot`` in tf."""
     _WATCH.claim(robot, frames)
 
 
 def release(frames):
-    """Warn no more of ``frames``."""
+    """Watch ``frames`` no more."""
     _WATCH.release(frames)

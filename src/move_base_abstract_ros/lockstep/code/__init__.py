@@ -1,1 +1,1 @@
-"""The program's own code: what is compiled into it, who in it asks, and how what it does labels the run."""
+"""The program's own code: hooks that are compiled into it, which code asks the machine, and labels for what it does."""

@@ -1,8 +1,9 @@
-"""Who asks the machine for time or chance: the program, or somebody whose asking decides nothing of what it does.
+"""Which code asks the machine for time or chance: the program's, or code whose asking decides nothing for the program.
 
-The program is followed with all libraries that it uses, ROS's packages among them (actionlib and dynamic_reconfigure
-wait by the clock). What sees the machine itself is Python's library where it deals with other processes, sockets and
-logs, and what makes rospy's own connections. Labelled is what the program's own code does, itself or by a library.
+The program sees the run's time and chance, and so do all libraries that it uses, also ROS's packages (actionlib and
+dynamic_reconfigure wait by the clock). Two kinds of code see the machine itself: Python's library where it deals with
+other processes, sockets and logs, and the code that makes rospy's own connections. The run is labelled only for what
+the program's own code does, by itself or by a library.
 """
 import os
 import sysconfig
@@ -11,27 +12,27 @@ from functools import lru_cache
 from .own_code import OWN, is_library
 
 _STDLIB = sysconfig.get_path('stdlib') + os.sep
-_FROZEN = '<frozen '  # and the name of a module that is a part of Python's binary
+_FROZEN = '<frozen '  # followed by the name of a module that is part of Python's binary
 #: packages and modules of Python's library that wait in the kernel, or keep a log
 _MACHINES = frozenset((
     '_pyio', 'asyncio', 'cProfile', 'concurrent', 'ctypes', 'doctest', 'ensurepip', 'ftplib', 'http', 'imaplib',
     'importlib', 'linecache', 'logging', 'multiprocessing', 'nntplib', 'poplib', 'profile', 'pydoc', 'queue',
     'selectors', 'signal', 'site', 'smtplib', 'socket', 'socketserver', 'ssl', 'subprocess', 'telnetlib', 'tempfile',
     'threading', 'unittest', 'urllib', 'wsgiref', 'xmlrpc'))
-#: those that only hand on what they are asked for
+#: modules of Python's library that only pass requests on
 _BETWEEN = frozenset(('random', 'secrets', 'uuid', 'os', '_strptime'))
-#: ROS's packages that talk to the ROS master, to other nodes and about them
+#: ROS's packages that talk to the ROS master or to other nodes, or describe them
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'rospkg', 'genpy', 'genmsg', 'rosmaster', 'catkin'))
 _ROS_TOOLS = frozenset(('rosnode', 'rosservice', 'rostopic', 'rosparam', 'rosmsg'))
-#: parts of these whose clocks the program sees: time-outs of waits for other threads, how long a timer's callback took
+#: files of the packages above that see the run's clocks: for time-outs of waits, and durations of a timer's callbacks
 _PROGRAMS = ('/concurrent/futures/_base.py', '/rospy/timer.py')
-#: those that ask another process what system this is
+#: files of Python's library that start another process to ask about the system
 _OF_SYSTEM = ('ctypes/util.py', 'platform.py', 'uuid.py')
 
 
 @lru_cache(maxsize=None)
 def _place(filename):
-    """Return (first part of a module's name, whether it is one of Python's library) of a file; ('', True): our own."""
+    """Return (first part of a file's module name, whether it is in Python's library); ('', True) for this package."""
     if filename.startswith(_FROZEN):
         return filename[len(_FROZEN):].rstrip('>').partition('.')[0], True
     if filename.startswith(OWN):
@@ -56,19 +57,19 @@ def _is_between(filename):
 
 
 def asker(frame):
-    """Return the frame that asks, beyond what only hands on."""
+    """Return the frame that asks, above those of modules that only pass requests on."""
     while frame is not None and _is_between(frame.f_code.co_filename):
         frame = frame.f_back
     return frame
 
 
 def sees_run(frame):
-    """Return whether the code of a frame is to see the run's clocks and chance."""
+    """Return whether the code of a frame sees the run's clocks and chance, not the machine's."""
     return frame is not None and not _is_machines(frame.f_code.co_filename)
 
 
 def is_own(frame):
-    """Return whether a frame is of the program's own code."""
+    """Return whether a frame belongs to the program's own code."""
     return frame is not None and not is_library(frame.f_code.co_filename)
 
 
@@ -81,9 +82,9 @@ def _ends_search(filename):
 
 
 def own_frame(frame):
-    """Return the frame of the program's own code that has something done by libraries, or None.
+    """Return the frame of the program's own code that calls, directly or by libraries, what ``frame`` does; or None.
 
-    None where it is ROS, this package, or the import of a library that does it.
+    None means that ROS, this package, or the import of a library does it.
     """
     while frame is not None and (is_library(frame.f_code.co_filename) or frame.f_code.co_filename == '<string>'):
         if _ends_search(frame.f_code.co_filename):

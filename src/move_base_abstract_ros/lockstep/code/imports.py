@@ -1,10 +1,10 @@
-"""Does something when a program imports a module for the first time, and nothing before."""
+"""A call at the moment at which a program first imports a module."""
 import sys
 from importlib.machinery import PathFinder
 
 
 def when_imported(name, then):
-    """Call ``then()`` as soon as the module ``name`` is there: now, or when it has been loaded."""
+    """Call ``then()`` as soon as the module ``name`` is loaded: now, or right after the program imports it."""
     if name in sys.modules:
         then()
     else:
@@ -12,13 +12,13 @@ def when_imported(name, then):
 
 
 class _WhenImported:
-    """Finds a module as Python does."""
+    """Finds a module as Python does, and calls a function when it has been loaded."""
 
     def __init__(self, name, then):
         self._name, self._then = name, then
 
     def find_spec(self, name, path=None, _target=None):
-        """As of importlib.abc.MetaPathFinder."""
+        """Find the module, as importlib.abc.MetaPathFinder does."""
         if name != self._name:
             return None
         sys.meta_path.remove(self)

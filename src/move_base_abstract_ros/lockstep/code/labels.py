@@ -1,6 +1,6 @@
-"""What a program does that lockstep cannot follow: a warning with file and line, and a label of the run, once a place.
+"""A warning and a label for each place at which a program does what lockstep cannot follow, with file and line.
 
-What is noticed before the program takes part is told when it does.
+Places that are noticed before the program takes part are reported when it does.
 """
 import threading
 
@@ -8,38 +8,41 @@ import rospy
 
 
 class Told:
-    """Who takes part, and the places that have been told."""
+    """The participant of this process, and the places that have been noticed."""
 
     def __init__(self):
         self.participant = None
         self._places = {}
-        self._lock = threading._allocate_lock()  # the machine's own, whenever this is made
+        self._lock = threading._allocate_lock()  # an ordinary lock, not one that gives the turn away
 
     def follow(self, participant):
-        """The program takes part from now on; ``participant``: None if the time master is not in lockstep any more."""
+        """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         self.participant = participant
         for place in list(self._places):
             self._say(place)
 
     def is_ordered(self):
-        """Return whether the calling thread does what it does in the same order in each run."""
+        """Return whether the actions of the calling thread have the same order in each run."""
         participant = self.participant
         if participant is None:
             return threading.current_thread() is threading.main_thread()
         return participant.scheduler.is_mine()
 
     def is_over(self):
-        """Return whether the run is over, or about to be: what is done then decides nothing."""
+        """Return whether the run is over, or about to be, so that nothing decides its result any more."""
         participant = self.participant
         return participant is not None and (participant.scheduler.is_closed or rospy.core.is_shutdown_requested())
 
     def tell(self, frame, what, why):
-        """Tell once what the code of a frame does; nothing if there is none."""
+        """Report once that the code of ``frame`` does ``what``; ``why`` says why that is not repeatable.
+
+        If ``frame`` is None, do nothing.
+        """
         if frame is not None:
             self.tell_place((frame.f_code.co_filename, frame.f_lineno), what, why)
 
     def tell_place(self, place, what, why):
-        """Tell once what is done at a place (file, line); nothing if there is none."""
+        """Report once that ``what`` is done at ``place`` (file, line). If ``place`` is None, do nothing."""
         if place is None or self.is_over():
             return
         place = (what, *place, why)
@@ -58,5 +61,5 @@ class Told:
             participant.label(text)
 
 
-#: of this process
+#: the labels of this process
 told = Told()

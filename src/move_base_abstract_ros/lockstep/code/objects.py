@@ -1,7 +1,7 @@
-"""Objects of the program's own classes are hashed by number, not by their address, so that sets of them repeat.
+"""Objects of the program's own classes are hashed by a number, not by their address, so that sets of them repeat.
 
-Where that is not possible, and the program goes through a set of such objects, it is told with file and line, and the
-run is labelled. :mod:`own_code` has the program's classes and sets call what is here.
+If the program goes through a set of objects for which that is not possible, a warning names file and line, and the run
+is labelled. :mod:`own_code` compiles the calls of this module into the program's classes and loops.
 """
 import builtins
 import sys
@@ -12,11 +12,11 @@ import rospy
 from move_base_abstract.lockstep.object_order import BASES, ORDER
 from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
 
-_SHOWN = 3  # kinds of objects
+_SHOWN = 3  # number of classes that a warning names
 
 
 def install():
-    """Have the program's classes and sets come here; to be called before its first line. Return what follows."""
+    """Have the program's classes and sets call this module, before its first line runs. Return the Order."""
     order = Order()
     setattr(builtins, BASES, bases_of)
     setattr(builtins, ORDER, order.see)
@@ -24,7 +24,7 @@ def install():
 
 
 class Order:
-    """What the program goes through in some order."""
+    """Checks the sets through which the program goes."""
 
     def __init__(self):
         self._participant = None
@@ -32,13 +32,13 @@ class Order:
         self._early = []
 
     def follow(self, participant):
-        """The program takes part from now on."""
+        """Report to ``participant`` from now on."""
         self._participant = participant
         for text in self._early:
             self._tell(text)
 
     def see(self, value):
-        """Return ``value``, which the program goes through; tell once for each place if its order is by addresses."""
+        """Return ``value``, through which the program goes. If its order is by addresses, warn once for each place."""
         kind = type(value)
         is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
         if is_set and len(value) > 1:

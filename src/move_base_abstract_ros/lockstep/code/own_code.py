@@ -1,10 +1,11 @@
-"""The program's own code, which is compiled with what lockstep must be told.
+"""The program's own code, which is compiled with calls that tell lockstep what it must know.
 
-That is about its loops, its classes and its sets, and what it asks the machine.
-Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages), and is no
-part of an installed distribution elsewhere; and what lies in the folder of packages of a catkin workspace, ROS's
-distribution and generated modules excepted. Nothing is kept of what is
-compiled here: Python's own files of compiled modules stay as they are.
+These calls are at its loops, its classes and its sets, and where it asks the machine.
+
+A file is the program's own if it lies neither in Python's library nor in a folder of packages (site-packages,
+dist-packages), and is not part of a distribution that is installed elsewhere. Files in the folder of packages of a
+catkin workspace are its own, too, except ROS's distribution and generated modules. The code that is compiled here is
+not kept: Python's own files of compiled modules stay as they are.
 """
 import ast
 import os
@@ -28,13 +29,13 @@ _GENERATED = re.compile(r'(^|/)(msg|srv|cfg)/')
 #: the folders of this package
 OWN = (os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 2)) + '/',
        os.path.dirname(move_base_abstract.__file__) + '/')
-#: catkin's scripts in the devel space: they compile the source, by the name of `compile`
+#: in catkin's scripts in the devel space, which compile the real script by the name ``compile``
 _RELAY = b'exec(compile(fh.read(), python_script'
 
 
 @lru_cache(maxsize=None)
 def is_library(filename):
-    """Return whether a file is none of the program's."""
+    """Return whether a file is not the program's own."""
     packages = _PACKAGES.search(filename)
     if filename.startswith(_LIBRARIES + OWN):
         return True
@@ -52,7 +53,7 @@ def _is_of_workspace(filename, folder):
 
 
 def install():
-    """Compile modules of the program with what is added, from now on."""
+    """Compile the program's own modules with the added calls, from now on."""
     sys.path_hooks.insert(0, _finder)
     sys.path_importer_cache.clear()
 
@@ -66,10 +67,10 @@ def _finder(path):
 
 
 class SourceFileLoader(machinery.SourceFileLoader):
-    """Loads modules of the program from their source; named as the one that would do it elsewhere."""
+    """Loads modules of the program from their source. It has the name of Python's own loader, which it replaces."""
 
     def get_code(self, fullname):
-        """Return the code of a module."""
+        """Return the compiled code of a module."""
         path = self.get_filename(fullname)
         if is_library(path):
             return super().get_code(fullname)
@@ -77,25 +78,28 @@ class SourceFileLoader(machinery.SourceFileLoader):
 
 
 def compile_own(source, path):
-    """Return the code of a file of the program.
+    """Return the code of a file of the program, compiled with the added calls.
 
-    :raises SyntaxError: as compile.
+    :raises SyntaxError: as compile does.
     """
     tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
     try:
         return compile(ask(follow_order(instrument(tree))), path, 'exec', dont_inherit=True)
-    except RecursionError:  # some hundreds of branches of one `if`
+    except RecursionError:  # at some hundreds of branches of one `if`
         rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)
         return compile(source, path, 'exec', dont_inherit=True)
 
 
 def names_of_script(source):
-    """Return the names to be added to those of a script: of a relay of catkin's, which compiles the script itself."""
+    """Return {name: value} to be added to a script's names: ``compile``, if it is catkin's relay to the real script."""
     return {'compile': lambda text, path, mode: compile_own(text, path)} if _RELAY in source else {}
 
 
 def name_of_node(path):
-    """Return the name that a script gives to its node, '' if that is not plain: in one call, and not anonymous."""
+    """Return the name that a script gives to its node, or ''.
+
+    It is '' unless the script has exactly one call of init_node, with a text as name, and not anonymous.
+    """
     try:
         with open(path, 'rb') as stream:
             tree = ast.parse(stream.read())

@@ -1,9 +1,10 @@
-"""The program's own loops that wait by looking at variables: ``while len(frontiers) < 1: pass``.
+"""The program's own loops that wait by looking at variables, such as ``while len(frontiers) < 1: pass``.
 
-:mod:`own_code` has such loops call :class:`Turns` each time round. Whose turns do nothing but look gives the turn of
-its thread away after :data:`loops.LOOKS` of them in a row, exactly as those that look at rospy. One whose turns call
-something unknown may compute; after :data:`PATIENCE` in a row it is taken for one that waits, with a warning and a
-label. So is one that computes, but nothing that would end it, after :data:`LONG_PATIENCE`.
+:mod:`own_code` has such loops call :class:`Turns` in each iteration. If the iterations do nothing but look, the thread
+gives its turn away after :data:`loops.LOOKS` of them in a row, exactly as in a loop that looks at rospy. A loop that
+calls something unknown may compute; after :data:`PATIENCE` iterations in a row it is taken for one that waits, with a
+warning and a label. The same holds, after :data:`LONG_PATIENCE`, for a loop that computes, but nothing that would end
+it.
 """
 import builtins
 import sys
@@ -14,14 +15,14 @@ from move_base_abstract.lockstep.instrument import ACT, CALLS, COMPUTES, LOOK, T
 from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-#: so many turns in a row, without a wait and without anything that is sent, of a loop that may compute
+#: number of iterations in a row, without a wait and without sending anything, for a loop that may compute
 PATIENCE = 1000000
-#: the same of a loop that computes in each turn, but nothing that would end it
+#: the same for a loop that computes in each iteration, but nothing that would end it
 LONG_PATIENCE = 10000000
 
 
 def install():
-    """Have the program's loops look; to be called before its first line. Return what follows the participant."""
+    """Have the program's loops call this module, before its first line runs. Return the Turns."""
     turns = Turns()
     setattr(builtins, LOOK, turns.look)
     setattr(builtins, ACT, turns.act)
@@ -29,7 +30,7 @@ def install():
 
 
 class Turns:
-    """What the program's loops call."""
+    """The functions that the program's loops call."""
 
     def __init__(self):
         self._participant = None
@@ -37,11 +38,14 @@ class Turns:
         self._late = 0
 
     def follow(self, participant):
-        """The program takes part from now on."""
+        """Follow the loops of ``participant`` from now on."""
         self._participant = participant
 
     def look(self, kind, line):
-        """Once more round a loop of this kind, which begins in this line."""
+        """Count an iteration of a loop of this ``kind``, which begins in this ``line``; it may give the turn away.
+
+        :raises TurnLost: if lockstep is over, and the loop waits for ever.
+        """
         participant = self._participant
         if participant is None:
             return
@@ -61,7 +65,7 @@ class Turns:
             scheduler.look_away(STEP_NS)
 
     def act(self, computes):
-        """Such a loop is about to do more than look."""
+        """Note that such a loop is about to do more than look; ``computes`` says whether it computes."""
         participant = self._participant
         if participant is not None and participant.scheduler.is_mine():
             task = participant.scheduler.current()
@@ -70,7 +74,7 @@ class Turns:
                 task.turns = 0
 
     def _waits(self, turns, patience, filename, line):
-        """Return whether the loop is one that waits: it has been called that, or is called that now."""
+        """Return whether the loop is taken for one that waits. The first time, warn and label the run."""
         place = filename, line
         if place not in self._waiting:
             if turns < patience:
@@ -83,7 +87,7 @@ class Turns:
         return True
 
     def _end(self):
-        """Lockstep is over: nothing that such a loop waits for will come. One that looks at rospy ends itself."""
+        """End a loop that waits, since nothing will come when lockstep is over. One that looks at rospy ends itself."""
         self._late += 1
         if self._late % LOOKS == 0 and rospy.core.is_shutdown():
             raise TurnLost()

@@ -1,4 +1,4 @@
-"""The way to the time master: what the parameters say of it."""
+"""How a node finds the time master: its parameters say its mode, its address and the run's secret."""
 import time
 
 import rospy
@@ -11,9 +11,10 @@ from .connection import Connection
 
 
 def connect():
-    """Return a :class:`Connection` to the time master that the parameter names; wait for it as long as ROS is there.
+    """Return a :class:`Connection` to the time master, at the address in its parameter. Wait for it if necessary.
 
     :raises ConfigurationError: if the time master is not in lockstep any more.
+    :raises rospy.ROSInterruptException: if the node shuts down meanwhile.
     """
     warn_at = time.monotonic() + wire_format.CONNECT_REMINDER_MS * 1e-3
     while not rospy.is_shutdown():
@@ -26,7 +27,7 @@ def connect():
             try:
                 return Connection(host, int(port), 1.0)
             except OSError:
-                pass  # left there by one that died; another will come
+                pass  # a time master that has died has left the address; another one will come
         if time.monotonic() > warn_at:
             rospy.logwarn('lockstep: %s waits for the time master (/time_master/lockstep_address is %s)',
                           rospy.get_name(), address + ', where nobody listens' if address else 'not set')
@@ -36,11 +37,11 @@ def connect():
 
 
 def secret():
-    """Return the secret of the run (bytes), which the parameters tell."""
+    """Return the secret of the run (bytes), from the time master's parameters."""
     return run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
                       rospy.get_param('/time_master/lockstep_secret_file', ''))
 
 
 def is_lockstep():
-    """Return whether the time master works, or will work, in lockstep (parameter ``/time_master/mode``)."""
+    """Return whether the time master is, or will be, in lockstep (parameter ``/time_master/mode``)."""
     return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'

@@ -1,4 +1,4 @@
-"""The connection to the time master: whole frames in, whole frames out."""
+"""The connection to the time master, which sends and receives whole frames."""
 import _thread
 import socket
 import struct
@@ -13,27 +13,27 @@ _RETRY_SECONDS = 0.05
 
 
 class Closed(Exception):
-    """The connection has ended: the time master is gone, or has ended it."""
+    """The connection has ended, because the time master is gone or has closed it."""
 
 
 class Connection:
-    """Blocking and in order. Any thread may send; one at a time may receive."""
+    """A blocking connection that keeps the order of frames. Any thread may send; one thread at a time may receive."""
 
     def __init__(self, host, port, timeout):
         """Connect to the time master.
 
-        :raises OSError: if there is none at that address within ``timeout`` [s, wall].
+        :raises OSError: if there is no time master at that address within ``timeout`` [s, wall].
         """
         own_cores.remember()
         self._socket = _connect_locally(host, port) or _connect(host, port, timeout)
-        # Recursive: a signal may have the main thread leave in the middle of sending.
+        # Recursive, since a signal may make the main thread leave in the middle of sending.
         self._send_lock = _thread.RLock()
         self._buffer = bytearray()
 
     def send(self, data):
         """Send whole frames.
 
-        :raises Closed: if there is nobody to take them.
+        :raises Closed: if the connection has ended.
         """
         try:
             with self._send_lock:
@@ -44,7 +44,8 @@ class Connection:
     def receive(self):
         """Wait for a frame and return (type, body).
 
-        :raises Closed: when there will be none any more.
+        :raises Closed: if the connection has ended.
+        :raises WireError: if the bytes are not a frame.
         """
         buffer = self._buffer
         while True:
@@ -63,13 +64,13 @@ class Connection:
             if not data:
                 raise Closed('the time master has closed the connection')
             if not buffer and len(data) > 5 and _HEAD.unpack_from(data)[0] == len(data) - 4:
-                return data[4], data[5:]  # one whole frame, as nearly always
+                return data[4], data[5:]  # exactly one whole frame, as nearly always
             buffer += data
 
     def close(self, at_exit=False):
-        """End the connection; whoever waits in receive is told.
+        """End the connection; a thread that waits in :meth:`receive` gets :class:`Closed`.
 
-        ``at_exit``: the time master sees the end of it when the process has ended, not before.
+        With ``at_exit`` the time master notices the end when this process has ended, not before.
         """
         try:
             self._socket.shutdown(socket.SHUT_RD if at_exit else socket.SHUT_RDWR)
@@ -80,13 +81,13 @@ class Connection:
             own_cores.restore()
 
     def forget(self):
-        """Close it in this process only: another one, this one's parent, uses it."""
+        """Close the connection in this process only, a forked child, whose parent goes on using it."""
         self._socket.close()
         own_cores.restore()
 
 
 def _connect_locally(host, port):
-    """Return a Unix socket to the time master, or None: it is on another computer, or is not there."""
+    """Return a Unix socket to the time master, or None if it is on another computer or does not run."""
     connected = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connected.settimeout(None)  # a wait may be longer than the 60 s that rospy sets for all sockets of the process
     try:

@@ -1,31 +1,32 @@
-"""What a participant's source of events tells by itself, told beforehand: turns that the time master need not grant.
+"""Foreseen turns: messages of later instants in a report, for which the time master need not send grants.
 
-Feedback, poses and heartbeats of robots follow from where they travel. Until something else happens to the process,
-what it will tell is known; it goes into the report, instant by instant. With the next grant the time master says how
-many of these turns have come to pass; the others are taken back.
+Feedback, poses and heartbeats of robots follow from their travel. Until something else happens to the process, these
+messages are known; they go into the report, instant by instant. With the next grant the time master says how many of
+these turns have happened; the others are taken back.
 """
 from move_base_abstract.lockstep import wire
 
 from . import rollback
 from .links import sender
 
-_MOST_TURNS = 64  # of a report; what is taken back was computed in vain
+_MOST_TURNS = 64  # in one report; turns that are taken back were computed in vain
 _FEWEST_TURNS = 4
 
 
 class Foresight:
-    """Of one participant. Whoever calls it has the participant's turn.
+    """The foreseen turns of one participant. The calling thread must have the turn.
 
-    ``source`` has ``foresee(before_ns, most)``, as of EventQueue, ``tell(due_ns, series)`` and ``skip(until_ns)``.
+    ``source`` has ``foresee(before_ns, most)`` and ``skip(until_ns)``, as EventQueue has them, and
+    ``tell(due_ns, series)``, which sends the messages of an instant.
     """
 
     def __init__(self, source):
         self._source = source
-        self._turns = []  # (instant [ns], what takes it back)
+        self._turns = []  # (instant [ns], functions that take it back)
         self._most = _MOST_TURNS
 
     def tell(self, before_ns, items):
-        """Append to the report's ``items`` what comes before ``before_ns`` [ns]; return what comes after that [ns]."""
+        """Append the turns before ``before_ns`` [ns] to the report's ``items``; return the instant after them [ns]."""
         instants, after_ns = self._source.foresee(before_ns, self._most)
         for due_ns, series in instants:
             mark = len(items)
@@ -42,7 +43,7 @@ class Foresight:
         return after_ns
 
     def came_to_pass(self, count):
-        """The first ``count`` of the turns have happened, the others never will."""
+        """Keep the first ``count`` turns, which have happened, and take back the others, which never will."""
         turns, self._turns = self._turns, []
         for _due_ns, undos in reversed(turns[count:]):
             _take_back(undos)

@@ -1,11 +1,12 @@
-"""Which messages have any effect: an action client subscribes to more than most of its users ever ask for.
+"""Which messages have any effect on a subscription: action clients subscribe to more than most programs need.
 
-A client of actionlib subscribes to feedback in any case. Where no goal of it has a feedback callback, feedback changes
-nothing in it. And a status that it has seen before changes nothing. The time master is told so: then time does not stop
-for these. A client hears feedback from the first callback on, for good. What is not known to be deaf hears all.
+A client of actionlib subscribes to feedback in any case. If none of its goals has a feedback callback, feedback changes
+nothing in it. A status that it has seen before changes nothing, either. The time master is told so, and then time does
+not stop for such messages. From its first feedback callback on, a client hears all feedback. All other subscriptions
+hear all messages.
 
-The listener of tf2 only puts transforms into a buffer: whoever looks for them does so when it has something else to do,
-and gets them then.
+The listener of tf2 only puts transforms into a buffer. The program looks for them when it has something else to do, and
+gets them then.
 """
 import sys
 
@@ -17,11 +18,11 @@ from ...replacing.replaced import replace
 
 
 class Hearing:
-    """Of one participant; ``topics`` has ``tell_hearing(impl, what)``."""
+    """The messages that one participant hears. ``topics.tell_hearing(impl, what)`` is called at each change."""
 
     def __init__(self, topics):
         self._topics = topics
-        self._told = []  # (a subscription's implementation, what it hears), of those that do not hear all
+        self._told = []  # (a subscription's implementation, its Hearing), for subscriptions that do not hear all
         self._client_type = None
 
     def install(self):
@@ -30,7 +31,7 @@ class Hearing:
         try:
             from actionlib.action_client import ActionClient
         except ImportError:
-            pass  # then nobody here uses it
+            pass  # then the program does not use it
         else:
             self._client_type = ActionClient
             self._follow_clients()
@@ -38,7 +39,7 @@ class Hearing:
             self._look_at(impl)
 
     def forget(self, impl):
-        """A subscription has ended."""
+        """Forget a subscription that has ended."""
         self._told = [(other, what) for other, what in self._told if other is not impl]
 
     def _follow_callbacks(self):
@@ -52,7 +53,7 @@ class Hearing:
         replace('rospy.topics._SubscriberImpl.remove_callback', looking)
 
     def _follow_clients(self):
-        """Look again at an action client from its first feedback callback on."""
+        """Check the subscriptions again at an action client's first feedback callback."""
         def beginning(init_goal):
             def _init_goal(manager, goal, transition_cb=None, feedback_cb=None):
                 if feedback_cb is not None and not _passes_to_nobody(feedback_cb):
@@ -65,7 +66,7 @@ class Hearing:
         self._follow_simple_clients()
 
     def _follow_simple_clients(self):
-        """A simple client has one callback for all goals, which users may also set."""
+        """Notice the feedback callback of a simple client: it has one for all goals, and programs may also set it."""
         def get(client):
             return client.__dict__.get('feedback_cb')
 
@@ -94,7 +95,7 @@ class Hearing:
             self._look_at(impl)
 
     def _heard_by(self, callback):
-        """Return what has an effect on a callback."""
+        """Return which messages (Hearing) have an effect on a callback."""
         client, function = getattr(callback, '__self__', None), getattr(callback, '__func__', None)
         if _puts_transforms_by(client, function):
             return Heard.LATER
@@ -108,7 +109,7 @@ class Hearing:
 
 
 def _puts_transforms_by(listener, function):
-    """Return whether a callback is that of a listener of tf2, whose buffer is tf2's own, too."""
+    """Return whether a callback is that of a tf2 listener whose buffer is tf2's own, without changes."""
     module, buffers = sys.modules.get('tf2_ros.transform_listener'), sys.modules.get('tf2_ros.buffer')
     if module is None or buffers is None or not isinstance(listener, module.TransformListener):
         return False
@@ -118,7 +119,7 @@ def _puts_transforms_by(listener, function):
 
 
 def _passes_to_nobody(feedback_cb):
-    """Return whether it is a simple client's own, which hands over to a callback that nobody has given."""
+    """Return whether it is the callback of a simple client that would call the program's, which is not set."""
     from actionlib.simple_action_client import SimpleActionClient
     client = getattr(feedback_cb, '__self__', None)
     return (isinstance(client, SimpleActionClient)

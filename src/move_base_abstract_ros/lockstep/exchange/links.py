@@ -1,7 +1,7 @@
-"""The connections between participants' publishers and subscribers, in the place of rospy's.
+"""The connections between participants' publishers and subscribers, which replace rospy's.
 
-rospy's own topic objects stay in use: for all participants that listen, a publisher has one connection that writes into
-the report; a subscriber has one connection per participant that publishes.
+rospy's own topic objects stay in use. A publisher has one connection for all participants that listen, which writes
+into the report. A subscriber has one connection for each participant that publishes.
 """
 import threading
 from collections import deque
@@ -15,7 +15,10 @@ _local = threading.local()
 
 
 class sender:  # noqa: N801 - it is called like a function
-    """A context: what is created or published inside belongs to the robot with ``index``, and comes in its place."""
+    """A context in which all that is created or published belongs to the robot ``index``, which gives its order.
+
+    Of messages of one instant whose senders have the same rank, those of the lowest index come first.
+    """
 
     __slots__ = ('_index', '_before')
 
@@ -33,7 +36,7 @@ class sender:  # noqa: N801 - it is called like a function
 
 @contextmanager
 def repetition():
-    """Give a context: what is published inside says nothing new, and goes to those only who hear all."""
+    """Give a context in which messages say nothing new, and go only to subscriptions that hear all messages."""
     _local.least = wire.Hearing.ALL
     try:
         yield
@@ -42,12 +45,12 @@ def repetition():
 
 
 def creating_index():
-    """Return the robot's index of what is created now."""
+    """Return the index of the robot to which objects belong that are created now; 0 outside of :class:`sender`."""
     return getattr(_local, 'index', None) or 0
 
 
 class MemberLinks:
-    """The connection of a publisher to all participants that listen to it. Has what rospy expects of one."""
+    """The connection of a publisher to all participants that listen to it, with the attributes that rospy expects."""
 
     direction, transport_type = 'o', 'LOCKSTEP'
     done = False
@@ -66,25 +69,25 @@ class MemberLinks:
         self.sub = sub
         self.target = 0
         self.members = []
-        self._hearing = {}  # of members who do not hear all
+        self._hearing = {}  # {member: Hearing} of members that do not hear all messages
 
     def is_latching(self):
-        """Return whether the publisher's last message is kept for those who come later."""
+        """Return whether the publisher's last message is kept for later listeners."""
         return self.target == 0 and self._impl is not None and self._impl.is_latch
 
     def for_one(self, member):
-        """Return a connection to one of them."""
+        """Return a connection to one of the participants."""
         link = MemberLinks(self._participant, self._topic, self.sub, self._impl)
         link.target = member
         link.members = [member]
         return link
 
     def add(self, member):
-        """One more node listens."""
+        """Add a participant that begins to listen."""
         self.members = self.members + [member]
 
     def remove(self, member):
-        """A node listens no more."""
+        """Remove a participant that listens no more."""
         self.members = [other for other in self.members if other != member]
         self._hearing.pop(member, None)
 
@@ -93,52 +96,52 @@ class MemberLinks:
         self._hearing[member] = what
 
     def _hear(self, least):
-        """Return the members on whom messages have an effect that ``least`` says."""
+        """Return the members whose Hearing is at least ``least``."""
         return [member for member in self.members if self._hearing.get(member, wire.Hearing.ALL) >= least]
 
     @property
     def hearers(self):
-        """The names of the nodes at which what is sent has any effect."""
+        """The names of the nodes on which messages have any effect."""
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.NEWS)]
 
     @property
     def hearers_of_repetition(self):
-        """The names of the nodes at which what says nothing new has any effect."""
+        """The names of the nodes on which messages that say nothing new have any effect."""
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.ALL)]
 
     @property
     def is_heard(self):
-        """Whether what is sent now has any effect at any of them."""
+        """Whether a message that is sent now has any effect on any participant."""
         if not self._hearing:
             return bool(self.members)
         return bool(self._hear(getattr(_local, 'least', wire.Hearing.NEWS)))
 
     @property
     def is_heard_again(self):
-        """Whether what says nothing new has any effect at any of them."""
+        """Whether a message that says nothing new has any effect on any participant."""
         return bool(self._hear(wire.Hearing.ALL))
 
     @property
     def count(self):
-        """How many nodes are behind it."""
+        """The number of participants that listen."""
         return len(self.members)
 
     def has_name(self, name):
-        """Return whether the node is one of them."""
+        """Return whether the node ``name`` is one of the participants that listen."""
         return any(self._participant.members.names.get(member) == name for member in self.members)
 
     def write_data(self, data):
-        """Have a serialised message, with its length before it, in the report."""
+        """Add a serialised message, which begins with its length, to the report."""
         self.write_message(data[4:])
         return True
 
     def write_message(self, data):
-        """Have a serialised message in the report."""
+        """Add a serialised message to the report."""
         self.stat_bytes += len(data)
         self.stat_num_msg += 1
         index = getattr(_local, 'index', None)
         sub = self.sub if index is None else index
-        # Who begins to listen in this round gets what is latched when this publisher has been told of it, not before.
+        # A node that begins to listen in this round gets the latched message when this publisher is told of the node.
         for target in self._targets():
             self._participant.add(wire.send(self._topic, sub, target, data))
 
@@ -148,21 +151,21 @@ class MemberLinks:
         return self.members if self.is_latching() else (self.target,)
 
     def fileno(self):
-        """There is no file."""
+        """Return None, since there is no file."""
 
     def set_cleanup_callback(self, callback):
-        """It is never closed from the other side."""
+        """Do nothing, since the connection is never closed from the other side."""
 
     def get_transport_info(self):
-        """Return what rosnode shows."""
+        """Return the text that rosnode shows."""
         return 'lockstep, through the time master'
 
     def close(self):
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""
 
 
 class PublisherLink(MemberLinks):
-    """The connection of a subscriber to one participant that publishes; its callbacks run one after the other."""
+    """The connection of a subscriber to one participant that publishes. The callbacks run one after the other."""
 
     direction = 'i'
 
@@ -177,7 +180,7 @@ class PublisherLink(MemberLinks):
         self._is_busy = False
 
     def take(self, data):
-        """Call the callbacks with a serialised message, behind those that are not through yet."""
+        """Call the callbacks with a serialised message, after the callbacks of earlier messages have returned."""
         if self._is_busy:
             self._backlog.append(data)
             self._trim()
@@ -191,7 +194,7 @@ class PublisherLink(MemberLinks):
             self._is_busy = False
 
     def _trim(self):
-        """A subscriber's queue_size keeps the newest, as rospy does when it reads from a socket."""
+        """Keep the newest messages, as many as the subscriber's queue_size, as rospy does when it reads a socket."""
         size = self._impl.queue_size
         while size is not None and len(self._backlog) > size:
             self._backlog.popleft()

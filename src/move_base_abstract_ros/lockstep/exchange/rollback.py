@@ -1,7 +1,7 @@
-"""What is told beforehand, in lockstep, may not come to pass: what it has changed is noted here, and taken back.
+"""Foreseen turns may never happen, so the changes of state that they make are noted here, and can be taken back.
 
-Who tells what repeats itself (feedback, poses, heartbeats) says before it changes an attribute or an entry of a
-dictionary; nothing is noted at other times. Not thread-safe: whoever tells beforehand has the participant's turn.
+The code that sends periodic messages (feedback, poses, heartbeats) says so before it changes an attribute or an entry
+of a dictionary. Outside of foreseen turns nothing is noted. Not thread-safe: the calling thread must have the turn.
 """
 from functools import partial
 
@@ -9,11 +9,11 @@ _NOTHING = object()
 
 
 class NotForeseeable(Exception):
-    """What was about to be told goes out at once: somebody listens who takes no part."""
+    """A message cannot be foreseen, because an onlooker listens: to an onlooker it would go at once."""
 
 
 class _Journal:
-    """How to take back what is changed; ``undos`` is None while nothing is told beforehand."""
+    """The functions that take changes back; ``undos`` is None outside of a foreseen turn."""
 
     undos = None
 
@@ -22,29 +22,29 @@ _journal = _Journal()
 
 
 def begin():
-    """Note from now on what is changed."""
+    """Note changes from now on."""
     _journal.undos = []
 
 
 def end():
-    """Note no more; return the functions that take the changes back, to be called from the last one to the first."""
+    """Stop noting; return the functions that take the changes back, to be called from the last one to the first."""
     undos, _journal.undos = _journal.undos, None
     return undos
 
 
 def is_recording():
-    """Return whether something is told beforehand at the moment."""
+    """Return whether changes are noted, as in a foreseen turn."""
     return _journal.undos is not None
 
 
 def changes(owner, attribute):
-    """Note what the caller is about to change: an attribute."""
+    """Note the present value of an attribute that the caller is about to change."""
     if _journal.undos is not None:
         _journal.undos.append(partial(setattr, owner, attribute, getattr(owner, attribute)))
 
 
 def changes_entry(entries, key):
-    """Note what the caller is about to change: an entry of a dictionary."""
+    """Note the present entry of a dictionary that the caller is about to change, add or remove."""
     if _journal.undos is not None:
         _journal.undos.append(partial(_put_back, entries, key, entries.get(key, _NOTHING)))
 

@@ -1,4 +1,4 @@
-"""Where rospy's own topics hand over to :class:`topics.Topics`: its manager and its connections."""
+"""The hooks by which rospy's own topics hand over to :class:`topics.Topics`: in its manager and its connections."""
 import rospy
 
 from ...replacing.replaced import replace
@@ -7,7 +7,7 @@ _OWN = ('move_base_abstract_ros.', 'soil_mapping.')
 
 
 def install(topics):
-    """Put a participant's ``topics`` in the place of rospy's connections among participants."""
+    """Replace rospy's connections among participants by a participant's ``topics`` (Topics)."""
     _follow_manager(topics)
     _replace_receiving(topics)
     _replace_connecting(topics)
@@ -81,7 +81,7 @@ def _replace_publishing(topics):
     def publishing(publish):
         def _publish(self, message, connection_override=None):
             receivers = self.connections if connection_override is None else (connection_override,)
-            lock = self.publock  # none once the topic is closed; rospy says then what that means
+            lock = self.publock  # None when the topic is closed; rospy then raises its own error
             if lock is None or any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers):
                 return publish(self, message, connection_override)
             with lock:
@@ -101,9 +101,9 @@ def _is_onlooker(impl, topics, connection):
 
 
 def _add_onlooker(impl, connection):
-    """Have the connection of a node that does not take part; the program, which would act then, is not told.
+    """Add the connection of a node that does not take part, without telling the program, which might act upon it.
 
-    Who shows something to onlookers in a thread of its own, as this package does, is told.
+    Only this package's own listeners are told, since they show something to onlookers.
     """
     if impl.queue_size is not None:
         connection = rospy.topics.QueuedConnection(connection, impl.queue_size)
@@ -130,7 +130,7 @@ def _own_listeners(impl):
 
 
 def _count_participants(topics):
-    """Have a topic's one link to all participants count as that many connections, and onlookers not as listeners."""
+    """Count a topic's one link to all participants as that many connections, and do not count onlookers."""
     def counting(_original):
         def _get_num_connections(self):
             with_onlookers = (self.resolved_name in topics.excluded or not hasattr(self, 'subscriber_listeners')

@@ -1,8 +1,8 @@
-"""Service calls between participants, put in the place of rospy's connections.
+"""Service calls between participants, which replace rospy's connections.
 
-A call is handled in the next round, by a thread of its own as in rospy, and may itself sleep or call. Calls from other
-nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still,
-unless the answer takes long: the other node may wait for simulated time.
+A call is handled in the next round, by a thread of its own as in rospy. The handler may itself sleep or call services.
+Calls from other nodes come over rospy's connections and enter at the next grant. During a call to another node time
+stands still, unless the answer takes long: then the other node may be waiting for simulated time.
 """
 import _thread
 import sys
@@ -20,10 +20,10 @@ from ...replacing.replaced import replace
 from ..ros_master.master_calls import aside
 from .links import creating_index
 
-#: how the services end that rospy itself offers in each node; those do not count
+#: endings of the names of services that rospy itself offers in each node; they are not part of lockstep
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')
-_TIME_MASTERS = '/time_master/'  # its services
-_SEEK_SECONDS = 0.1
+_TIME_MASTERS = '/time_master/'  # the namespace of the time master's services
+_SEEK_SECONDS = 0.1  # wall
 _PATIENCE = 5.0  # s, wall
 
 
@@ -39,7 +39,7 @@ class Services:
         self._found = set()
 
     def install(self):
-        """Take rospy's services over, those that there are and those to come; but not rospy's own."""
+        """Take over the node's present and future services, without those that rospy itself offers."""
         _patch(self)
         for name, service in sorted(registration.get_service_manager().map.items()):
             if not name.endswith(_OF_ROSPY):
@@ -48,7 +48,7 @@ class Services:
     # --- services of this node --------------------------------------------------------------------------------------
 
     def register(self, name, service):
-        """A service is new."""
+        """Report a new service."""
         number = len(self._names)
         self._names.append(name)
         self._offered[number] = service
@@ -56,13 +56,13 @@ class Services:
         self._participant.add(wire.serve(number, creating_index(), name))
 
     def unregister(self, service):
-        """A service is gone."""
+        """Report that a service is gone."""
         number = getattr(service, '_lockstep_number', None)
         if self._offered.pop(number, None) is not None:
             self._participant.add(wire.unserve(number))
 
     def on_called(self, number, caller, call, data):
-        """A participant calls."""
+        """Return the function that handles a participant's call and reports the response."""
         return lambda: self._handle(number, caller, call, data)
 
     def _handle(self, number, caller, call, data):
@@ -75,7 +75,7 @@ class Services:
         self._participant.add(wire.response(caller, call, is_ok, answer))
 
     def from_outside(self, service, handle):
-        """A node that does not take part calls: run ``handle()`` in the next round and wait for its end."""
+        """Run ``handle()``, a call of a node that does not take part, in the next round, and wait for its end."""
         over = _make_lock()
         over.acquire()
 
@@ -94,7 +94,10 @@ class Services:
     # --- calls of this node -----------------------------------------------------------------------------------------
 
     def call(self, name, request):
-        """Call a participant's service; return (status of wire, bytes). The caller waits, others go on."""
+        """Call a participant's service; return (wire.CallStatus, bytes). Other threads and nodes go on meanwhile.
+
+        :raises TurnLost: if the run ends meanwhile.
+        """
         self._call_count += 1
         number = self._call_count
         scheduler = self._participant.scheduler
@@ -108,7 +111,7 @@ class Services:
             del self._calls[number]
 
     def on_answered(self, number, status, data):
-        """The answer to a call."""
+        """Return the function that hands the answer to the thread that waits for it."""
         def take():
             if number in self._calls:
                 self._calls[number][1] = (status, data)
@@ -116,15 +119,20 @@ class Services:
         return take
 
     def on_found(self, name):
-        """A service that somebody waits for is offered."""
+        """Return the function that notes that a service is offered for which a thread waits."""
         return lambda: self._found.add(name)
 
     def wait_for(self, name, timeout_ns):
-        """Wait until a participant offers the service, or another node does; return False when time is up."""
+        """Wait until a participant or another node offers the service; return False if it is not there in time.
+
+        ``timeout_ns`` [ns, simulated] is None for no limit.
+
+        :raises TurnLost: if the run ends meanwhile.
+        """
         scheduler = self._participant.scheduler
         self._found.discard(name)
         self._participant.add(wire.watch(name))
-        scheduler.wait_round()  # in which those participants are named that offer it
+        scheduler.wait_round()  # in its grant the time master says whether a participant offers the service
         if name in self._found or self.is_offered_outside(name):
             return True
         wake_ns = wire.NEVER if timeout_ns is None else scheduler.now_ns + timeout_ns
@@ -136,7 +144,7 @@ class Services:
             sought.clear()
 
     def _seek_outside(self, sought):
-        """Tell the thread that waits for a service when a node offers it that does not take part; in another thread."""
+        """Wake the thread that waits for a service when a node that does not take part offers it. Runs in a thread."""
         while sought and not self._participant.scheduler.is_closed:
             name = sought[0]
             if self.is_offered_outside(name):
@@ -149,15 +157,17 @@ class Services:
         self._found.add(name)
 
     def call_outside(self, name, call):
-        """Return what ``call()`` returns, which asks a node that answers as it likes; the run is labelled.
+        """Return what ``call()`` returns, which calls a service of a node that does not take part; label the run.
 
-        Simulated time stands until the answer comes, but for a few seconds of wall time at most. (The time master's own
-        services label nothing.)
+        Simulated time stands still until the answer comes, but for 5 s of wall time at most. (Calls of the time
+        master's own services are not labelled.)
+
+        :raises rospy.ROSInterruptException: if the run ends meanwhile.
         """
         if name.startswith(_TIME_MASTERS):
             with aside():
                 return call()
-        self._participant.parameters.settle()  # the other node may look at them
+        self._participant.parameters.settle()  # the other node may read them
         label = self._participant.label
         label('service {}, which was called, is offered by a node that does not take part'.format(name))
         asked = _Asked(call)
@@ -175,7 +185,7 @@ class Services:
     def is_offered_outside(self, name):
         """Return whether the ROS master knows a node that offers the service and has never taken part.
 
-        Those that take part, or did, are registered there at moments of the wall clock, which must not matter.
+        Present and former participants do not count: they register there at moments of the wall clock.
         """
         try:
             with aside():
@@ -187,10 +197,10 @@ class Services:
 
 
 class _Asked:
-    """A call in a thread of its own, which is none of the application's."""
+    """A call in a thread of its own, which is not one of the application's threads."""
 
     def __init__(self, call):
-        self.outcome = []  # what it returns, what it raises
+        self.outcome = []  # when it is over: one (result, error), of which one is None
         self.is_over = _make_lock()
         self.is_over.acquire()
         self._then = []
@@ -207,11 +217,11 @@ class _Asked:
             then()
 
     def when_over(self, then):
-        """Have ``then()`` called in the thread of the call, unless that is over by now, which ``outcome`` says."""
+        """Have ``then()`` called in the call's thread when the call is over; not if it is over already."""
         self._then.append(then)
 
     def result(self):
-        """Return what the call returned, or raise what it raised."""
+        """Return what the call has returned, or raise what it has raised."""
         (result, error), = self.outcome
         if error is not None:
             raise error
@@ -219,11 +229,11 @@ class _Asked:
 
 
 def _nothing():
-    """There is nothing to do but to look what has happened."""
+    """Do nothing; the scheduler then checks the conditions of waiting threads."""
 
 
 def _serve(service, data):
-    """Return (1, response) or (0, text of the error), as rospy's own connections would."""
+    """Call a service's handler; return (1, response) or (0, text of the error), as rospy's own connections would."""
     request = service.request_class()
     try:
         request.deserialize(data)
@@ -236,13 +246,13 @@ def _serve(service, data):
         return 0, 'service cannot process request: {}'.format(error).encode('utf-8')
     except TurnLost:
         raise
-    except (Exception, SystemExit) as error:  # sys.exit ends the connection in rospy, so that the caller gets an error
+    except (Exception, SystemExit) as error:  # in rospy sys.exit ends the connection, and the caller gets an error
         service.error_handler(error, *sys.exc_info())
         return 0, 'error processing request: {}'.format(error).encode('utf-8')
 
 
 def _patch(services):
-    """Put this participant's services in the place of rospy's connections among participants."""
+    """Replace rospy's connections among participants by this participant's services."""
     _replace_offering(services)
     _replace_calling(services, services._participant.scheduler)
 
@@ -297,7 +307,7 @@ def _replace_calling(services, scheduler):
 
 
 def _answer(proxy, status, data):
-    """Return the response, or raise what rospy raises."""
+    """Return the response, or raise the error that rospy would raise."""
     if status == wire.CallStatus.OK:
         return proxy.response_class().deserialize(data)
     if status == wire.CallStatus.SERVER_GONE:

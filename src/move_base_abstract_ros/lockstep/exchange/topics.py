@@ -1,7 +1,7 @@
-"""Topics between participants, put in the place of rospy's connections.
+"""Topics between participants, which replace rospy's connections.
 
-rospy's own topic objects stay in use, with connections of their own, see :mod:`links`, between participants.
-Connections to all other nodes are rospy's.
+rospy's own topic objects stay in use. Between participants they have connections of another kind, see :mod:`links`.
+Connections to all other nodes are rospy's own.
 """
 from rospy.impl import registration
 from rospy.impl.registration import Registration
@@ -14,7 +14,11 @@ from .links import MemberLinks, PublisherLink, creating_index
 
 
 class Topics:
-    """The topics of a participant, by numbers."""
+    """The topics of a participant. The protocol has a number for each topic of a participant, not its name.
+
+    ``excluded`` are the names of topics that are not part of lockstep, ``constants`` those of
+    :meth:`.Participant.constant`.
+    """
 
     def __init__(self, participant):
         self._participant = participant
@@ -28,13 +32,13 @@ class Topics:
         self.hearing = Hearing(self)
 
     def tell_hearing(self, impl, what):
-        """Tell which messages (wire.Hearing) have any effect on a subscription."""
+        """Report which messages (wire.Hearing) have any effect on the subscription ``impl``."""
         number = self._numbers.get(impl.resolved_name)
         if number is not None:
             self._participant.add(wire.hears(number, what))
 
     def install(self):
-        """Take rospy's topics over: those that there are, and those to come."""
+        """Take over rospy's present and future topics."""
         manager = registration.get_topic_manager()
         rospy_topics.install(self)
         self.hearing.install()
@@ -51,7 +55,7 @@ class Topics:
     # --- what this node does ----------------------------------------------------------------------------------------
 
     def added(self, impl, reg_type):
-        """A publisher or subscriber is new."""
+        """Report a new publisher or subscriber, unless its topic is excluded."""
         name = impl.resolved_name
         if name in self.excluded:
             return
@@ -60,11 +64,11 @@ class Topics:
             self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
             return
         self._links[number] = MemberLinks(self._participant, number, sub, impl)
-        # Whether it is latched is known only after rospy has made it.
+        # A function, since rospy says only after this whether the publisher is latched.
         self._participant.add(lambda: self._advertise(number, sub, impl))
 
     def _advertise(self, number, sub, impl):
-        """Return the item; the definition of a type, some kilobytes, is told once."""
+        """Return the item. It has the definition of the message type, some kilobytes, only the first time."""
         kind = impl.data_class
         md5 = kind._md5sum if kind else ''  # rospy forgets the class of a topic that has been closed again
         definition = kind._full_text if kind and md5 not in self._told_types else ''
@@ -72,7 +76,7 @@ class Topics:
         return wire.advertise(number, sub, impl.resolved_name, impl.type or '', md5, impl.is_latch, definition)
 
     def removed(self, impl, reg_type):
-        """A publisher or subscriber is gone."""
+        """Report that a publisher or subscriber is gone."""
         number = self._numbers.get(impl.resolved_name)
         if number is None:
             return
@@ -85,10 +89,10 @@ class Topics:
             self._participant.add(wire.unadvertise(number))
             self._links.pop(number, None)
 
-    # --- what the time master tells ---------------------------------------------------------------------------------
+    # --- items of grants: each method returns the function to be called in the turn ----------------------------------
 
     def on_publisher(self, number, member, type_name, md5, latched, definition):
-        """A participant publishes what this one listens to."""
+        """Connect to a participant that publishes a topic to which this node listens."""
         return lambda: self._connect_publisher(number, member, {
             'callerid': self._participant.members.names.get(member, ''), 'topic': self._names[number],
             'type': type_name, 'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
@@ -102,7 +106,7 @@ class Topics:
                 impl.connections = impl.connections + [link]
 
     def on_no_publisher(self, number, member):
-        """It does so no more."""
+        """Disconnect from a participant that publishes the topic no more."""
         return lambda: self._disconnect_publisher(number, member)
 
     def _disconnect_publisher(self, number, member):
@@ -112,7 +116,7 @@ class Topics:
                 link._impl.connections = [other for other in link._impl.connections if other is not link]
 
     def on_subscriber(self, number, member):
-        """A participant listens to what this one publishes."""
+        """Connect a participant that listens to a topic that this node publishes."""
         return lambda: self._connect_subscriber(number, member)
 
     def _connect_subscriber(self, number, member):
@@ -135,7 +139,7 @@ class Topics:
                 impl.publish(impl.latch, connection_override=one)
 
     def on_no_subscriber(self, number, member):
-        """It does so no more."""
+        """Disconnect a participant that listens to the topic no more."""
         return lambda: self._disconnect_subscriber(number, member)
 
     def _disconnect_subscriber(self, number, member):
@@ -152,7 +156,7 @@ class Topics:
             listener.peer_unsubscribe(impl.resolved_name, count)
 
     def on_heard(self, number, member, what):
-        """Some of what this one publishes (wire.Hearing) has an effect on a participant that listens."""
+        """Note which of this node's messages on a topic (wire.Hearing) have an effect on a participant."""
         return lambda: self._note_hearing(number, member, what)
 
     def _note_hearing(self, number, member, what):
@@ -166,7 +170,7 @@ class Topics:
                 listener.hears_less() if what == wire.Hearing.NOTHING else listener.begins_to_hear()
 
     def on_deliver(self, number, member, data):
-        """A participant's message."""
+        """Take a participant's message."""
         def deliver():
             link = self._publisher_links.get((number, member))
             if link is not None:
@@ -176,7 +180,7 @@ class Topics:
     # --- other nodes ------------------------------------------------------------------------------------------------
 
     def drop_connections_to(self, name):
-        """A node has joined: what it sent and heard over connections of its own goes through the time master now."""
+        """Close rospy's connections to a node that has joined: its messages go through the time master from now on."""
         manager = registration.get_topic_manager()
         with manager.lock:
             impls = list(manager.pubs.values())
@@ -188,11 +192,15 @@ class Topics:
 
     @staticmethod
     def is_link(connection):
-        """Return whether it is a connection to participants, not one of rospy's."""
+        """Return whether ``connection`` is one to participants, and not one of rospy's."""
         return isinstance(connection, MemberLinks)
 
     def outside(self, impl, messages, connection, deliver):
-        """Messages have come from a node that does not take part, or over a connection that does not count."""
+        """Take messages that have come over a connection of rospy's own.
+
+        On an excluded topic, or a constant one in the first round, they are delivered at once. Those of other nodes
+        are delivered in the next round, and label the run. Those of participants are dropped: they come in grants.
+        """
         participant = self._participant
         is_free = impl.resolved_name in self.excluded or (participant.rounds.is_starting
                                                           and impl.resolved_name in self.constants)

@@ -1,9 +1,9 @@
-"""Jobs that ended with an exception for which nobody asks: futures, results of pools of threads, asyncio's tasks.
+"""Failed jobs whose outcome the program never asks for: futures, results of pools of threads, asyncio's tasks.
 
-Such an exception waits in its future until somebody asks; if nobody does, Python says nothing, or says it when the
-future is gone. Most are asked for later: when a round is over in which one still waits, the event log says
-``unasked``, and ``asked`` as soon as somebody has. What nobody has asked for when the run is over, nobody has caught
-(``runs.ends``).
+The exception of such a job waits in its future until the program asks for it. If it never does, Python says nothing, or
+says it when the future is gone. Most outcomes are asked for later. So the event log says ``unasked`` at the end of a
+round in which an exception still waits, and ``asked`` as soon as the program has asked. An exception that was not asked
+for until the end of the run counts as uncaught (``runs.ends``).
 """
 import weakref
 from types import SimpleNamespace
@@ -17,24 +17,27 @@ from ..code.imports import when_imported
 from . import uncaught
 
 _JOB, _TASK = 'a job whose outcome was never asked for', 'a task whose outcome was never asked for'
-_MOST_OPEN = 1000  # those before them stay told; whether somebody asks for one is not looked at any more
+_MOST_OPEN = 1000  # older ones stay ``unasked`` in the log: it is not checked any more whether the program asks
 _state = SimpleNamespace(participant=None, count=0, open=[])
 
 
 class _Outcome:
-    """An exception that waits for somebody who asks. ``is_asked``: whether somebody has."""
+    """An exception that waits in its future. ``is_asked`` says whether the program has asked for it."""
 
     def __init__(self, error, what):
         self.error_name, self.where = type(error).__name__, '{}, {}'.format(what, uncaught.place_of(error))
         self.is_asked = False
-        self.number = None  # by which the event log has it
+        self.number = None  # its number in the event log
 
     def look(self):
-        """See whether somebody has asked, where that is not told by itself."""
+        """Check whether the program has asked, for kinds of jobs that do not say so by themselves."""
 
 
 class _OfTask(_Outcome):
-    """Python itself notes of a task whether somebody has asked; of one that is gone it says that nobody has."""
+    """The outcome of a task of asyncio. Python itself notes whether it was asked for.
+
+    When a task is gone without that, Python calls the loop's exception handler, which sets ``is_lost``.
+    """
 
     def __init__(self, task, error):
         super().__init__(error, _TASK)
@@ -48,7 +51,7 @@ class _OfTask(_Outcome):
 
 
 def install(participant):
-    """Have the event log say from now on for which outcomes nobody asks."""
+    """Have the event log say from now on which outcomes the program does not ask for."""
     _state.participant = participant
     participant.last_words.append(_tell)
     when_imported('concurrent.futures._base', _follow_futures)
@@ -62,7 +65,7 @@ def _note(outcome):
 
 
 def _tell():
-    """A round is over: tell what waits in it, and what waits no more."""
+    """Log, at the end of a round, the outcomes that wait, and those that were asked for since."""
     if not _state.open:  # as in nearly all rounds
         return
     participant = _state.participant
@@ -150,7 +153,7 @@ def _setting_item(set_item):
 
 
 def _taking(take):
-    """Who takes an item whose job has failed gets the exception."""
+    """Return the method that takes the next item: if it raises the exception of a job, that was asked for."""
     def _next(self, *args, **kwds):
         try:
             return take(self, *args, **kwds)
@@ -166,7 +169,7 @@ def _taking(take):
 
 
 def follow_tasks():
-    """Hear what asyncio's loops say of exceptions that nobody catches."""
+    """Follow what asyncio's loops report about uncaught exceptions."""
     replace('asyncio.base_events.BaseEventLoop.default_exception_handler', _handling)
     replace('asyncio.tasks._GatheringFuture.set_exception', _setting_of_many)
 
@@ -184,7 +187,7 @@ def _handling(handle):
 
 
 def _setting_of_many(set_exception):
-    """Return the method of what gather() returns: it has asked its tasks, and is asked in their place."""
+    """Return ``set_exception`` of gather()'s future: it has asked its tasks, and must be asked instead of them."""
     def _set_exception(self, exception):
         set_exception(self, exception)
         _ended(self)
@@ -192,7 +195,7 @@ def _setting_of_many(set_exception):
 
 
 def methods_of(kind):
-    """Return the methods with which a kind of asyncio's tasks or futures notes what it ends with."""
+    """Return the methods by which a class of asyncio's tasks or futures notes its outcome."""
     if not hasattr(kind, 'get_coro'):
         def set_exception(self, exception):
             kind.set_exception(self, exception)
@@ -206,11 +209,11 @@ def methods_of(kind):
 
 
 def _ended(task):
-    """A task has ended. A loop with a handler of the program's own is asked by nobody else."""
+    """Note the exception of an ended task, unless the program has given its loop an exception handler of its own."""
     error = None if task.cancelled() else task._exception
     if not uncaught.is_failure(error) or task.get_loop().get_exception_handler() is not None:
         return
-    before = getattr(error, '_lockstep_outcome', None)  # of a task that this one has waited for
+    before = getattr(error, '_lockstep_outcome', None)  # that of a task for which this one has waited
     if before is not None:
         before.look()
     if before is None or before.is_asked:

@@ -1,8 +1,8 @@
-"""What nobody catches is told: an exception in a callback, a handler or a thread is an event of the run.
+"""An uncaught exception in a callback, a handler or a thread is an event of the run.
 
-rospy, actionlib and Python itself show such an exception and go on, so that the process's exit code says nothing of it.
-The event log says it (``uncaught``), and with it who judges the run (``runs.ends``). What comes when the node is
-told to end, or the run is over, is no event any more.
+rospy, actionlib and Python itself show such an exception and go on, so that the process's exit code does not show it.
+The event log does (``uncaught``), and the judgement on the run uses that (``runs.ends``). An exception that comes after
+the node was told to end, or when the run is over, is no event.
 """
 import os
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ _state = SimpleNamespace(participant=None)
 
 
 def install(participant):
-    """Have the event log say from now on what nobody catches in this process."""
+    """Have uncaught exceptions of this process in the event log from now on."""
     _state.participant = participant
     replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
     replace('rospy.impl.tcpros_service.ServiceImpl.error_handler', _handling)
@@ -32,13 +32,16 @@ def install(participant):
 
 
 def tell(error, where):
-    """Have the event log say that nobody has caught ``error``, once; ``where``: what was called, in words."""
+    """Log the uncaught exception ``error``, once; ``where`` is a text for what was called."""
     if not rospy.core.is_shutdown_requested():
         _tell(error, where)
 
 
 def _tell_last(error, where):
-    """The same of what the node calls when it ends by itself, which is when many write down what came out."""
+    """Log an uncaught exception of a function that is called when the node ends by itself.
+
+    Many programs write their results in such a function.
+    """
     if not (_state.participant.is_told_to_end or isinstance(error, rospy.ROSInterruptException)):
         _tell(error, where)
 
@@ -54,10 +57,10 @@ def _tell(error, where):
 
 
 def is_failure(error):
-    """Return whether an exception that nobody catches is one of the program: no end of the run, of a job or of itself.
+    """Return whether an uncaught exception is a failure of the program, and not just the end of the run or of a job.
 
-    ``sys.exit`` with an error is one: where it is caught by no main thread, it ends a callback and not the program.
-    So is an exception of a class that is derived from ``BaseException`` alone.
+    ``sys.exit`` with an error is a failure: outside of the main thread it ends a callback and not the program. An
+    exception of a class that is derived from ``BaseException`` alone is a failure, too.
     """
     if isinstance(error, SystemExit):
         return error.code not in (None, 0)
@@ -65,7 +68,7 @@ def is_failure(error):
 
 
 def place_of(error):
-    """Return 'FILE, line N': the innermost place of the program's own code in an exception's traceback, else of any."""
+    """Return 'FILE, line N' of the innermost place in an exception's traceback; the program's own code comes first."""
     found, trace = None, error.__traceback__
     while trace is not None:
         filename = trace.tb_frame.f_code.co_filename
@@ -76,7 +79,7 @@ def place_of(error):
 
 
 class _Again:
-    """A callback that has been called, for rospy, which shows what it has raised under the callback's own name."""
+    """Stands in for a callback that has failed: rospy calls it, and shows the error under the callback's own name."""
 
     def __init__(self, callback, error):
         self._callback = callback
@@ -124,7 +127,7 @@ def _registering(register, where):
 
 
 def told(function, where, tell_it=tell):
-    """Return a function that tells what nobody has caught in another one; ``where``: what that is, in words."""
+    """Return a function that calls ``function`` and logs an exception that leaves it; ``where`` is a text for it."""
     def call(*args):
         try:
             return function(*args)
@@ -135,7 +138,7 @@ def told(function, where, tell_it=tell):
 
 
 def follow_hooks():
-    """Tell what nobody catches in the functions that rospy is about to call as the node shuts down."""
+    """Log uncaught exceptions of the functions that rospy is about to call as the node shuts down."""
     hooks = rospy.core._client_shutdown_hooks
     hooks[:] = [told(hook, 'a function of rospy.on_shutdown', _tell_last) for hook in hooks]
 
@@ -145,7 +148,7 @@ def _ignored(hook):
         about = args.err_msg or ''
         if 'atexit' in about:
             _tell_last(args.exc_value, 'a function of atexit')
-        elif 'ctypes' in about:  # others are of destructors
+        elif 'ctypes' in about:  # all others come from destructors
             tell(args.exc_value, 'a callback of a library in C')
         hook(args)
     return unraisablehook
@@ -161,5 +164,5 @@ def _in_threads(excepthook):
 
 
 def run_of(thread):
-    """Return a thread's ``run``, which tells while the thread still has its turn what nobody catches in it."""
+    """Return ``thread.run`` as a function that logs an uncaught exception while the thread still has its turn."""
     return told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))

@@ -1,1 +1,1 @@
-"""What a program sees of its machine: chance, clocks, files, names; what cannot be followed labels the run."""
+"""The machine as a program sees it: chance, clocks, files, names. What cannot be followed labels the run."""

@@ -1,8 +1,8 @@
-"""The program's random numbers: they follow from the run's seed, the node's name, and how many were drawn before.
+"""The program's random numbers follow from the run's seed, the node's name, and the number of earlier draws.
 
-Python's and numpy's global generators start so, and what the machine would give (os.urandom and all that is made of it:
-secrets, SystemRandom, generators without a seed, numpy's too, uuid, temporary names) is drawn so. Threads that lockstep
-does not order draw from other bytes, so that they do not disturb the others, and are told.
+Python's and numpy's global generators are seeded so. So are the bytes that the machine would give: os.urandom, and all
+that is made of it (secrets, SystemRandom, generators without a seed, also numpy's, uuid, temporary names). Threads that
+lockstep does not order draw from other bytes, so that they do not disturb the others, and label the run.
 """
 import os
 import random
@@ -18,15 +18,16 @@ from ..code.callers import asker, is_own, own_frame, sees_run
 from ..code.labels import told
 
 _STRAY = 'draws in a thread that lockstep does not order'
-_BITS = 32  # bytes of a start for a generator
-_MULTICAST = 1 << 40  # of a node of uuid.uuid1: no address of hardware
+_BITS = 32  # number of bytes that seed a generator
+_MULTICAST = 1 << 40  # in the node of uuid.uuid1: says that it is not an address of hardware
 
 
 def install(text, present_ns):
-    """Seed the global generators, and have the program draw from the run's chance. ``text``: seed and name of the node.
+    """Seed the global generators, and have the program draw from the run's chance.
 
-    ``present_ns(frame)`` [ns] is the date that the code of a frame sees; None: the machine's. Return what draws bytes
-    for who calls it: ``draw(size)``.
+    :param text: the seed and the node's name.
+    :param present_ns: function of a frame that returns the date [ns] that its code sees; None for the machine's.
+    :return: a function ``draw(size)`` that returns bytes of the run's chance for the calling thread.
     """
     number = zlib.crc32(text.encode('utf-8'))
     random.seed(number)  # noqa: TID251 - the generator of the program, not ours
@@ -52,18 +53,18 @@ def _seed_numpy(number):
 
 
 class _Chance:
-    """What is drawn by whom."""
+    """The run's chance of this process: bytes for ordered threads, and other bytes for all others."""
 
     def __init__(self, text):
         self._ordered = Entropy(text + '\nentropy')
         self._strays = Entropy(text + '\nstrays')
 
     def draw_in_turn(self, size):
-        """Return so many bytes for the calling thread, whoever asks."""
+        """Return ``size`` bytes for the calling thread, whichever code asks."""
         return (self._ordered if told.is_ordered() else self._strays).draw(size)
 
     def draw(self, size, frame):
-        """Return so many bytes for the code of a frame; None: those of the machine."""
+        """Return ``size`` bytes for the code of a frame; None if it sees the machine's."""
         frame = asker(frame)
         if not sees_run(frame):
             return None
@@ -78,14 +79,14 @@ def _or_else(drawn, machine, *given):
 
 def _seeding(original, chance):
     def seed(self, a=None, version=2):
-        """As random.Random.seed; without a number, from the run's chance."""
+        """Seed as random.Random.seed does; without a number, from the run's chance."""
         drawn = chance.draw(_BITS, sys._getframe(1)) if a is None else None
         original(self, a if drawn is None else int.from_bytes(drawn, 'little'), version)
     return seed
 
 
 def _dated_identifier(machine, chance, present_ns):
-    """The computer's address is another one on another computer: it is drawn, if none is given."""
+    """Return uuid1 with the run's date. If no node is given, it is drawn, since each computer has another address."""
     ticks_to_1970, last = 0x01b21dd213814000, [0]  # 100 ns since 1582, RFC 4122
 
     def uuid1(node=None, clock_seq=None):
@@ -103,7 +104,7 @@ def _dated_identifier(machine, chance, present_ns):
 
 
 class _Names:
-    """Names of temporary files, as tempfile makes them."""
+    """Names of temporary files, of the form of tempfile's names."""
 
     _LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'
 
@@ -134,7 +135,7 @@ def _naming(machine, chance):
 
 
 def is_taken(path, frame):
-    """Tell if the name of a temporary file that is about to be made is there already: the next one is taken."""
+    """Label the run if a file with the name of a new temporary file exists: tempfile then takes the next name."""
     frame = own_frame(frame)
     if frame is not None and isinstance(path, (str, bytes)) and os.path.lexists(path):
         told.tell(frame, 'tempfile', 'finds a file of an earlier run, which had the same name for it; another TMPDIR '

@@ -1,4 +1,4 @@
-"""Python's clocks as the program sees them: they go on with simulated time, from the program's first line on."""
+"""Python's clocks as the program sees them. They go on with simulated time, from the program's first line on."""
 import datetime
 import sys
 import time
@@ -15,13 +15,14 @@ from ..code.labels import told
 _STRAY = 'reads a clock in a thread that lockstep does not order'
 _KINDS = {'time': view.DATE, 'monotonic': view.UPTIME, 'perf_counter': view.UPTIME, 'process_time': view.PROCESSOR,
           'thread_time': view.PROCESSOR}
-_SPLIT = ('localtime', 'gmtime', 'ctime')  # of the present, if nothing is said
+_SPLIT = ('localtime', 'gmtime', 'ctime')  # without an argument they are about the present
 
 
 def install(seed, is_simulated, slept_ns):
-    """Have the program see the run's clocks; to be called before its first line. Return them.
+    """Have the program see the run's clocks, from before its first line. Return these clocks.
 
-    ``slept_ns``: as of :class:`.SeenClocks`.
+    ``seed`` is the run's; ``is_simulated`` says whether time.sleep takes simulated time; ``slept_ns`` is that of
+    :class:`.SeenClocks`.
     """
     clocks = _Clocks(view.SeenClocks(seed, is_simulated, slept_ns))
     for name, kind in _KINDS.items():
@@ -37,13 +38,13 @@ def install(seed, is_simulated, slept_ns):
 
 
 class _Clocks:
-    """What the clocks show to whom."""
+    """The clocks, and what they show to the code that reads them."""
 
     def __init__(self, clocks):
         self._clocks = clocks
 
     def read(self, kind, frame):
-        """Return what a clock of a kind shows [ns] to the code of a frame; None: what the machine's does."""
+        """Return what a clock of a kind shows [ns] to the code of a frame; None if it sees the machine's."""
         frame = asker(frame)
         if not sees_run(frame):
             return None
@@ -58,12 +59,12 @@ class _Clocks:
         return self.now(kind)
 
     def now(self, kind):
-        """Return what a clock of a kind shows [ns], without looking at it for the program."""
+        """Return what a clock of a kind shows [ns]; this does not count as a look of the program."""
         participant = told.participant
         return self._clocks.read(kind, 0 if participant is None else participant.now_ns)
 
     def start(self, kind):
-        """Return what a clock of a kind showed [ns] when nothing had been done yet."""
+        """Return what a clock of a kind showed at the start [ns]."""
         return self._clocks.start(kind)
 
     def _look(self, participant):
@@ -76,15 +77,18 @@ class _Clocks:
             pass  # lockstep is over
 
     def add_sleep(self, seconds):
-        """So long was slept by the wall, by the program."""
+        """Move the clocks on by ``seconds``, for which the program has slept in wall time."""
         self._clocks.add_sleep(seconds_to_ns(seconds))
 
     def date_ns(self, frame):
-        """Return the date [ns] that the code of a frame sees; None: the machine's."""
+        """Return the date [ns] that the code of a frame sees; None if it sees the machine's."""
         return self.read(view.DATE, frame)
 
     def moment(self, kind, name, frame):
-        """Return what stands in for the method ``name`` of ``kind``, a datetime or date: it asks for the present."""
+        """Return the function that replaces the method ``name``, which asks for the present, of ``kind``.
+
+        ``kind`` is datetime or date, or derived from them; ``name`` is 'now', 'utcnow' or 'today'.
+        """
         def present(zone=None):
             now_ns = self.read(view.DATE, frame)
             if now_ns is None:
@@ -102,7 +106,7 @@ class _Clocks:
 
 
 class _Clock:
-    """A clock of the module time; no function, so that it can be an attribute of a class as the machine's can."""
+    """A clock of the module time. It is not a function, so that it can be an attribute of a class, as the original."""
 
     __slots__ = ('_clocks', '_kind', '_machine', '_in_unit')
 
@@ -115,7 +119,7 @@ class _Clock:
 
 
 class _ClockOfKernel:
-    """time.clock_gettime."""
+    """Replaces time.clock_gettime and time.clock_gettime_ns."""
 
     def __init__(self, clocks, machine, in_unit):
         self._clocks, self._machine, self._in_unit = clocks, machine, in_unit
@@ -127,7 +131,7 @@ class _ClockOfKernel:
 
 
 class _Split:
-    """time.localtime and what is like it: the present, where no other time is given at ``place``."""
+    """Replaces time.localtime and similar functions, which take the present if no time is given at ``place``."""
 
     def __init__(self, clocks, machine, split, place):
         self._clocks, self.machine, self._split, self._place = clocks, machine, split, place
@@ -142,7 +146,7 @@ class _Split:
 
 
 def is_moment(function):
-    """Return whether a function is a datetime's or date's that asks for the present."""
+    """Return whether a function is a method of datetime or date that asks for the present."""
     kind = getattr(function, '__self__', None)
     is_date = isinstance(kind, type) and issubclass(kind, datetime.date)
     return is_date and function.__name__ in ('now', 'utcnow', 'today')

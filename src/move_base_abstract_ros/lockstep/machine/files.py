@@ -1,7 +1,8 @@
-"""Files that the program opens: the time master is told, and compares what participants read and write.
+"""Files that the program opens are reported to the time master, which compares what participants read and write.
 
-A file that two of them have, and one writes, is a way past the order of simulated time. What ROS opens for itself, and
-what is read for an import, is not told. Which of the others do not matter is decided there, for programs in C++ too.
+If two participants open a file, and one of them writes it, that bypasses the order of simulated time. Files that ROS
+opens for itself, and those that are read for an import, are not reported. The time master decides which of the others
+do not matter, for programs in C++, too.
 """
 import os
 import sys
@@ -20,27 +21,27 @@ _IN_MEMORY = ':memory:'
 
 
 class Files:
-    """Of this process; each is told once."""
+    """The files that this process has opened; each is reported once."""
 
     def __init__(self):
         self._noted = {}
         self._participant = None
 
     def follow(self, participant):
-        """The program takes part from now on; ``participant``: None if the time master is not in lockstep any more."""
+        """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         self._participant = participant
         for note in list(self._noted):
             self._say(note)
 
     def audit(self, event, arguments):
-        """Look at an event of sys.audit, before it happens; never raises."""
+        """Look at an event of sys.audit, before it happens. This never raises an error."""
         if event in _FILES:
             path, kinds = _FILES[event](*arguments)
             if own_frame(sys._getframe(2)) is not None:
                 self._note(path, kinds)
 
     def connected(self, database, *_args, **_kwds):
-        """Note what the program has given to sqlite3.connect, which is called by a function of ours."""
+        """Note the file of a database. Our replacement of sqlite3.connect calls this with the program's arguments."""
         self._note(*_database(database))
 
     def _note(self, path, kinds):
@@ -49,7 +50,7 @@ class Files:
         try:
             text = _text(os.path.realpath(path))
         except (OSError, ValueError):
-            return  # the current folder is gone, or it is no name of a file: it cannot be opened either
+            return  # the current folder is gone, or it is not a file's name, so it cannot be opened, either
         for kind in kinds:
             if (kind, text) not in self._noted:
                 self._noted[kind, text] = True
@@ -62,7 +63,7 @@ class Files:
 
 
 def _text(path):
-    """Return a path as a text that can be sent: a name may be any bytes. The same as in C++."""
+    """Return a path, which may be any bytes, as a text that can be sent. Programs in C++ do the same."""
     name = os.fsencode(path)
     try:
         return name.decode('utf-8')
@@ -71,7 +72,7 @@ def _text(path):
 
 
 def _path(given):
-    """Return what was given as a path as a text, or None: it is none, but an open file's number, say."""
+    """Return a given path as a text; None if it is not a path, but for example the number of an open file."""
     try:
         return os.fsdecode(given)
     except TypeError:
@@ -79,23 +80,26 @@ def _path(given):
 
 
 def _opened(given, mode, flags):
-    """Of open() and os.open(); what is not there has been looked for: another run may find it."""
+    """Return (path or None, kinds of note) for open() and os.open().
+
+    A file that is missing is noted, too, since another run may find it.
+    """
     path = _path(given)
     if mode is None and path is not None and not os.path.isabs(path) and sys._getframe(3).f_globals.get(
             '__name__') in ('os', 'shutil'):
-        return None, ()  # of os.fwalk or shutil.rmtree, in a folder that the event does not name
+        return None, ()  # os.fwalk or shutil.rmtree opens it, in a folder that the event does not name
     access = flags & _ACCESS
     return path, _BOTH if access == os.O_RDWR else _WRITES if access else _READS
 
 
 def _renamed(_source, to, _source_folder=-1, folder=-1):
-    """What was written under another name has this one now."""
+    """Return (path or None, kinds of note) for os.rename(): the new name counts as written."""
     path = _path(to)
     return (path if path is None or folder == -1 or os.path.isabs(path) else None), _WRITES
 
 
 def _database(given, *_others):
-    """Of sqlite3.connect: a path, or a URI."""
+    """Return (path or None, kinds of note) for sqlite3.connect(), which takes a path or a URI."""
     path = _path(given)
     if path in (None, '', _IN_MEMORY):
         return None, ()
@@ -107,8 +111,8 @@ def _database(given, *_others):
     return None if is_memory else unquote(name), _READS if mode == 'ro' else _BOTH
 
 
-#: events of sys.audit -> (path or None, what is done with it) of their arguments
+#: {event of sys.audit: function of its arguments that returns (path or None, kinds of note)}
 _FILES = {'open': _opened, 'os.rename': _renamed, 'sqlite3.connect': _database}
 
-#: of this process
+#: the files of this process
 files = Files()

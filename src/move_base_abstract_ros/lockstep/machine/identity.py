@@ -1,8 +1,8 @@
-"""What a program learns of its own threads and of the computer: the same in each run, on any computer.
+"""What a program learns about its threads and the computer is the same in each run, on any computer.
 
-Threads without a name are counted where the program makes them: rospy's own, which come and go by the wall clock, are
-not in its count. A pool has as many threads as it would have on a computer of :data:`CORES` cores. Records of the
-program's log have the run's date.
+Threads without a name get numbers as the program makes them; rospy's own threads, which come and go by the wall clock,
+are not counted. A pool has as many threads as on a computer with :data:`CORES` cores. Records of the program's log have
+the run's date.
 """
 import itertools
 import os
@@ -23,7 +23,7 @@ _FOREIGN = ('rospy.impl.', 'rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'mo
 
 
 def install(clocks):
-    """Have the program see what is the same everywhere; to be called before its first line. ``clocks``: its own."""
+    """Install the replacements, before the program's first line runs. ``clocks`` are the clocks that it sees."""
     replace('threading._newname', _Names)
     for name in ('os.cpu_count', 'os.process_cpu_count'):
         if hasattr(os, name.partition('.')[2]):
@@ -32,7 +32,7 @@ def install(clocks):
 
 
 class _Names:
-    """Names of threads to which nobody has given one."""
+    """Makes the names of threads that are made without one."""
 
     def __init__(self, machine):
         self._machine = machine
@@ -44,7 +44,7 @@ class _Names:
 
 
 def _is_foreign(frame):
-    """Whether what makes a thread, beyond the class of threads itself, does so by the wall clock."""
+    """Return whether the code that makes a thread is that of a module whose threads come and go by the wall clock."""
     while frame is not None and frame.f_globals.get('__name__') == threading.__name__:
         frame = frame.f_back
     return frame is None or (frame.f_globals.get('__name__') or '').startswith(_FOREIGN)
@@ -63,7 +63,7 @@ def _recording(make, clocks):
 
 
 class _Source:
-    """A frame that is known by its file only."""
+    """Stands in for a frame of which only the file is known."""
 
     def __init__(self, filename):
         self.f_code = self

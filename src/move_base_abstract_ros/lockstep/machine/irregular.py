@@ -1,7 +1,7 @@
-"""What a program does that differs from run to run, and cannot be followed: its place is told, and the run labelled.
+"""Calls of a program whose results differ from run to run, and cannot be followed: each place labels the run.
 
-Other processes, connections and devices; the processor's and the machine's figures; waits in the kernel; addresses.
-Only what the program's own code has done counts, not what ROS or Python's library do for themselves.
+These are other processes, connections and devices, figures about the processor and the machine, waits in the kernel,
+and addresses. Only calls of the program's own code count, not those that ROS or Python's library make for themselves.
 """
 import builtins
 import getpass  # noqa: F401 - replaced by name, as the others
@@ -35,7 +35,7 @@ from .native import native
 
 _PROCESS = 'starts another process, which does not take part in lockstep by itself'
 _CONNECTION = 'opens a connection of its own: what comes over it comes when it comes'
-#: events that Python tells of (sys.audit)
+#: {event of sys.audit: label}
 EVENTS = {
     'socket.connect': _CONNECTION,
     'socket.bind': _CONNECTION,
@@ -45,17 +45,17 @@ EVENTS = {
     'os.exec': 'becomes another program, which takes part no more',
     'os.fork': 'forks: the child does not take part in lockstep',
     'os.forkpty': 'forks: the child does not take part in lockstep',
-    'builtins.input': 'waits for somebody to type',
+    'builtins.input': 'waits until a person types',
 }
 _STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
-_PROCESSOR = 'tells what the processor has worked, or the machine has to do'
+_PROCESSOR = 'says how long the processor has worked, or how busy the machine is'
 _WOKEN = 'has the kernel wake the program by the wall clock'
 _NUMBER = 'is another number in another run'
-_COMPUTER = 'is another one on another computer'
-_WRITTEN = 'tells when a file was written, by the wall clock'
+_COMPUTER = 'differs from computer to computer'
+_WRITTEN = 'says when a file was written, by the wall clock'
 _THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
 _WATCHES = 'looks at a connection or a file, by the wall clock'
-#: functions that are told where the program's own code calls them
+#: {function: label}; it counts if the program's own code calls it
 CALLS = {
     'os.getpid': _NUMBER, 'os.getppid': _NUMBER, 'os.getpgrp': _NUMBER, 'threading.get_native_id': _NUMBER,
     'threading.active_count': _THREADS, 'threading.enumerate': _THREADS,
@@ -67,23 +67,23 @@ CALLS = {
     'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
-_ADDRESS = 'tells an address, which differs from run to run'
+_ADDRESS = 'gives an address, which differs from run to run'
 _DEVICES = ('/dev/', '/proc/', '/sys/')
-#: what lies there and says the same in each run, or is the program's own output
+#: paths there that read the same in each run, or are the program's own output
 _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
              '/dev/shm/', '/dev/pts/')
 
 
-#: functions of the C library that a program gets by ctypes and that are the machine's, however it gets them
+#: functions of the C library that a program gets by ctypes, and that are never the run's
 _OF_C = frozenset(('clock_gettime64', 'times', 'getpid', 'gettid', 'getrusage', 'syscall'))
-#: those that are the run's where the program asks for them among all that is loaded (CDLL(None)), not in libc itself
+#: functions that are the run's if the program gets them from all loaded libraries (CDLL(None)), but not from libc
 _FOLLOWED_OF_C = frozenset((
     'time', 'clock_gettime', 'gettimeofday', 'ftime', 'timespec_get', 'clock', 'nanosleep', 'clock_nanosleep', 'usleep',
     'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf', 'arc4random_uniform'))
 
 
 def install():
-    """Begin to watch; to be called before the program's first line, when its clocks are there."""
+    """Begin to watch, before the program's first line runs, and after its clocks are installed."""
     replace('os.sched_getaffinity', own_cores.seen)
     replace('os.sched_setaffinity', own_cores.chosen)
     replace('_imp.create_dynamic', own_cores.loading)
@@ -98,13 +98,13 @@ def install():
         replace(name, lambda machine, name=name: _IN_ORDER[name](machine))
         in_order = getattr(os, name[len('os.'):])
         os.supports_fd.add(in_order)
-        if sys.version_info < (3, 11):  # pathlib has kept what was there when it was imported
+        if sys.version_info < (3, 11):  # pathlib has kept the function from the time of its import
             replace('pathlib._NormalAccessor.' + name[len('os.'):], lambda _machine, by=in_order: staticmethod(by))
     sys.addaudithook(_audit)
 
 
 def hand_on(clocks):
-    """Have what the program's own code asks for in words of C come here."""
+    """Have names of C functions in the program's own code come here; ``clocks`` are those that the program sees."""
     setattr(builtins, ASK, _Asking(clocks).ask)
     setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)
@@ -120,7 +120,7 @@ def _telling(function, name, why):
 
 
 def _asking_parameter(getitem):
-    """Parameters that roslaunch makes anew for each run, and all of them together."""
+    """Return ``MasterProxy.__getitem__`` that labels the run for parameters that roslaunch sets anew in each run."""
     def get(self, key):
         frame = sys._getframe(1)
         while frame is not None and not is_own(frame):
@@ -131,7 +131,7 @@ def _asking_parameter(getitem):
 
 
 def _asking_master(get_param):
-    """The same, by rosgraph and rosparam; what ROS and this package ask for themselves does not count."""
+    """Return ``Master.getParam`` of rosgraph that does the same; calls of ROS and of this package do not count."""
     def getParam(self, key):  # noqa: N802
         frame = sys._getframe(1)
         while frame.f_globals.get('__name__') == 'rosparam':
@@ -148,7 +148,7 @@ def _tell_of_roslaunch(name, frame):
 
 
 def _spawning(fork_exec):
-    """What multiprocessing starts anew; of subprocess Python tells."""
+    """Return ``fork_exec`` that labels the run for processes of multiprocessing; for subprocess, sys.audit does it."""
     def call(*args):
         frame = sys._getframe(1)
         if frame.f_globals.get('__name__') != 'subprocess':
@@ -159,7 +159,7 @@ def _spawning(fork_exec):
 
 
 def _selecting(select_):
-    """select.select; without anything to look at it is a sleep."""
+    """Return ``select.select`` that labels the run; without any file it is a sleep."""
     def call(rlist, wlist, xlist, timeout=None, /):
         frame = sys._getframe(1)
         if is_own(frame):
@@ -172,7 +172,7 @@ def _selecting(select_):
 
 
 def _listing(listdir):
-    """The order of a folder's entries is the file system's."""
+    """Return ``os.listdir`` that sorts the names; otherwise their order is the file system's."""
     def in_order(path='.'):
         _tell_of_device(path, sys._getframe(1))
         return sorted(listdir(path))
@@ -186,7 +186,7 @@ def _tell_of_device(path, frame):
 
 
 class _Scan:
-    """What os.scandir returns, in the order of names."""
+    """Replaces the result of os.scandir, with the entries in the order of their names."""
 
     def __init__(self, entries):
         with entries:
@@ -205,7 +205,7 @@ class _Scan:
         self.close()
 
     def close(self):
-        """As of os.scandir's."""
+        """Close it, as the result of os.scandir."""
         self._entries = iter(())
 
 
@@ -224,7 +224,7 @@ def _audit(event, arguments):
     if event in EVENTS:
         told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
         if event in _STARTS and told.participant is not None:
-            told.participant.parameters.settle()  # the other process may look at them
+            told.participant.parameters.settle()  # the other process may read them
     elif event == 'open':
         _tell_of_device(arguments[0], sys._getframe(1))
     elif event == 'ctypes.dlsym' and (arguments[1] in _OF_C or arguments[1] in _FOLLOWED_OF_C and not (
@@ -236,13 +236,13 @@ def _audit(event, arguments):
 
 
 class _Asking:
-    """What stands for a name of C in the program's own code."""
+    """Replaces names of C functions in the program's own code."""
 
     def __init__(self, clocks):
         self._clocks = clocks
 
     def ask(self, what):
-        """Return what the program is to get instead of ``what``."""
+        """Return what the program gets instead of ``what``."""
         kind = type(what)
         if kind is types.BuiltinFunctionType:
             if what is _id:
@@ -250,10 +250,10 @@ class _Asking:
             elif what is threading.get_ident:
                 told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
             elif what is _hash:
-                return _hash_of  # it is handed on itself, as a key to sort by
+                return _hash_of  # the function itself is passed on, for example as a key to sort by
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
-        elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # numpy knows the present by words
+        elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # datetime64('now') is the present
             told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
         return what
 

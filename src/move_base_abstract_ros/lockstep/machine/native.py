@@ -1,8 +1,9 @@
-"""What libraries in C that the program loads see of time and chance, beside what Python itself does.
+"""The time and the chance that C libraries see which the program loads.
 
-A preloaded library (src/python_shim) stands in front of libc for them: extension modules, and what they, numba and
-ctypes call. Here it is told what time it is and whose threads have turns; here it sleeps; and what it has noticed is
-told when a turn is over. The numbers that both sides read lie where the library has them.
+A preloaded library (src/python_shim) stands in front of libc for them: for extension modules, and for what these, numba
+and ctypes call. This module is its Python side. It tells the library the time and which threads take turns, sleeps for
+it, and reports at the end of a turn what the library has noticed. The numbers that both sides read and write lie in the
+library's memory.
 """
 import atexit
 import ctypes
@@ -21,10 +22,10 @@ from ..programs import native_library
 
 #: numbers of the library, in the order of src/python_shim/run.h
 _NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _CELLS = range(11)
-_BEFORE, _AS_NODE = 1, 2  # epochs: whose threads have turns
+_BEFORE, _AS_NODE = 1, 2  # epochs: before the program takes part, and from then on
 _STRAY_CLOCK, _STRAY_CHANCE, _COMPUTES, _TIMES, _USAGE, _LOAD, _SYSTEM, _WAKES, _PROCESS, _NUMBER, _DEVICE, _ENTROPY = \
     range(12)
-#: what the library notices, in the order of src/python_shim/notices.h
+#: the texts of the library's notices, in the order of src/python_shim/notices.h
 WORDS = (
     'a library reads a clock in a thread that lockstep does not order',
     'a library draws a random number in a thread that lockstep does not order',
@@ -37,9 +38,9 @@ WORDS = (
     'a library has the kernel wake the program by the wall clock',
     'a library starts a process that is not a participant: its answers depend on the machine',
     'getpid() is another number in another run',
-    'a library opens a device, or what the system says of itself: that is so on this machine, now',
-    "random bytes of a device cannot be stood in for, and are the machine's")
-#: what is told only of the program's own libraries: those of others name files by it, and look at the computer
+    'a library opens a device, or a file in which the system describes itself: what it reads differs from run to run',
+    "random bytes of a device cannot be replaced, and are the machine's")
+#: notices that count only for the program's own libraries: others name files by the pid, and look at the computer
 _OF_OWN = (_NUMBER, _DEVICE)
 _SYSTEMS = ('/usr/lib/', '/lib/', '/lib64/', '/opt/ros/')
 _LIMIT = 'MOVE_BASE_ABSTRACT_COMPUTE_LIMIT'
@@ -50,7 +51,7 @@ ABSENT = ('the library that stands in front of libc for extension modules is not
 
 
 class Native:
-    """The side of Python; where the library is not there, nothing."""
+    """The Python side of the library. Without the library it does nothing."""
 
     def __init__(self):
         self._library = ctypes.PyDLL(None) if native_library.is_loaded() else None
@@ -64,10 +65,11 @@ class Native:
         return memoryview((ctypes.c_int64 * _CELLS).from_address(find())).cast('B').cast('q')
 
     def install(self, text, clocks, sleep):
-        """Have libraries see the run's time and chance from now on; to be called by the main thread.
+        """Have libraries see the run's time and chance from now on. Call this in the main thread.
 
-        ``text``: seed and name of the node. ``clocks``: those that the program sees. ``sleep(seconds, frame)`` sleeps
-        as the program does.
+        :param text: the seed and the node's name.
+        :param clocks: the clocks that the program sees.
+        :param sleep: function ``sleep(seconds, frame)`` that sleeps as the program's time.sleep does.
         """
         if self.cells is None:
             return
@@ -76,7 +78,7 @@ class Native:
         for cell, kind in ((_DATE, view.DATE), (_UPTIME, view.UPTIME), (_PROCESSOR, view.PROCESSOR)):
             self.cells[cell] = clocks.start(kind)
         self.cells[_PATIENCE] = int(_limit() * NS_PER_S)
-        self._callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)(self._wait)  # is to live as long as the process
+        self._callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)(self._wait)  # must live as long as the process
         self._library.move_base_abstract_native_begin(os.fsencode(text), self._callback)
         self.cells[_EPOCH] = _BEFORE
         self._library.move_base_abstract_native_enter(1)
@@ -87,7 +89,7 @@ class Native:
         self.cells[_MAY_CALL] = 0
 
     def follow(self, participant):
-        """The program takes part from now on."""
+        """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         if participant is None:
             if self.cells is not None:
                 self.cells[_IS_FOLLOWED] = 0
@@ -105,16 +107,19 @@ class Native:
         return self.cells is not None
 
     def slept_ns(self):
-        """Return where it is kept what the clocks have gone on by themselves [ns]: a sequence of one number."""
+        """Return a sequence of one number, which both sides use: how far the clocks have gone on by themselves [ns]."""
         return [0] if self.cells is None else self.cells[_SLEPT:_SLEPT + 1]
 
     def _thread_changes(self, begins):
-        """The calling thread begins to be one of those that take turns, or ends to."""
+        """Tell the library that the calling thread begins to take turns, or ends to."""
         self.cells[_EPOCH] = _AS_NODE
         self._library.move_base_abstract_native_enter(int(begins))
 
     def _wait(self, duration_ns):
-        """A library's thread that has the turn sleeps, or looks at a clock again and again; 1: it was interrupted."""
+        """Sleep for a library, in the thread that has the turn. The library calls this. Return 1 if it was interrupted.
+
+        A negative ``duration_ns`` means that the library looks at a clock again and again.
+        """
         try:
             if duration_ns >= 0:
                 self._sleep(duration_ns / NS_PER_S, sys._getframe(0).f_back)
@@ -126,7 +131,7 @@ class Native:
         return 0
 
     def _tell(self):
-        """Label the run for what was noticed since the last time."""
+        """Label the run for the library's new notices."""
         while self._told < self.cells[_NOTICES]:
             path, offset = ctypes.create_string_buffer(_PATH_SIZE), ctypes.c_size_t()
             what = self._library.move_base_abstract_native_notice(self._told, path, ctypes.c_size_t(_PATH_SIZE),
@@ -150,7 +155,7 @@ def _tell(what, path, offset):
 
 
 def _look_away(step_ns):
-    """A library looks at a clock again and again: simulated time goes on by so much."""
+    """Let simulated time go on by ``step_ns`` [ns], since a library looks at a clock again and again."""
     participant = told.participant
     try:
         if participant is not None and participant.scheduler.is_mine():
@@ -162,13 +167,13 @@ def _look_away(step_ns):
 
 
 def _thread_interrupt():
-    """Have the interruption raised again, where the library returns to Python."""
+    """Have KeyboardInterrupt raised again when the library returns to Python."""
     import _thread
     _thread.interrupt_main()
 
 
 def _limit():
-    """Return for how long a thread may compute between two of its waits [s of the processor]."""
+    """Return how long a thread may compute between two of its waits [s of the processor]."""
     try:
         limit = float(os.environ.get(_LIMIT, _DEFAULT_LIMIT))
     except ValueError:
@@ -176,5 +181,5 @@ def _limit():
     return limit if 0.0 < limit < 1e9 else _DEFAULT_LIMIT
 
 
-#: of this process; its Python is one with the library, or is not
+#: the library's Python side in this process
 native = Native()

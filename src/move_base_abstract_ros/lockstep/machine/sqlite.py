@@ -1,7 +1,7 @@
-"""SQLite's own chance and dates, of the connections of a program: the run's.
+"""SQLite's own random numbers and dates, in the connections of a program, are those of the run.
 
-Its functions for them are replaced in each connection by ones that ask here; those for dates hand on to SQLite itself
-what is not about the present.
+SQLite's functions for them are replaced in each connection by functions of this module. Those for dates pass calls that
+are not about the present on to SQLite itself.
 """
 import datetime
 import sys
@@ -19,7 +19,7 @@ _NOW = 'now'
 
 
 def install(clocks, draw):
-    """Stand before sqlite3.connect when it is there. ``draw(size)`` -> bytes of the run's chance."""
+    """Replace sqlite3.connect as soon as sqlite3 is imported. ``draw(size)`` returns bytes of the run's chance."""
     when_imported('sqlite3', lambda: _install(_Functions(clocks, draw)))
 
 
@@ -39,14 +39,14 @@ def _connecting(connect, functions):
 
 
 class _Functions:
-    """The functions of SQLite that are the machine's."""
+    """The replacements of the functions of SQLite that ask the machine."""
 
     def __init__(self, clocks, draw):
         self._clocks, self._draw = clocks, draw
         self._plain = None
 
     def give(self, connection, connect):
-        """Have a connection ask here."""
+        """Install the replacements in a connection."""
         if self._plain is None:
             self._plain = connect(':memory:', check_same_thread=False)
         made = connection.create_function
@@ -63,7 +63,7 @@ class _Functions:
         return datetime.datetime.fromtimestamp(self._clocks.now(DATE) / NS_PER_S, datetime.timezone.utc)
 
     def _dating(self, name, place):
-        """Return what stands for a function of dates; the instant that it is about is its argument at ``place``."""
+        """Return the replacement of the date function ``name``; its instant is the argument at ``place``."""
         def function(*given):
             words = list(given)
             if len(words) == place:

@@ -1,8 +1,8 @@
-"""A program that waits for others before rospy.init_node takes part from there on, if its name is known.
+"""A program that waits for other nodes before rospy.init_node takes part from there on, if its name is known.
 
-Others may be held in their own init_node until this program is there: a service that it waits for is not offered, a
-question to the ROS master is answered with what happens to be there, and nobody moves. So the first such call has the
-program take part: what it does until then, and init_node itself, belong to its first round.
+The other nodes may be held in their own init_node until this program takes part. Then a service that it waits for is
+not offered, a question to the ROS master gets an answer by chance, and time stands still for ever. So the first such
+call makes the program take part. All that it has done until then, and init_node itself, belong to its first round.
 """
 import atexit
 import socket
@@ -22,15 +22,15 @@ from ..exchange.access import secret
 from ..exchange.connection import Closed, Connection
 from ..waiting.waits import replaced_within
 
-_PORT_ARGUMENT = 8  # how many arguments of init_node come up to xmlrpc_port
-#: so many looks at one parameter are a loop that waits for it
+_PORT_ARGUMENT = 8  # number of arguments of init_node up to and with xmlrpc_port
+#: a program that reads one parameter more often than this waits for it in a loop
 _LOOKS = 20
 
 
 class Early:
-    """Stands before rospy.init_node.
+    """Makes a program take part before rospy.init_node, when it first waits for another node.
 
-    ``name`` is the node's, '' where it is not known; ``join(name, uri)`` takes part.
+    ``name`` is the node's name, '' if it is not known; ``join(name, uri)`` takes part.
     """
 
     def __init__(self, name, join):
@@ -44,7 +44,7 @@ class Early:
         self._is_over = False
 
     def install(self):
-        """Begin to watch for calls that wait for others."""
+        """Begin to watch for calls that wait for other nodes."""
         enter = self._stack.enter_context
         enter(replaced_within(tcpros_service.wait_for_service, lambda wait: self._before(
             'rospy.wait_for_service', lambda: tcpros_service.wait_for_service, wait)))
@@ -66,7 +66,10 @@ class Early:
         return look
 
     def take_part(self, what):
-        """Take part now, before ``what``; return whether that has been possible."""
+        """Take part now, before the call ``what``; return whether that was possible.
+
+        It is possible once, in the main thread, if the node's name is known.
+        """
         if self._is_over or threading.current_thread() is not threading.main_thread():
             return False
         if not self._name:
@@ -79,19 +82,19 @@ class Early:
         return True
 
     def end(self):
-        """Watch no more: the program takes part."""
+        """Stop watching, since the program takes part."""
         self._is_over = True
         self._stack.close()
 
     def _tell(self, what):
         if not self._is_told:
             self._is_told = True
-            rospy.logwarn('lockstep: %s comes before rospy.init_node, by a program whose name is not known yet. If it '
-                          'waits for a node that takes part, that one waits for all to be there, and nobody moves: '
-                          'give it __name:=NAME, or call rospy.init_node first', what)
+            rospy.logwarn('lockstep: %s comes before rospy.init_node, in a program whose name is not known yet. If it '
+                          'waits for a participant, that participant waits for this program, and time stands still: '
+                          'give the program __name:=NAME, or call rospy.init_node first', what)
 
     def _reserve_address(self):
-        """Keep a port for the node's server of XML-RPC, so that its address can be told now."""
+        """Reserve a port for the node's XML-RPC server, so that its address is known now."""
         family = socket.AF_INET6 if network.use_ipv6() else socket.AF_INET
         self._reserved = socket.socket(family, socket.SOCK_STREAM)
         self._reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # the server binds the same one
@@ -99,7 +102,10 @@ class Early:
         self._uri = network.create_local_xmlrpc_uri(self._reserved.getsockname()[1])
 
     def init_node(self, init_node, args, kwds):
-        """Call ``init_node`` with that port, if it has been told."""
+        """Call ``init_node``, with the reserved port if there is one.
+
+        :raises rospy.ROSInitException: if the node has another name or address than the one that takes part.
+        """
         if self._reserved is None:
             init_node(*args, **kwds)
             return
@@ -116,13 +122,16 @@ class Early:
                                          'now it is {} with {}'.format(self._name, self._uri, *there))
 
     def program_has_ended(self, code):
-        """Have the time master know, if it waits for this program, that it has gone before it took part."""
+        """Tell the time master, if it waits for this program, that the program has ended before it took part.
+
+        ``code`` is the exit code.
+        """
         if self._is_over or not self._name or rospy.core.is_initialized():
             return
         try:
             self._say_goodbye('its program ended with code {} before rospy.init_node'.format(code))
         except (OSError, Closed, rosgraph.MasterException, KeyError, ValueError):
-            pass  # then there is nobody to tell
+            pass  # there is no time master to be told
 
     def _say_goodbye(self, reason):
         named = rospy.get_param('/time_master/participants', [])

@@ -1,7 +1,7 @@
-"""The end of a process that takes part: it leaves in its last round, not at some moment of the wall clock.
+"""The end of a participant's process. It leaves in its last round, not at some moment of the wall clock.
 
-When it has lost the run it ends with an error, whatever its main thread returns. Threads that only wait for what comes
-no more do not keep it alive.
+If it has lost the run, it ends with an error, whatever its main thread returns. Threads that only wait for others do
+not keep it alive.
 """
 import atexit
 import logging
@@ -20,24 +20,25 @@ from ...replacing.replaced import replace
 from ..failing import uncaught
 from ..waiting.waits import replace_within
 
-_OWN_SIGNAL_SECONDS = 1.0  # wall; who ends all processes may have ended the time master first
+_OWN_SIGNAL_SECONDS = 1.0  # wall; a program that ends all processes may have ended the time master before this one
 _STUCK_SECONDS = 5.0  # wall
 _LOOK_SECONDS = 0.25  # wall
-#: where a thread is that waits for others, in the innermost of its functions
+#: files of the innermost functions of a thread that waits for others
 _WAITING = ('threading.py', 'queue.py', 'locks.py', 'scheduler.py', 'waits.py', 'watchdog.py', 'finish.py')
 _REPLACED = 'new node registered with same name'
-#: the exit code, where it is not what the program says; whether it is known that the node ends
+#: code: the exit code, None for the program's own; ending: the thread that ends the node; is_watched: whether
+#: :func:`end_what_is_stuck` was called
 _state = SimpleNamespace(code=None, ending=None, is_watched=False)
 
-#: reasons that rospy gives for the end of a node, of a signal; the program's own thread may have the turn
+#: reasons that rospy gives if a signal ends the node; the program's own thread may have the turn then
 _INTERRUPTS = ('signal-', 'keyboard interrupt')
 
 
 def install(participant):
-    """Leave in an orderly way when the main thread has come to its end."""
+    """Have the process leave the run in an orderly way when its main thread has ended."""
     def shutdown(original):
         def _shutdown():
-            """Python calls this when the main thread has ended, and waits in it for threads that are no daemons."""
+            """Wait for the application's threads. Python calls this when the main thread has ended."""
             _end_executors()
             _await_others(participant)
             original()
@@ -45,9 +46,9 @@ def install(participant):
 
     def excepthook(original):
         def _excepthook(kind, error, trace):
-            """That lockstep has ended is told once, and is no error of the application's."""
+            """Show an uncaught error, but not TurnLost: the end of lockstep is no error of the application."""
             if issubclass(kind, TurnLost) and _state.code is None:
-                _state.code = 0  # the run is over, as wished, which is not an error of the program either
+                _state.code = 0  # the run is over, as wished, and that is no error of the program either
             if issubclass(kind, KeyboardInterrupt):
                 participant.interrupted('keyboard interrupt')
             if not issubclass(kind, TurnLost):
@@ -71,9 +72,9 @@ def install(participant):
 
 
 def end_node(reason, as_wished):
-    """Shut the node down because the run is over for it; from any thread, and not in it.
+    """Shut the node down, in another thread, because the run is over for it. For any thread.
 
-    A run that is not over ``as_wished`` is an error, unless a signal ends this process at the same time.
+    If the run is not over ``as_wished``, that is an error, unless a signal ends this process at the same time.
     """
     _state.ending = threading.Thread(target=_end_node, args=(reason, as_wished), daemon=True)
     threading.Thread.start(_state.ending)
@@ -104,7 +105,7 @@ def _fail(reason):
 
 
 def exit_code():
-    """Return with which code the process is to end, None if that is the program's to say."""
+    """Return the code with which the process must end, or None for the program's own code."""
     if _state.ending is not None:
         _state.ending.join(_OWN_SIGNAL_SECONDS + _STUCK_SECONDS)
     return _state.code
@@ -112,7 +113,7 @@ def exit_code():
 
 @atexit.register
 def _leave_with_code():
-    """Python's own way knows no exit code any more at this point."""
+    """End the process with the exit code of :func:`exit_code`, which Python cannot change any more at this point."""
     code = exit_code()
     if code is not None:
         logging.shutdown()
@@ -120,7 +121,7 @@ def _leave_with_code():
 
 
 def end_what_is_stuck():
-    """End the process, from now on, when all that keeps it alive are threads that wait for others."""
+    """Watch the process from now on, and end it when only threads that wait for others keep it alive."""
     if not _state.is_watched:
         _state.is_watched = True
         threading.Thread.start(threading.Thread(target=_end_what_is_stuck, daemon=True))
@@ -138,7 +139,7 @@ def _end_what_is_stuck():
 
 
 def _waiting():
-    """Return the threads that keep the process alive, and those of them that wait, by their names and places."""
+    """Return (threads that keep the process alive, those of them that wait), each as a text with name and place."""
     frames = sys._current_frames()
     alive, waiting = [], []
     for thread in threading.enumerate():
@@ -146,7 +147,7 @@ def _waiting():
         frame = inner
         while frame is not None and os.path.basename(frame.f_code.co_filename) in _WAITING:
             frame = frame.f_back
-        if thread.daemon or frame is None:  # the main thread, when it has ended, waits for the others
+        if thread.daemon or frame is None:  # the main thread waits for the others when it has ended
             continue
         alive.append('{} ({}, line {})'.format(thread.name, frame.f_code.co_filename, frame.f_lineno))
         if frame is not inner:
@@ -155,7 +156,7 @@ def _waiting():
 
 
 def _end_executors():
-    """Call what Python calls first at the end: it tells the threads of executors, which wait for work, to end."""
+    """Call the functions that Python calls first at its end. They end the threads of executors, which wait for work."""
     hooks = getattr(threading, '_threading_atexits', [])
     while hooks:
         try:

@@ -1,7 +1,7 @@
-"""A process that a participant forks (multiprocessing, os.fork) takes no part, and must not speak for its parent.
+"""A process that a participant forks (multiprocessing, os.fork) does not take part, and must not speak for its parent.
 
-It ends by SIGTERM, as any process does that handles no signals. rospy's handler, which it would inherit, does not end a
-process: `with multiprocessing.Pool()` ends its workers so, and now and then would wait for them for ever (without
+SIGTERM ends it, like any process that handles no signals. The child would inherit rospy's handler, which does not end a
+process. ``with multiprocessing.Pool()`` ends its workers by SIGTERM. It would sometimes wait for them for ever (without
 lockstep, too), and the run with it.
 """
 import os
@@ -12,7 +12,7 @@ import rospy.core
 
 
 def install(participant):
-    """Have a child let go of the connection, and of rospy's signal handler; its parent's go on."""
+    """Have a forked child drop the connection and rospy's signal handler; the parent keeps both."""
     before = threading.local()
 
     def hold():

@@ -1,21 +1,21 @@
-"""Python's collector of cyclic garbage works after so many rounds, and not when so many objects have been made.
+"""Python's collector of cyclic garbage runs after a number of rounds, and not after a number of new objects.
 
-How many there are depends on what threads of rospy's do by the wall clock, and with it when `__del__` of an object in a
-cycle, or the callback of a weak reference, is called. Rounds are the same in each run.
+The number of objects depends on what rospy's threads do by the wall clock. So it would depend on the wall clock when
+``__del__`` of an object in a cycle, or the callback of a weak reference, is called. Rounds are the same in each run.
 """
 import gc
 from types import SimpleNamespace
 
 from ...replacing.replaced import replace
 
-#: after this many rounds: which generation, the oldest first
+#: (number of rounds, generation that is collected each time they are over), the oldest first
 _EVERY = ((16384, 2), (1024, 1), (64, 0))
 
 _state = SimpleNamespace(is_ours=False, is_wanted=True, rounds=0)
 
 
 def install():
-    """Have garbage collected in rounds from now on; the program can go on to switch that off and on."""
+    """Collect garbage by rounds from now on. The program can still switch that off and on by gc.disable and enable."""
     gc.disable()
     _state.is_ours = True
     replace('gc.disable', lambda _disable: _stop)
@@ -23,7 +23,7 @@ def install():
 
 
 def due():
-    """Return what is to be done in the round that begins: nothing, or to collect."""
+    """Count one more round; return the functions to be called in it: [] or one that collects."""
     if not _state.is_ours:
         return []
     _state.rounds += 1
@@ -34,10 +34,10 @@ def due():
 
 
 def _stop():
-    """Stands for gc.disable."""
+    """Stand in for gc.disable."""
     _state.is_wanted = False
 
 
 def _go_on():
-    """Stands for gc.enable."""
+    """Stand in for gc.enable."""
     _state.is_wanted = True

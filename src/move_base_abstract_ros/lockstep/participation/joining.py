@@ -1,4 +1,4 @@
-"""A node takes part: what ``lockstep.join`` does, in its two halves."""
+"""How a node joins the run: ``lockstep.join`` and its two halves."""
 import os
 import time
 from types import SimpleNamespace
@@ -25,19 +25,20 @@ _state = SimpleNamespace(joined=None)
 
 
 def participant():
-    """Return this process's :class:`Participant`, or None."""
+    """Return this process's :class:`Participant`, or None if it has not joined."""
     return _state.joined
 
 
 def join(rank=None, own_threads=True):
-    """Take part in lockstep; return the :class:`Participant`, or None where the time master is not in lockstep.
+    """Take part in lockstep; return the :class:`Participant`, or None if the time master is not in lockstep.
 
-    To be called after ``rospy.init_node``, before topics, threads and locks are made (topics that are there already
-    are taken over; locks are not). Returns when the clock has started, and waits for that as long as it takes. ``rank``
-    orders messages of the same instant, lowest first; without it and without the private parameter ``lockstep_rank``
-    nodes come after the robots, in the order of their names. ``own_threads=False`` leaves Python's threads and locks
-    alone, and who is there is asked as ever: for a node without its own.
+    Call this after ``rospy.init_node``, before topics, threads and locks are made. (Topics that exist already are
+    taken over; locks are not.) It returns when the clock has started, and waits for that as long as it takes.
 
+    :param rank: orders messages of the same instant, lowest first. Without it, and without the private parameter
+        ``lockstep_rank``, nodes come after the robots, in the order of their names.
+    :param own_threads: False for a node that starts no threads of its own: Python's threads and locks are left alone,
+        and questions to the ROS master about nodes and topics are answered as without lockstep.
     :raises ConfigurationError: for a bad parameter, or if the time master leaves lockstep meanwhile.
     """
     if _state.joined is not None or not is_lockstep():
@@ -48,16 +49,18 @@ def join(rank=None, own_threads=True):
 
 
 def take_part(name, uri, rank, own_threads=True):
-    """Take part as the node ``name`` with the address ``uri``, which may not be there yet: :func:`join`'s first half.
+    """Take part as the node ``name`` with the address ``uri``; this is the first half of :func:`join`.
 
-    ``rank``: None for that of the parameter.
+    The node may not exist yet. If ``rank`` is None, the parameter ``lockstep_rank`` counts.
+
+    :raises ConfigurationError: for a bad parameter, or if the time master leaves lockstep meanwhile.
     """
     declared = rank if rank is not None else rospy.get_param(name + '/lockstep_rank', None)
     if declared is not None:
         declared = checked(declared, 'lockstep_rank', RANK, name)
     charge = make_charge(rospy.get_param(name + '/lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
     joining = Participant(connect(), charge)
-    # Time comes with the grants; a message on /clock may be earlier or later than they.
+    # Time comes with the grants; a message on /clock may come earlier or later than its grant.
     replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
     # After the hooks of the application, which may still publish.
     rospy.core.add_preshutdown_hook(lambda _reason: joining.leave('its node shuts down'))
@@ -78,14 +81,14 @@ def take_part(name, uri, rank, own_threads=True):
 
 
 def _follow_master_calls(joining, asks):
-    """Have the ROS master told of parameters in the order of the rounds, and, if ``asks``, asked who is there."""
+    """Order the setting and reading of parameters by the rounds; if ``asks``, also questions about nodes and topics."""
     master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
     joining.parameters = Parameters(joining, master)
     calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **joining.parameters.answers()})
 
 
 def node_is_there(joining):
-    """``rospy.init_node`` is through: :func:`join`'s second half."""
+    """Finish :func:`join` when ``rospy.init_node`` has returned; this is its second half."""
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
         clock.unregister()
@@ -100,5 +103,5 @@ def _warn(joined):
     if not joined.charge.is_repeatable:
         joined.label('it charges what it measures; replay the record to repeat the run')
     if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
-        rospy.logdebug('%s: sets of texts are iterated in another order in every run; PYTHONHASHSEED=0 fixes that',
+        rospy.logdebug('%s: sets of texts have another order in every run; PYTHONHASHSEED=0 fixes that',
                        rospy.get_name())

@@ -1,14 +1,14 @@
-"""Who takes part in a run, as far as this process has been told."""
+"""The participants of a run, as far as the time master has told this process."""
 from move_base_abstract.lockstep import wire
 
 
 class Members:
-    """``names``: of each by its number, this process's own one by 0, too; ``uris``: where each is, by its name."""
+    """The participants: ``names`` {number: name}, with this process's own name also at 0, and ``uris`` {name: URI}."""
 
     def __init__(self):
         self.names = {}
         self.uris = {}
-        self.gone = set()  # names of those that took part
+        self.gone = set()  # names of participants that have left
 
     @property
     def own_name(self):
@@ -17,15 +17,15 @@ class Members:
 
     @property
     def there(self):
-        """The names of all that take part."""
+        """The names of all present participants."""
         return set(self.names.values()) - self.gone
 
     def is_member(self, name):
-        """Return whether the node ``name`` takes part."""
+        """Return whether the node ``name`` takes part, or has taken part."""
         return name in self.uris
 
     def came(self, body):
-        """Take in the ``body`` of a MEMBER; return the name."""
+        """Note the new participant in the ``body`` of a MEMBER frame; return its name."""
         number, name, uri = wire.read_frame(wire.MEMBER, body)
         self.names[number] = name
         self.uris[name] = uri
@@ -33,10 +33,10 @@ class Members:
         return name
 
     def left(self, body):
-        """Take in the ``body`` of a GONE.
+        """Note that the participant in the ``body`` of a GONE frame has left.
 
-        What there is to do comes in a grant. Until its process has ended, at some moment of the wall clock, it is
-        still to be told from nodes that do not take part.
+        Its connections are closed by items of a grant. Its name and URI are kept: its process ends at some moment of
+        the wall clock, and until then must not be taken for a node that never took part.
         """
         number, = wire.read_frame(wire.GONE, body)
         self.gone.add(self.names.get(number, ''))

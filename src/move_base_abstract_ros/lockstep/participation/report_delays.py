@@ -1,15 +1,15 @@
-"""Delays of a participant's reports and first turns, in wall time: what `verify` uses to show that they do not matter.
+"""Delays of a participant's reports and first turns, in wall time. By them ``verify`` shows that they do not matter.
 
-``MOVE_BASE_ABSTRACT_REPORT_DELAY`` is SEED:MILLISECONDS. One report in sixteen is then held back for a random part of
-so many milliseconds; which ones, and for how long, follows from the seed and the node's name.
+``MOVE_BASE_ABSTRACT_REPORT_DELAY`` is SEED:MILLISECONDS. One report in sixteen is then held back for a random time of
+at most MILLISECONDS. The seed and the node's name determine which reports these are, and for how long.
 
-``MOVE_BASE_ABSTRACT_FIRST_TURNS`` is COUNT:MILLISECONDS. Each of so many first turns then begins so much later: what
-several nodes tell the ROS master at one instant comes in another order.
+``MOVE_BASE_ABSTRACT_FIRST_TURNS`` is COUNT:MILLISECONDS. Each of the first COUNT turns then begins MILLISECONDS later,
+so that calls of several nodes to the ROS master at one instant come in another order.
 """
 import os
 import random
 import re
-from time import sleep  # the wall's: the launcher replaces the name in the module
+from time import sleep  # the real one, by the wall clock: the launcher replaces the name in the module
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
@@ -21,7 +21,10 @@ _FORM = re.compile(r'([0-9]{1,9}):([0-9]{1,4})\Z', re.ASCII)
 
 
 def _read(name, variable, form):
-    """Return the two numbers of an environment variable, or None. :raises ConfigurationError: if it has others."""
+    """Return (first number as a text, seconds) of an environment variable, or None if it is not set.
+
+    :raises ConfigurationError: if it has another form than ``form``.
+    """
     text = os.environ.get(variable, '')
     if not text:
         return None
@@ -33,7 +36,7 @@ def _read(name, variable, form):
 
 
 def make_delay(name):
-    """Return a function that waits now and then, for the node ``name``; None where none are asked for.
+    """Return a function that delays some reports of the node ``name``; None if no delays are asked for.
 
     :raises ConfigurationError: if the environment variable has another form.
     """
@@ -49,7 +52,9 @@ def make_delay(name):
 
 
 def make_beginning(name):
-    """Return a function for each turn of the node ``name``, which waits in the first ones; None if none is asked for.
+    """Return a function to be called in each turn of the node ``name``, which delays the first turns.
+
+    Return None if no delays are asked for.
 
     :raises ConfigurationError: if the environment variable has another form.
     """

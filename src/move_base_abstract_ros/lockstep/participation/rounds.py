@@ -1,4 +1,7 @@
-"""The rounds of a participant: what it reports when nobody in it can go on, and what the next grant has it do."""
+"""The rounds of a participant: its report when none of its threads can go on, and what the next grant tells it to do.
+
+With a window (:mod:`move_base_abstract.lockstep.window`) it goes through several turns by itself before it reports.
+"""
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
@@ -16,9 +19,9 @@ _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 
 
 class Rounds:
-    """Of one ``participant`` (Participant), whose scheduler's channel they are.
+    """The rounds of one ``participant`` (Participant), and the channel of its scheduler.
 
-    ``last_words``: functions that are called when a turn is over, before it is reported.
+    ``last_words`` are functions that are called when a turn is over, before it is reported.
     """
 
     def __init__(self, participant, connection, charge):
@@ -40,21 +43,21 @@ class Rounds:
         self._handlers = {}
 
     def prepare(self, name):
-        """Read how reports of the node ``name`` are held back, before anybody hears of it.
+        """Read how reports of the node ``name`` are delayed, before it says hello.
 
-        :raises ConfigurationError: if its environment says it in a wrong way.
+        :raises ConfigurationError: if an environment variable for that has a wrong form.
         """
         self._delay, self._begin = make_delay(name), make_beginning(name)
 
     def begin(self, handlers):
-        """Wait for the first grant; ``handlers``: who takes in what grants list, by its kind."""
+        """Wait for the first grant; ``handlers`` is {kind of a grant's item: function that handles it}."""
         self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
         self.await_grant()
 
     def set_source(self, source, foresees):
-        """Have events driven by the grants, as of :meth:`.Participant.set_source`.
+        """Have a source's events driven by the grants, see :meth:`.Participant.set_source`.
 
-        ``foresees()``: whether what it foresees is told beforehand, asked if it could be.
+        ``foresees()`` returns whether foreseen turns are reported; it is called if the source can foresee.
         """
         self.scheduler.set_source(source)
         self._source_is_background = getattr(source, 'is_background', None)
@@ -62,23 +65,29 @@ class Rounds:
             self._foresight = Foresight(source)
 
     def add(self, item):
-        """Have ``item`` (bytes, or a function that returns them at the end of the round) in the next report."""
+        """Add ``item`` to the next report: bytes, or a function that returns them at the end of the round.
+
+        Any thread may call this. For a thread without the turn the item comes a round later.
+        """
         if self.scheduler.acts():
             self._items.append(item)
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))
 
     def add_aside(self, item):
-        """The same, for what nobody waits for: a thread that does nothing else may still be one that looks."""
+        """Add ``item`` to the next report, but do not count that as work: the thread may still only wait by looking.
+
+        (:meth:`add` counts as work: the thread does something on which others may wait.)
+        """
         self._items.append(item)
 
     @property
     def granted(self):
-        """The number of the round that is being worked on, None if none is; from any thread."""
+        """The number of the present round, or None if this participant has no grant at the moment. For any thread."""
         return self.number if self.is_granted and not self.scheduler.is_closed else None
 
     def exchange(self):
-        """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
+        """Report and wait for the next grant; return the functions to be called in it, in order. For the scheduler."""
         pools.await_results(self.scheduler)
         deferred = self.let_time_pass()
         next_ns = self.scheduler.now_ns if deferred else self.scheduler.next_ns()
@@ -87,13 +96,16 @@ class Rounds:
             self._items.append(wire.rest())
         self._report(next_ns, may_foresee=not (deferred or is_resting))
         actions = self.await_grant()
-        # Nothing has come, and nothing else was asked for.
+        # No mail has come, and no other thread had asked for a round.
         self.is_at_rest = is_resting and not (
             self._has_mail or self.scheduler.has_outside or next_ns <= self.scheduler.now_ns)
         return deferred + actions + garbage.due()
 
     def goes_on_to(self, due_ns):
-        """Begin the turn at ``due_ns`` [ns] as :meth:`exchange` would if nothing but time came; else return False."""
+        """Begin the turn at ``due_ns`` [ns] without an exchange, if an exchange would bring nothing but time.
+
+        Return whether that is so.
+        """
         if self._foresight is None or not self.window.is_open or due_ns >= self.window.first_arrival_ns:
             return False
         self._end_turn()
@@ -105,11 +117,11 @@ class Rounds:
         return False
 
     def let_time_pass(self):
-        """Charge the round that ends, if it has sent anything; return what has come meanwhile."""
+        """Let the round's charged time pass, if it has sent anything; return the functions of grants meanwhile."""
         try:
             cost_ns = self.charge.cost_ns(self.scheduler.now_ns) if self._is_charged and self._sends else 0
         except ConfigurationError as error:
-            self._items.clear()  # what would have left after the charged time
+            self._items.clear()  # the items would have left after the charged time
             self._participant.label(str(error))
             self._participant.leave()
             finish.end_node(str(error), False)
@@ -118,11 +130,11 @@ class Rounds:
 
     @property
     def _sends(self):
-        """Whether this round has sent anything to others."""
+        """Whether this round has sent messages, calls or responses."""
         return any(not callable(item) and item[0] in _SENDS for item in self._items)
 
     def _compute(self, cost_ns):
-        """Let simulated time pass, after which the round's messages leave; return what has come meanwhile."""
+        """Let ``cost_ns`` [ns] pass before the round's items leave; return the functions of grants meanwhile."""
         held = self._items[:]
         self._items.clear()
         until_ns = self.scheduler.now_ns + cost_ns
@@ -134,7 +146,7 @@ class Rounds:
         return deferred
 
     def take_items(self):
-        """Return the items (bytes) of all turns that are to be reported now."""
+        """Return the items (bytes) of all turns since the last report."""
         self._end_turn()
         return self.window.take_walked(self._items)
 
@@ -175,12 +187,12 @@ class Rounds:
             self._participant.lost(str(error))
 
     def _is_background(self):
-        """Whether only onlookers would notice, if time did not go on to the next event."""
+        """Return whether only onlookers would notice if time did not go on to the next event."""
         return (self._source_is_background is not None and self.scheduler.can_foresee
                 and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
 
     def await_grant(self):
-        """Return what the next grant lists, as functions to be called in this order."""
+        """Wait for the next grant, and return its items as functions to be called in this order."""
         if self.window.walks_to_ns is not None:
             return self._begin_turn(*self.window.next_turn())
         try:
@@ -209,11 +221,11 @@ class Rounds:
         return actions
 
     def _on_happened(self, count):
-        """At once, before all else: what was told beforehand, and has not happened, is taken back."""
+        """Take back the foreseen turns that have not happened. This comes before all other items."""
         self._foresight.came_to_pass(count)
 
     def knock(self):
-        """Ask for a grant; from any thread."""
+        """Ask the time master for a grant. For any thread."""
         try:
             self._connection.send(wire.frame(wire.KNOCK))
         except Closed:

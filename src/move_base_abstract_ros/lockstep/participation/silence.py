@@ -1,4 +1,4 @@
-"""Where a participant is when its work on one grant takes long: the stack of the thread that has the turn."""
+"""If a participant works on one grant for long, it tells the time master where: the stack of the turn's thread."""
 import os
 import select
 import sys
@@ -19,7 +19,10 @@ _LAUNCHER = os.path.join(_LOCKSTEP, 'program.py')
 
 
 def watch(participant, limit_ns):
-    """Have the time master told, once for each grant, in a thread of its own; ``limit_ns`` [wall] may be NEVER."""
+    """Start a thread that tells the time master, once for each grant on which this process works longer than a limit.
+
+    ``limit_ns`` [ns, wall] may be NEVER.
+    """
     if limit_ns < NEVER:
         threading.Thread.start(threading.Thread(target=_watch, args=(participant, limit_ns * 1e-9), daemon=True,
                                                 name='lockstep_silence'))
@@ -38,13 +41,16 @@ def _watch(participant, limit):
 
 
 def stack(ident):
-    """Return the functions of a thread, the innermost last, with file and line; without our own and Python's start."""
+    """Return a text with the functions of a thread, the innermost last, each with file and line.
+
+    Functions of this package, and of Python's start of a thread, are left out if there are others.
+    """
     frame = sys._current_frames().get(ident)
     places, programs = [], []
     while frame is not None:
         filename = frame.f_code.co_filename
         if filename == _LAUNCHER:
-            break  # who has begun the program is no part of it
+            break  # the launcher is no part of the program
         place = '{}, line {}, in {}'.format(filename, frame.f_lineno, frame.f_code.co_name)
         places.append(place)
         if not filename.startswith(_OWN) and os.path.basename(filename) != _START:

@@ -1,4 +1,4 @@
-"""One process that takes part in lockstep: how it says hello, what its users ask of it, how it leaves."""
+"""A participant of lockstep: how its process says hello, which calls it offers to the program, and how it leaves."""
 import os
 import threading
 import time
@@ -18,11 +18,15 @@ from . import finish, silence
 from .members import Members
 from .rounds import Rounds
 
-_LOOK_SECONDS = 0.05  # wall; so soon the end of lockstep is seen by who waits for something else
+_LOOK_SECONDS = 0.05  # wall; a thread that waits for something else notices the end of lockstep within this time
 
 
 class Participant:
-    """Made by :func:`join`. Whoever calls it holds the participant's turn, unless said otherwise."""
+    """A participant, made by :func:`join`. The calling thread must have the turn, unless a method says otherwise.
+
+    ``rank`` is the node's rank, and ``has_radio`` says whether the run has a radio, so that robots report how they
+    move; both are known when :func:`join` returns.
+    """
 
     def __init__(self, connection, charge):
         self.connection = connection
@@ -30,17 +34,17 @@ class Participant:
         self.rounds = Rounds(self, connection, charge)
         self.scheduler = self.rounds.scheduler
         self.members = Members()
-        #: as of Rounds
+        #: those of Rounds
         self.add, self.add_aside, self.last_words = self.rounds.add, self.rounds.add_aside, self.rounds.last_words
-        self.rank, self.has_radio = 0, False  # has_radio: robots tell how they move
+        self.rank, self.has_radio = 0, False
         self._leave_seconds = 0.0  # wall
         self.parameters = None
-        #: whether somebody has told the node to end, at some moment of the wall clock
+        #: whether the node has been told to end, at some moment of the wall clock
         self.is_told_to_end = False
         self.topics = Topics(self)
         self.services = Services(self)
 
-    # --- what users call --------------------------------------------------------------------------------------------
+    # --- for the program --------------------------------------------------------------------------------------------
 
     @property
     def now_ns(self):
@@ -48,33 +52,37 @@ class Participant:
         return self.scheduler.now_ns
 
     def log(self, robot, kind, values=(), sub=0):
-        """Add a line to the run's event log: who, what, details (a sequence of numbers and texts)."""
+        """Add a line to the run's event log: a name, the kind of event, and details (numbers and texts).
+
+        ``sub`` is the index of the robot in this process, by which lines of one instant are put in order.
+        """
         self.add(wire.log(sub, robot, kind, to_json(values)))
 
     def label(self, text):
-        """Have the run called not repeatable, because of ``text``."""
+        """Label the run as not repeatable; ``text`` is the reason."""
         self.add(wire.note(wire.NoteKind.NOT_REPEATABLE, text))
 
     def be_strict(self):
-        """Have the run end, with an error, with the first label that anybody gives it."""
+        """Have the run end with an error at the first label of any participant."""
         self.add(wire.note(wire.NoteKind.STRICT, ''))
 
     def constant(self, topic):
-        """Take what non-participants publish on ``topic`` as there from the beginning.
+        """Treat what non-participants publish on ``topic`` as there from the beginning.
 
-        In this node's first round, in which time stands still, it is delivered at once, in rospy's own thread, and
-        labels nothing. What comes later is input from outside.
+        In this node's first round, while time stands still, a message on it is delivered at once, in rospy's own
+        thread, without a label. Later messages are input from outside, and label the run.
         """
         self.topics.constants.add(rospy.resolve_name(topic))
 
     def exclude(self, topic):
-        """Have ``topic`` not counted: it goes over rospy's own connections, at moments of the wall clock."""
+        """Leave ``topic`` out of lockstep: it goes over rospy's own connections, at moments of the wall clock."""
         self.topics.excluded.add(rospy.resolve_name(topic))
 
     def wait_until(self, condition, timeout=None, what='something'):
-        """Let the others go on until ``condition()`` holds; return whether it does when ``timeout`` [s] is over.
+        """Let others go on until ``condition()`` holds, or ``timeout`` [s, simulated] is over; return whether it holds.
 
-        It is looked at whenever something has happened in this process. ``what`` is shown by ``why``.
+        The condition is checked whenever something has happened in this process. ``what`` names it where ``why``
+        shows what the node waits for.
 
         :raises rospy.ROSInterruptException: if the run ends meanwhile.
         """
@@ -85,18 +93,22 @@ class Participant:
             raise rospy.ROSInterruptException('lockstep has ended') from None
 
     def set_source(self, source):
-        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``.
+        """Have a source's events driven by the grants.
 
-        One that can tell some of them beforehand has what :class:`.Foresight` asks for.
+        ``source.next_due_ns()`` returns the next instant [ns] or None, and ``source.run(now_ns)`` runs what is due. A
+        source that can foresee some of its events also has the methods that :class:`.Foresight` asks for.
         """
         self.rounds.set_source(source, lambda: rospy.get_param('~foresee', True) is not False)
 
     def serve(self):
-        """Let callbacks and events go on without the calling thread, which does nothing more by itself."""
+        """Give the turn away for good: callbacks and events go on, and the calling thread takes no more turns."""
         self.scheduler.finish()
 
     def leave(self, reason='it has left'):
-        """Take no more part; the process sees no time any more. Of use at its end only."""
+        """Leave the run. Simulated time stands still in this process from then on, so call this at its end only.
+
+        Any thread may call it.
+        """
         if self.scheduler.is_closed:
             return
         holds_turn = self.scheduler.is_mine()
@@ -120,7 +132,7 @@ class Participant:
             finish.end_what_is_stuck()
 
     def interrupted(self, reason):
-        """The node is told to end, at some moment of the wall clock: say so before anything comes of it; any thread."""
+        """Tell the time master that the node has been told to end, before that has any effect. For any thread."""
         if self.scheduler.is_closed or self.is_told_to_end:
             return
         self.is_told_to_end = True
@@ -130,7 +142,7 @@ class Participant:
             pass
 
     def _leave_in_turn(self, reason):
-        """Leave in a round, after what hooks have published at last; but not at any price, others may be slow."""
+        """Leave in a round, after the last messages of shutdown hooks. Do not wait longer than the leave limit."""
         over = _make_lock()
         over.acquire()
 
@@ -142,17 +154,20 @@ class Participant:
         while not over.acquire(True, _LOOK_SECONDS) and not self.scheduler.is_closed and time.monotonic() < until:
             pass
 
-    # --- what the other parts call ----------------------------------------------------------------------------------
+    # --- for the other modules --------------------------------------------------------------------------------------
 
     def tell_busy(self, round_number, where):
-        """Say where the thread is that has the turn; from any thread."""
+        """Tell the time master where in its code the thread with the turn is. For any thread."""
         try:
             self.connection.send(wire.busy(round_number, where))
         except Closed:
             pass
 
     def present(self, name, uri, rank):
-        """Say hello and wait for the first grant, in which the calling thread gets the turn; ``rank``: None if none."""
+        """Say hello and wait for the first grant, which gives the turn to the calling thread.
+
+        ``rank`` is None if the node has none of its own.
+        """
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
         self.rounds.prepare(name)
         self.members.uris[name] = uri
@@ -168,7 +183,7 @@ class Participant:
         self.scheduler.adopt_caller(threading.current_thread().name)
 
     def take_in(self, kind, body):
-        """Take in what the time master tells beside the grants: who is there, and the end of the run."""
+        """Handle a frame of the time master that is not a grant: about the participants, or the end of the run."""
         if kind == wire.END:
             reason, as_wished = wire.read_frame(kind, body)
             self._give_up('the time master has ended lockstep: {}'.format(reason), as_wished)
@@ -184,11 +199,14 @@ class Participant:
             self.members.left(body)
 
     def lost(self, reason):
-        """The time master is gone, so that time will never move again: end the node."""
+        """End the node, since the time master is gone, and time would stand still for ever.
+
+        :raises TurnLost: always.
+        """
         return self._give_up('the time master has ended lockstep: {}'.format(reason))
 
     def _give_up(self, reason, as_wished=False):
-        """Take no more part; the node ends, with an error unless the run's end is ``as_wished``."""
+        """Leave the run and end the node, with an error unless the run has ended ``as_wished``."""
         if not self.scheduler.is_closed:
             self.scheduler.close()
             try:
@@ -197,6 +215,6 @@ class Participant:
                 pass
             self.connection.close()
             self.charge.close()
-            # Not in this thread: it may be one that a shutdown hook waits for.
+            # Not in this thread, since a shutdown hook may wait for it.
             finish.end_node(reason, as_wished)
         raise TurnLost()

@@ -1,6 +1,7 @@
-"""Where a program's memory lies: at the same addresses in each run, so that what is ordered by them is the same too.
+"""A program's memory lies at the same addresses in each run, so that an order by addresses is the same, too.
 
-The system otherwise chooses them at random for each process. ``MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT`` says which it is.
+Otherwise the system chooses the addresses at random for each process. The environment variable
+``MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT`` chooses between the two: ``fixed`` or ``random``.
 """
 import ctypes
 
@@ -8,7 +9,7 @@ from move_base_abstract.common.shown import shown
 
 VARIABLE = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 FIXED, RANDOM = 'fixed', 'random'
-#: why a run is not repeatable where the system does not let the layout be fixed
+#: the label of a run if the system does not allow a fixed layout
 LABEL = ('the system does not let addresses be the same in each run (in a container: docker run --security-opt '
          'seccomp=unconfined; or set {}={} if nothing depends on them)'.format(VARIABLE, RANDOM))
 _ASK = 0xffffffff
@@ -17,9 +18,9 @@ _KERNEL = '/proc/sys/kernel/randomize_va_space'
 
 
 def wanted(environment):
-    """Return which layout the environment asks for: FIXED (the default) or RANDOM.
+    """Return the layout that the environment asks for: FIXED (the default) or RANDOM.
 
-    :raises ValueError: if it is something else.
+    :raises ValueError: if the variable has another value.
     """
     layout = environment.get(VARIABLE, FIXED)
     if layout not in (FIXED, RANDOM):
@@ -29,9 +30,9 @@ def wanted(environment):
 
 
 def choose(environment):
-    """Have the programs that this process becomes, or starts, get the layout asked for. Return whether that is new.
+    """Give the wanted layout to the programs that this process becomes or starts. Return whether that is a change.
 
-    :raises ValueError: as :func:`wanted`.
+    :raises ValueError: as :func:`wanted` does.
     """
     layout, now = wanted(environment), _personality(_ASK)
     new = now | _NO_RANDOMIZE if layout == FIXED else now & ~_NO_RANDOMIZE
@@ -39,7 +40,7 @@ def choose(environment):
 
 
 def is_as_wanted(environment):
-    """Return False if the layout is to be fixed, and is not."""
+    """Return False if the layout should be fixed, and is not."""
     if environment.get(VARIABLE, FIXED) == RANDOM or _personality(_ASK) & _NO_RANDOMIZE:
         return True
     try:
@@ -50,7 +51,7 @@ def is_as_wanted(environment):
 
 
 def _personality(number):
-    """Set the process's personality, and return what it was; -1: the system does not let us."""
+    """Set the process's personality, and return the one before; -1 if the system does not allow it."""
     try:
         return ctypes.CDLL(None, use_errno=True).personality(ctypes.c_ulong(number))
     except (OSError, AttributeError):

@@ -1,4 +1,4 @@
-"""Make a participant of an unmodified roscpp binary: preload the library that stands in front of roscpp.
+"""Make an unmodified roscpp binary a participant, by preloading the library that stands in front of roscpp.
 
 docs/lockstep_roscpp.md says what is exact then.
 """
@@ -30,7 +30,7 @@ _NEEDED, _STRING_TABLE = 1, 5
 
 
 def execute(path, arguments, options):
-    """Become the program; does not return."""
+    """Become the program, by exec; this does not return. If the binary cannot take part, exit with a message."""
     try:
         environment = prepare(path, options.rank, options.sleep, os.environ)
     except ValueError as error:
@@ -47,14 +47,18 @@ def execute(path, arguments, options):
 def prepare(path, rank, sleep, environment):
     """Return the environment in which the binary takes part.
 
-    :raises ValueError: if it cannot.
+    :param path: the path of the binary.
+    :param rank: the node's rank, or None.
+    :param sleep: the time that a sleep takes: 'wall' or 'simulated'.
+    :param environment: the environment without it.
+    :raises ValueError: if the binary cannot take part.
     """
     needed = needed_libraries(path)
     if any(name.startswith(_PARTICIPANT) for name in needed):
         return dict(environment)  # it takes part by itself
     if not links_to_roscpp(path):
-        raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}; programs that it starts can be given "
-                         'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
+        raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}. If it starts one, give that program "
+                         'instead'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
                          'preload a library into it'.format(path))
@@ -67,9 +71,9 @@ def prepare(path, rank, sleep, environment):
 
 
 def loopback_only(environment):
-    """Return (name, value) by which a roscpp program that takes no part listens as ROS_IP says, if that is 127.0.0.1.
+    """Return (name, value) of the variable by which a roscpp onlooker listens on 127.0.0.1 only, if that is its ROS_IP.
 
-    :raises ValueError: as :func:`find_shim`.
+    :raises ValueError: as :func:`find_shim` does.
     """
     return _PRELOAD, _preloaded(_LOOPBACK_ONLY, environment)
 
@@ -79,7 +83,7 @@ def _preloaded(library, environment):
 
 
 def node_name(path, arguments, environment):
-    """Return a node's name as far as its command line has it, which is before the program says its own."""
+    """Return a node's name as its command line has it, without a name that the program may choose later itself."""
     name, namespace = os.path.basename(path), environment.get('ROS_NAMESPACE', '')
     for word in arguments:
         if word.startswith(_NAME):
@@ -90,22 +94,19 @@ def node_name(path, arguments, environment):
 
 
 def _parameter(name):
-    """Return a parameter of the time master, or None.
-
-    Where it works in lockstep, clocks and chance are the run's from the program's first instruction on.
-    """
+    """Return a parameter of the time master, or None if it is not set or the ROS master cannot be asked."""
     try:
         from xmlrpc.client import ServerProxy  # only now: it takes a while
         code, _, value = ServerProxy(os.environ['ROS_MASTER_URI']).getParam('/lockstep', '/time_master/' + name)
         return value if code == 1 else None
     except Exception:
-        return None  # the program will find out, or fail, by itself
+        return None  # the program itself will find out, or fail
 
 
 def find_shim(environment, library=SHIM):
-    """Return the path of a library to preload: in catkin's devel or install space.
+    """Return the path of a library to preload, in catkin's devel or install space.
 
-    :raises ValueError: if it is in none of the places.
+    :raises ValueError: if it is in none of the folders.
     """
     prefixes = environment.get('CMAKE_PREFIX_PATH', '').split(os.pathsep)
     folders = [os.path.join(prefix, 'lib') for prefix in prefixes if prefix]
@@ -121,9 +122,9 @@ def find_shim(environment, library=SHIM):
 
 
 def links_to_roscpp(path):
-    """Return whether a program needs roscpp, by itself or by way of the libraries that it needs.
+    """Return whether a program needs roscpp, directly or through the libraries that it needs.
 
-    :raises ValueError: as :func:`needed_libraries`.
+    :raises ValueError: as :func:`needed_libraries` does.
     """
     needed = needed_libraries(path)
     loader = shutil.which('ldd')
@@ -134,14 +135,14 @@ def links_to_roscpp(path):
 
 
 def needed_libraries(path):
-    """Return the names of the shared libraries that an ELF file asks for.
+    """Return the names of the shared libraries that an ELF file needs.
 
-    :raises ValueError: if it is no 64-bit ELF file of this kind of machine.
+    :raises ValueError: if it is not a 64-bit little-endian ELF file, or is damaged.
     """
     with open(path, 'rb') as stream:
         data = stream.read()
     if len(data) < _HEADER.size or data[:6] != b'\x7fELF\x02\x01':
-        raise ValueError("'{}' is no 64-bit little-endian ELF program".format(path))
+        raise ValueError("'{}' is not a 64-bit little-endian ELF program".format(path))
     try:
         return _needed(data)
     except (struct.error, IndexError, UnicodeDecodeError):
@@ -164,7 +165,7 @@ def _needed(data):
 
 
 def _offset(address, segments):
-    """Return where in the file a memory address lies."""
+    """Return the offset in the file of a memory address."""
     for kind, _flags, offset, virtual, _physical, length, _memory, _align in segments:
         if kind == _LOAD and virtual <= address < virtual + length:
             return offset + address - virtual

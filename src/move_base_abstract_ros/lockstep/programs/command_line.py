@@ -1,4 +1,4 @@
-"""What a command line runs that has the launcher before it: the program, of which kind it is, and with which Python."""
+"""The program that the launcher's command line runs: its path, its kind, and the Python that runs it."""
 import os
 import re
 import shutil
@@ -7,11 +7,11 @@ import sys
 from . import shell_scripts
 
 PYTHON = re.compile(r'python[0-9.]*$')
-_WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is a word of its own
+_WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is the next word
 
 
 def own_words(words):
-    """Return how many words are options of the launcher: those before the program or its -m."""
+    """Return the number of words that are options of the launcher: those before the program or its ``-m``."""
     at = 0
     while at < len(words) and words[at].startswith('-') and words[at] != '-m':
         with_value = words[at] in ('--rank', '--sleep', '--seed')
@@ -22,9 +22,10 @@ def own_words(words):
 def split_interpreter(command):
     """Return ([Python, its options...], words of the program) of a command line.
 
-    Which Python is this one, unless a path says another: before the program, or in the first line of a script.
+    The Python is the one that runs this, unless the command line names another one by its path, or the first line of a
+    script names that of a virtual environment.
 
-    :raises ValueError: if a Python has nothing to run, or cannot be used for this.
+    :raises ValueError: if a Python interpreter is given without a script or module, or with -c, -i or ``-``.
     """
     if not PYTHON.match(os.path.basename(command[0])):
         path = path_of(command[0])
@@ -41,7 +42,7 @@ def split_interpreter(command):
 
 
 def _of_script(path):
-    """Return the Python of a script's first line if that is a path of its own kind, as of a virtual environment."""
+    """Return the Python in a script's first line if it is that of a virtual environment; otherwise this Python."""
     with open(path, 'rb') as stream:
         first = stream.readline(500)
     words = first[2:].split() if first.startswith(b'#!') else []
@@ -54,7 +55,7 @@ def _of_script(path):
 def find(command, is_script=False):
     """Return ('module' | 'script' | 'shell' | 'binary', name or path, arguments) of a command line.
 
-    ``is_script``: it came after a Python interpreter, so that whatever file it is, it is a script.
+    ``is_script``: the command came after a Python interpreter, so any file is taken for a script.
 
     :raises ValueError: if there is no such program, or it is of another kind.
     """
@@ -67,13 +68,13 @@ def find(command, is_script=False):
         raise ValueError("there is no program '{}'".format(command[0]))
     kind = 'script' if is_script else kind_of(path)
     if kind is None:
-        raise ValueError("'{}' is neither a Python or shell script nor a binary; programs that it starts can be given "
-                         'themselves'.format(path))
+        raise ValueError("'{}' is neither a Python or shell script nor a binary. If it starts a program, give that "
+                         'program instead'.format(path))
     return kind, path, command[1:]
 
 
 def script_of(words):
-    """Return the path of the Python script that words of a command line have the launcher run, or None."""
+    """Return the path of the Python script that the launcher would run with these words, or None."""
     command = words[own_words(words):]
     try:
         kind, path, _ = find(command) if command and command[0] != '-m' else (None, None, None)
@@ -83,13 +84,13 @@ def script_of(words):
 
 
 def path_of(word):
-    """Return the path of a program, or None."""
+    """Return the path of a program, which is given by its path or its name in PATH; None if there is none."""
     path = word if os.path.isfile(word) else shutil.which(word)
     return path if path is not None and os.path.isfile(path) else None
 
 
 def kind_of(path):
-    """Return 'binary', 'shell' or 'script', or None of a file."""
+    """Return the kind of the program in a file: 'binary', 'shell' or 'script' (of Python), or None."""
     with open(path, 'rb') as stream:
         begin = stream.read(200)
     if begin.startswith(b'\x7fELF'):

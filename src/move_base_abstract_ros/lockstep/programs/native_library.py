@@ -1,7 +1,7 @@
-"""Whether this process has the library that stands in front of libc, for what Python loads of libraries in C.
+"""The preloaded library that stands in front of libc for the C libraries that a Python program loads.
 
-It is preloaded (src/python_shim), and sees to it that the programs that this one starts do not have it. What it is
-told and asks is in :mod:`native`.
+Its source is src/python_shim. It takes itself out of the environment, so that programs that this one starts do not
+have it. :mod:`native` is its Python side.
 """
 import ctypes
 import os
@@ -14,15 +14,15 @@ _CELLS = 'move_base_abstract_native_cells'
 
 
 def is_loaded():
-    """Return whether this process has it."""
+    """Return whether this process has the library."""
     return hasattr(ctypes.PyDLL(None), _CELLS)
 
 
 def preload(environment):
-    """Add it to an environment in which a Python is about to be started; return whether that makes a difference."""
+    """Add the library to the environment of a Python that is about to start; return whether that is a change."""
     words = environment.get(_PRELOAD, '').replace(':', ' ').split()
     if any(os.path.basename(word) == LIBRARY for word in words):
-        return False  # the system did not load it here, and so will not
+        return False  # the system has not loaded it into this process, so it will not load it into the next one
     try:
         path = binary.find_shim(environment, LIBRARY)
     except ValueError:

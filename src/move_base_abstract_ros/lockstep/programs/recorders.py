@@ -1,6 +1,6 @@
-"""rosbag's recorders among a launch file's nodes: what they record of what goes past lockstep, and what nobody covers.
+"""rosbag's recorders among a launch file's nodes, and the topics that they would record although they bypass lockstep.
 
-A recorder that takes part writes the same bytes in each run, as long as it records what goes through lockstep.
+A recorder that takes part writes the same bytes in each run, as long as it records only topics of lockstep.
 """
 import os
 import re
@@ -12,23 +12,23 @@ _WITH_VALUE = 'xoObLl'  # short options whose value follows
 _LONG_WITH_VALUE = ('--output', '--buff', '--chunk', '--limit', '--min', '--max', '--topic', '--size', '--dur',
                     '--node')
 _SCRIPT = re.compile(rb'\brosbag\b[^\n]{0,40}\brecord\b')
-# A line of a shell script that becomes `rosbag record`, or hands its name on to it.
+# A line of a shell script that becomes `rosbag record`, or passes its node's name on to it.
 _FOLLOWED = re.compile(rb'^[ \t]*(exec[ \t]+rosbag[ \t]+record\b.*|rosbag[ \t]+record\b.*\$[@*].*)$', re.MULTILINE)
-_LARGEST = 1 << 20  # bytes of a script that are looked at
+_LARGEST = 1 << 20  # number of bytes of a script that are searched
 
 
 def is_recorder(node):
-    """Whether a roslaunch Node is rosbag's recorder."""
+    """Return whether a roslaunch Node is rosbag's recorder."""
     return (node.package, node.type) == ('rosbag', 'record')
 
 
 def is_program(path):
-    """Whether a path is that of rosbag's recorder."""
+    """Return whether a path is that of rosbag's recorder."""
     return path.endswith('/rosbag/record')
 
 
 def starts_recorder(path):
-    """Whether a script has a call of rosbag's recorder in it."""
+    """Return whether a script contains a call of rosbag's recorder."""
     try:
         with open(path, 'rb') as stream:
             text = stream.read(_LARGEST)
@@ -38,12 +38,12 @@ def starts_recorder(path):
 
 
 def becomes_recorder(text):
-    """Whether the text of a shell script says that its node is `rosbag record`; `rosrun rosbag` is not followed."""
+    """Return whether a shell script's text makes its node ``rosbag record``; ``rosrun rosbag`` is not followed."""
     return _FOLLOWED.search(text) is not None
 
 
 class Words:
-    """The command line of a recorder: which topics it names, whether it finds others, and what it leaves out."""
+    """The command line of a recorder: the topics that it names, whether it finds others, and those it leaves out."""
 
     def __init__(self, words):
         self.words = list(words)
@@ -62,7 +62,7 @@ class Words:
                 self.topics.append(word)
 
     def _take_long(self, at, word):
-        """Return whether the next word is this one's value. rosbag takes shortened options too."""
+        """Take a long option; return whether the next word is its value. rosbag takes shortened options, too."""
         name, equals, value = word.partition('=')
         self.finds = self.finds or name in ('--all', '--regex') or name.startswith(('--a', '--reg', '--node'))
         if name.startswith('--e'):
@@ -84,7 +84,7 @@ class Words:
         return self.words[at] if at < len(self.words) else ''
 
     def without(self, expressions):
-        """Return the words with topics left out that one of these regular expressions fits."""
+        """Return the words, changed so that the recorder leaves out topics that match one of these expressions."""
         words = list(self.words)
         if self.exclude is None:
             words += ['-x', '|'.join(expressions)]
@@ -97,9 +97,11 @@ class Words:
 
 
 def past_lockstep(arguments, namespace, excluded=()):
-    """Return what of a recorder's topics goes past lockstep, when its words say so: (left out, named by it).
+    """Return the topics of a recorder that bypass lockstep: (those left out if it takes part, those that it names).
 
-    :param excluded: topics that the time master does not count.
+    :param arguments: the recorder's words.
+    :param namespace: the namespace of its node.
+    :param excluded: the topics that the time master excludes.
     """
     from rosgraph.names import ns_join  # only here: the launcher of a binary needs none of it
     words = Words(arguments)
@@ -111,7 +113,10 @@ def past_lockstep(arguments, namespace, excluded=()):
 
 
 def without_past_lockstep(arguments, excluded=()):
-    """Return the words of a recorder that does not look for what goes past lockstep: that differs from run to run."""
+    """Return a recorder's words, changed so that it does not look for topics that bypass lockstep.
+
+    Messages on these differ from run to run. Topics that the words name stay.
+    """
     words = Words(arguments)
     if not words.finds:
         return list(arguments)
@@ -120,7 +125,10 @@ def without_past_lockstep(arguments, excluded=()):
 
 
 def behind_front_end(path, arguments):
-    """Return (program, words) of the recorder that a script starts if it is rosbag's own `rosbag record`, or None."""
+    """Return (program, words) of the recorder that rosbag's own script ``rosbag record`` would start.
+
+    Return None if ``path`` is another script.
+    """
     if os.path.basename(path) != 'rosbag' or arguments[:1] != ['record']:
         return None
     from rosbag import rosbag_main
@@ -129,7 +137,7 @@ def behind_front_end(path, arguments):
     def take(command):
         found.append(command)
         return SimpleNamespace(wait=lambda: None)
-    rosbag_main.subprocess = SimpleNamespace(Popen=take)  # it says itself what its options are to the program
+    rosbag_main.subprocess = SimpleNamespace(Popen=take)  # rosbag itself translates the options for the program
     rosbag_main.signal = SimpleNamespace(signal=lambda *_: None, SIGTERM=None, SIGINT=None)
     rosbag_main.record_cmd(arguments[1:])
     return found[0][0], found[0][1:]

@@ -1,8 +1,9 @@
-"""Shell scripts that become a Python program, or start one: the launcher follows to that program.
+"""Shell scripts that become a Python program, or start one: the launcher then runs that program.
 
-A shell script is run as it is. Python reads :mod:`sitecustomize` whenever it starts, and so one that lies in FOLDER;
-it has the launcher run the program if this Python is the node: the same process (``exec python3 ...``), or a command
-line with the node's ``__name:=`` in it. Binaries that a shell script starts are not followed.
+A shell script itself is run without changes. Python imports :mod:`sitecustomize` whenever it starts, and finds the one
+in FOLDER. That has the launcher run the program if this Python is the node: if it is the script's own process
+(``exec python3 ...``), or has the node's ``__name:=`` on its command line. Binaries that a shell script starts are not
+followed.
 """
 import json
 import os
@@ -19,17 +20,17 @@ _NAME = '__name:='
 
 
 def is_shell(first_line):
-    """Return whether the first line of a file (bytes) says that a shell is to run it."""
+    """Return whether the first line of a file (bytes) says that a shell runs it."""
     return _SHELL.match(first_line) is not None
 
 
 def is_shell_word(word):
-    """Return whether the first word of a command line is a shell."""
+    """Return whether ``word``, the first one of a command line, is a shell."""
     return is_shell(b'#!' + os.fsencode(word))
 
 
 def execute(path, arguments, launcher):
-    """Become the shell script, with the launcher's words before the Python program that comes of it."""
+    """Become the shell script, by exec. ``launcher`` are the launcher's words, to precede the Python program later."""
     names = [word for word in arguments if word.startswith(_NAME)]
     environment = dict(os.environ)
     environment[FOLLOW] = json.dumps([os.getpid(), names, [sys.executable, *launcher], FOLDER])
@@ -38,12 +39,12 @@ def execute(path, arguments, launcher):
 
 
 def programs_in(path, text, find_package, find_node):
-    """Yield the paths of files that a shell script's ``text`` names, as far as that can be read.
+    """Yield the paths of the files that a shell script's ``text`` names, as far as the text can be understood.
 
-    They are sought in the script's own folder and in those of packages that it has found.
+    They are looked for in the script's own folder, and in those of packages that it names.
 
-    :param find_package: name of a package -> its folder, or None
-    :param find_node: package, type -> [paths]
+    :param find_package: function of a package's name that returns its folder, or None.
+    :param find_node: function of a package and a type that returns a list of paths.
     """
     folders = [os.path.dirname(os.path.realpath(path)), *filter(None, map(find_package, _FOUND.findall(text)))]
     for package, kind in _RUN.findall(text):

@@ -1,1 +1,1 @@
-"""What this process asks the ROS master, and parameters, in the order of the rounds."""
+"""Questions to the ROS master and parameters, in the order of the rounds."""

@@ -1,8 +1,8 @@
-"""What this process asks the ROS master, at the one place where all ways of asking come by: requests of XML-RPC.
+"""All calls of the ROS master by this process, caught at the one place that they have in common: XML-RPC requests.
 
-Answers that are lists, or trees, come in the order of the names' bytes; stock ones come in the order in which nodes
-have registered, which differs from run to run. What the thread that has the turn asks is answered by
-:mod:`queries` (who is there) and :mod:`parameters`.
+Answers that are lists, or trees, come in the order of the names' bytes. Stock answers come in the order in which nodes
+have registered, which differs from run to run. Calls of the thread that has the turn are answered by :mod:`queries`
+(nodes, topics, services) and :mod:`parameters`.
 """
 import threading
 from contextlib import contextmanager
@@ -24,24 +24,27 @@ _local = threading.local()
 
 
 class MasterCalls:
-    """Of this process: who answers, from when on."""
+    """The calls of this process, and the functions that answer them once it takes part."""
 
     def __init__(self):
         self._is_installed = False
-        self.before = None  # take_part(what), of a program that is not a node yet
+        self.before = None  # take_part(what), for a program that is not a node yet
         self._participant = None
         self._answers = {}
 
     def install(self):
-        """Stand before requests of XML-RPC."""
+        """Put a hook in front of XML-RPC requests."""
         if not self._is_installed:
             self._is_installed = True
             replace('xmlrpc.client.ServerProxy._ServerProxy__request', self._following)
-            # Before its lock: who waits for the others holds none that they may wait for.
+            # In front of its lock: a thread that waits for other nodes must not hold it, since others may need it.
             replace('rospy.core._LockedServerProxy._ServerProxy__request', self._following)
 
     def follow(self, participant, answers):
-        """The process takes part: {method: answer(ask, *arguments)} for the thread that has the turn."""
+        """Answer calls of the thread that has the turn, from now on; ``answers`` is {method: answer(ask, *arguments)}.
+
+        ``ask()`` sends the request to the ROS master.
+        """
         self.install()
         replace('rospy.msproxy.MasterProxy.get_param_cached', lambda _cached: _get_param)
         self._participant, self._answers = participant, answers
@@ -72,20 +75,20 @@ class MasterCalls:
         return _in_order(method, ask()) if answer is None else answer(ask, *arguments)
 
     def _multicall(self, ask, calls):
-        """Answer what changes parameters, have the ROS master answer all else at once."""
+        """Answer the calls that change parameters here, and have the ROS master answer all others in one request."""
         others = [call for call in calls if call['methodName'] not in CHANGES]
         answers = iter(ask(others) if others else ())
         return [[self._answers[call['methodName']](None, *call['params'])] if call['methodName'] in CHANGES
                 else next(answers) for call in calls]
 
 
-#: of this process
+#: the calls of this process
 calls = MasterCalls()
 
 
 @contextmanager
 def aside():
-    """Within this context, the calling thread's requests are its own: they are answered as ever."""
+    """Give a context in which the calling thread's requests go to the ROS master as without lockstep."""
     before, _local.is_aside = getattr(_local, 'is_aside', False), True
     try:
         yield
@@ -96,7 +99,7 @@ def aside():
 def _get_param(self, key):
     value = self[key]
     if isinstance(value, dict) and not value:
-        raise KeyError(key)  # as rospy, to which the ROS master says the same of what is not there
+        raise KeyError(key)  # as rospy does: the ROS master answers {} for a parameter that is not set, too
     return value
 
 

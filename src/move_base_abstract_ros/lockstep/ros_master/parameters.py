@@ -1,8 +1,8 @@
-"""Parameters of ROS, set and asked for by the thread that has the turn.
+"""ROS parameters, set and read by the thread that has the turn.
 
-What is set goes to the time master with the report, and to the ROS master when the round is over; this process sees it
-at once. So who asks gets what the rounds before have set, whoever was faster. Whatever others set labels the run, where
-a participant asks for it: the time master is told what is asked for.
+A new value goes to the time master with the report, and to the ROS master when the round is over; this process sees it
+at once. So a participant reads what earlier rounds have set, whichever node was faster. If a node that does not take
+part sets a parameter that a participant reads, the run is labelled: the time master is told which names are read.
 """
 import xmlrpc.client
 from collections import deque
@@ -17,20 +17,23 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 from .master_calls import aside
 
 _BEGIN, _END = '<value>', '</value>'
-#: what roslaunch notes of itself: its names have the machine's ports in them
+#: parameters in which roslaunch notes its own addresses: their names contain port numbers
 _OF_ROSLAUNCH = '/roslaunch/uris'
 
 
 class Parameters:
-    """Of one participant; for its thread that has the turn. ``master``: a proxy of the ROS master."""
+    """The parameters as one participant sees them; for its thread that has the turn.
+
+    ``master`` is a proxy of the ROS master.
+    """
 
     def __init__(self, participant, master):
         self._participant = participant
         self._master = master
         self._pending = PendingParameters()
-        self._untold = deque()  # the same as calls of the ROS master
+        self._untold = deque()  # the pending changes as calls of the ROS master
         self._asked = set()
-        self._kept = {}  # by (method, name): what the ROS master has said
+        self._kept = {}  # {(method, name): answer of the ROS master}
         self._keeps = True
 
     def answers(self):
@@ -39,13 +42,13 @@ class Parameters:
                 'searchParam': self._search, 'getParamNames': self._names, 'subscribeParam': self._subscribe}
 
     def forget(self):
-        """What was got may have changed, as the time master says: ask the ROS master again."""
+        """Forget the kept answers of the ROS master: the time master says that parameters may have changed."""
         self._kept.clear()
 
     def settle(self):
-        """Have the ROS master know what was set in this turn: somebody who takes no part is about to look.
+        """Have the ROS master know the values set in this turn, since a node that takes no part may now read them.
 
-        It may set what is asked for next, too, of which the time master will hear only later.
+        That node may also set parameters, of which the time master hears only later. So answers are kept no more.
         """
         self._keeps = False
         scheduler = self._participant.scheduler
@@ -56,10 +59,10 @@ class Parameters:
                 self.flush()
 
     def flush(self):
-        """Tell the ROS master at once: there is no round any more in which the time master would."""
+        """Tell the ROS master of the changes at once, since no round follows in which the time master would do it."""
         if not self._untold:
             return
-        # Not with the other proxy: a signal may have the calling thread end the node in the middle of a request of it.
+        # Not by the other proxy: a signal may make this thread end the node in the middle of that proxy's request.
         master = rospy.core.xmlrpcapi(rosgraph.get_master_uri(), cache=False)
         while self._untold:
             method, *arguments = self._untold.popleft()
@@ -70,7 +73,7 @@ class Parameters:
 
     def _set(self, _ask, caller, key, value):
         name = _resolved(caller, key)
-        text = xmlrpc.client.dumps((value,))  # raises what the request would
+        text = xmlrpc.client.dumps((value,))  # raises the same errors as the request
         (value,), _ = xmlrpc.client.loads(text)
         self._pending.set(name, value)
         self._report(wire.parameter(name, True, text[text.index(_BEGIN):text.rindex(_END) + len(_END)]),
@@ -98,14 +101,14 @@ class Parameters:
     # --- questions --------------------------------------------------------------------------------------------------
 
     def _ask(self, method, name):
-        """Return (code, value) of the ROS master; the time master knows that it was asked."""
+        """Return (code, value) of the ROS master's answer, and report to the time master that ``name`` is read."""
         self._note(name)
         kept = self._kept.get((method, name))
         if kept is None or not self._keeps:
             with aside():
                 code, _, value = getattr(self._master, method)(self._participant.members.own_name, name)
             kept = code, value
-            if not self._participant.rounds.window.is_open:  # else it is not told of changes
+            if not self._participant.rounds.window.is_open:  # in a window it is not told of changes
                 self._kept[method, name] = kept
         return kept
 
@@ -115,7 +118,7 @@ class Parameters:
             self._participant.add_aside(wire.asks(name))
 
     def _value(self, name):
-        """Return what a parameter is for this process, or MISSING."""
+        """Return the value of a parameter as this process sees it, or MISSING."""
         code, value = self._ask('getParam', name)
         return self._pending.seen(name, value if code == 1 else MISSING)
 

@@ -1,10 +1,11 @@
-"""Questions to the ROS master, which takes no part, about who is there at this instant.
+"""Questions to the ROS master about the nodes, topics and services at this instant.
 
-The answer would depend on who was faster in this round. So who asks waits until nobody who takes part has anything left
-to do at this instant: what is started by one launch file is there, whoever was slower. And who asks does what follows
-from the answer a round later: of two who ask at once neither sees what the other has made of its answer.
+The answer would depend on which node was faster in this round, since the ROS master takes no part. So a node that asks
+waits until no participant has anything left to do at this instant. Then all nodes of a launch file have registered,
+also the slower ones. And a node that asks goes on a round after the answer: if two nodes ask at once, neither sees what
+the other has done because of its answer.
 
-Shown are participants, and of the others those that offer something: whose name labels the run.
+An answer names participants, and of the other nodes those that offer something. Such a name labels the run.
 """
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
@@ -12,14 +13,14 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .master_calls import aside
 
-#: so many rounds bring links, what is latched on them, and an answer
+#: number of rounds that are enough for new connections, the latched messages on them, and an answer
 ROUNDS = 10
-#: so many questions in a row are a loop that waits by asking
+#: a node that asks more often than this in a row waits in a loop
 ASKED = 100
 
 
 class _Asked:
-    """How many questions have been asked in a row, with no more time between them than passes at a loop that asks."""
+    """Counts questions in a row: those with no more simulated time between them than a loop that asks lets pass."""
 
     def __init__(self, scheduler):
         self._scheduler = scheduler
@@ -27,7 +28,7 @@ class _Asked:
         self._count = 0
 
     def once_more(self):
-        """Count one; who asks without end, and without a sleep, lets time go on as who looks."""
+        """Count a question. In a loop that asks without a sleep, let time go on as in one that waits by looking."""
         now_ns = self._scheduler.now_ns
         self._count = self._count + 1 if now_ns <= self._last_ns + STEP_NS else 1
         if self._count > ASKED:
@@ -36,13 +37,13 @@ class _Asked:
 
 
 def settle(scheduler):
-    """Let come what is on its way at this instant, for a thread that will wait by the wall: who asks comes after it."""
+    """Let messages that are on their way at this instant arrive, before the calling thread waits in wall time."""
     for _ in range(ROUNDS):
         scheduler.wait_round()
 
 
 class Queries:
-    """Of one participant; for its thread that has the turn. ``master``: a proxy of the ROS master."""
+    """The questions of one participant; for its thread that has the turn. ``master`` is a proxy of the ROS master."""
 
     def __init__(self, participant, master):
         self._participant = participant
@@ -70,7 +71,7 @@ class Queries:
         return ask_who
 
     def _registrations(self):
-        """Return what is to be shown, and what the ROS master knows."""
+        """Return (the Registrations to be shown, the state that the ROS master knows)."""
         with aside():
             code, _, state = self._master.getSystemState(self._participant.members.own_name)
         state = state if code == 1 else [[], [], []]

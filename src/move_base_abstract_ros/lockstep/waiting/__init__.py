@@ -1,1 +1,1 @@
-"""Who waits gives the turn away: sleeps, locks, pools, event loops, loops that only look."""
+"""A thread that waits gives the turn away: in sleeps, locks, pools, event loops, and loops that only look."""

@@ -1,9 +1,9 @@
-"""Event loops of asyncio: their time is the run's, and waiting for a callback gives the turn away as any wait does.
+"""Event loops of asyncio: their time is the run's, and waiting for a callback gives the turn away like any other wait.
 
 A loop waits in its selector, until a timer is due or another thread calls ``call_soon_threadsafe``. Both are known to
-lockstep: the timer's instant is simulated time, the other thread has the turn. What comes over connections and pipes,
-or from the kernel by a signal, is served as ever: it comes when it comes, which labels the run where it decides.
-Nothing is done before the program imports asyncio.
+lockstep: the timer's instant is simulated time, and the other thread has the turn. Input over connections and pipes,
+and signals of the kernel, are handled as without lockstep: they come by the wall clock, and label the run. Nothing is
+replaced before the program imports asyncio.
 """
 import importlib
 import itertools
@@ -31,15 +31,15 @@ _WAITS_FOR = 'a callback of its event loop'
 _OUTSIDE = 'gets something over a connection or a pipe: it comes when it comes'
 _BY_ADDRESS = 'goes through a set of coroutines, which Python hashes by their address: its order differs from run to ' \
               'run'
-_ENDS = (signal.SIGINT, signal.SIGTERM)  # of the run
-_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; so soon new connections are watched too; as of locks
+_ENDS = (signal.SIGINT, signal.SIGTERM)  # signals that end the run
+_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; new connections are watched within the first; the second is as for locks
 _numbers = itertools.count()
 
 
 def install(clocks, take_part):
-    """Have event loops go by the run's clocks as soon as asyncio is there.
+    """Have event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
 
-    ``take_part(what)`` is called where a program that is no node yet waits, as of the watchdog.
+    ``take_part(what)`` is called if a program that is not a node yet waits, as in :mod:`watchdog`.
     """
     when_imported('asyncio', lambda: _install(clocks, take_part))
 
@@ -79,7 +79,7 @@ def _telling_time(machine, clocks):
 
 
 class _When(float):
-    """A timer's instant [s]; of equal ones that comes first which was made first, as where time passes meanwhile."""
+    """A timer's instant [s]. Of two equal instants the one that was made first comes first, as without lockstep."""
 
     __slots__ = ('number',)
 
@@ -132,7 +132,7 @@ def _signalled(handle):
 
 
 class _Selector:
-    """What a loop takes for its selector."""
+    """Stands in for a loop's selector."""
 
     def __init__(self, selector, loop, place, clocks, take_part):
         self._selector = selector
@@ -150,7 +150,7 @@ class _Selector:
         return getattr(self._selector, name)
 
     def register(self, fileobj, events, data=None):
-        """As of selectors.BaseSelector."""
+        """Register a file, as selectors.BaseSelector does."""
         key = self._selector.register(fileobj, events, data)
         if self._own is None:
             self._own = key.fd
@@ -158,7 +158,7 @@ class _Selector:
         return key
 
     def select(self, timeout=None):
-        """As of selectors.BaseSelector; the time-out [s] is simulated."""
+        """Wait for a file, as selectors.BaseSelector does; the time-out [s] is simulated time."""
         participant = told.participant
         if participant is None:
             return self._before_node(timeout)
@@ -191,7 +191,7 @@ class _Selector:
 
     @property
     def _has_outside(self):
-        """Whether something may come from outside of the program: connections, pipes, signals."""
+        """Whether something may come from outside of the program, by connections, pipes or signals."""
         return len(self._selector.get_map()) > 1 or bool(getattr(self._loop, '_signal_handlers', None))
 
     def _told_of(self, ready):
@@ -201,7 +201,7 @@ class _Selector:
         return ready
 
     def _look(self, scheduler):
-        """The loop goes round without waiting, since somebody sleeps for 0 s: a wait by looking, as time.sleep(0)."""
+        """Count a look: the loop goes round without waiting, because a task sleeps for 0 s, as with time.sleep(0)."""
         self.has_yielded = False
         step_ns = STEP_NS
         if self._loop._scheduled:
@@ -212,7 +212,7 @@ class _Selector:
             pass  # lockstep is over
 
     def wake(self):
-        """Another thread has something for the loop; return False if the loop is to be told by its sockets, too."""
+        """Wake the loop for another thread; return False if the thread must write to the loop's socket, too."""
         participant = told.participant
         if participant is None or not self.is_ordered:
             return False
@@ -228,7 +228,7 @@ class _Selector:
             told.participant.scheduler.wake(self._waiting)
 
     def _before_node(self, timeout):
-        """A wait before the program takes part: it does so from here on, or waits by the wall."""
+        """Wait when the program does not take part yet: it takes part from here on, or waits in wall time."""
         if timeout and not self._has_outside and self._take_part('a wait of asyncio'):
             return self.select(timeout)
         ready = self._selector.select(timeout)
@@ -237,7 +237,10 @@ class _Selector:
         return ready
 
     def _in_the_end(self, timeout):
-        """Lockstep is over, and the node about to end."""
+        """Wait in wall time when lockstep is over and the node is about to end.
+
+        :raises TurnLost: if nothing came, and there is no time-out.
+        """
         until_shutdown()
         ready = self._selector.select(_LAST_WAIT if timeout is None else min(timeout, _LOOK_SECONDS))
         if not ready:
@@ -248,7 +251,7 @@ class _Selector:
 
 
 class _Watch:
-    """A thread that looks, by the wall, whether something has come for a loop that waits."""
+    """A thread that checks in wall time whether something has come from outside for a loop that waits."""
 
     def __init__(self, selector, wake):
         self._selector, self._wake = selector, wake
@@ -258,15 +261,15 @@ class _Watch:
         threading.Thread(target=self._live, name='lockstep_event_loop', daemon=True).start()
 
     def begin(self):
-        """Look from now on."""
+        """Check from now on."""
         self._is_wanted = True
         try:
             self._go.release()
         except RuntimeError:
-            pass  # it has been let go before
+            pass  # it was released before
 
     def end(self):
-        """Look no more."""
+        """Stop checking."""
         self._is_wanted = False
 
     def _live(self):
@@ -276,7 +279,7 @@ class _Watch:
                 try:
                     is_there = self._selector.select(_LOOK_SECONDS)
                 except (OSError, ValueError, AttributeError, TypeError):
-                    return  # it has been closed
+                    return  # the selector has been closed
                 if is_there and self._is_wanted:
                     told.participant.scheduler.from_outside(self._wake)
                     break
@@ -286,9 +289,9 @@ class _Watch:
 
 
 def _numbered(kind):
-    """Tasks and futures are hashed by number: asyncio cancels and counts them in the order of sets.
+    """Return a class of tasks or futures that hashes by number: asyncio cancels and counts them in the order of sets.
 
-    They note what they end with, too.
+    Its objects also note their outcome.
     """
     return type(kind.__name__, (Numbered, kind), {
         '__slots__': (), '__module__': kind.__module__, '__qualname__': kind.__qualname__, '__doc__': kind.__doc__,
@@ -316,7 +319,7 @@ def _waiting(wait):
 
 
 def _in_order(some, loop, frame):
-    """Return tasks of coroutines in the order in which they are given; asyncio would make a set of them first."""
+    """Return tasks of coroutines in the order in which they are given. asyncio would first make a set of them."""
     tasks = sys.modules['asyncio.tasks']
     if isinstance(some, (set, frozenset)) and sum(map(tasks.coroutines.iscoroutine, some)) > 1:
         told.tell(own_frame(frame), 'asyncio', _BY_ADDRESS)

@@ -1,8 +1,8 @@
-"""Loops that wait by looking, without sleeping: ``while not rospy.is_shutdown(): if flag: ...``.
+"""Loops that wait by looking, without sleeping, such as ``while not rospy.is_shutdown(): if flag: ...``.
 
-What they look at are functions of rospy and actionlib. After so many looks in a row the thread gives its turn away
-(:meth:`Scheduler.look`), so that what it looks for can happen. All is counted, nothing is timed: a run with such loops
-is as repeatable as any.
+They look by functions of rospy and actionlib. After a number of looks in a row the thread gives its turn away
+(:meth:`Scheduler.look`), so that what it looks for can happen. Looks are counted and not timed, so a run with such
+loops is as repeatable as any other.
 """
 import sys
 from functools import lru_cache
@@ -17,7 +17,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .waits import replace_within
 
-#: for so many looks counts one at a parameter that has been looked at since the thread has waited
+#: the weight of a look at a parameter at which the thread has looked before, since its last wait
 AGAIN = 250
 _ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
 
@@ -33,21 +33,21 @@ def install(participant):
     try:
         from actionlib import action_client, simple_action_client
     except ImportError:
-        return  # then nobody here uses it
+        return  # then the program does not use it
     for function in (simple_action_client.SimpleActionClient.get_state,
                      action_client.ClientGoalHandle.get_comm_state, action_client.ClientGoalHandle.get_goal_status):
         _count(function, scheduler, STEP_NS)
 
 
 class _Parameters:
-    """Looks at parameters. Each asks the ROS master, for a millisecond; so who looks at one again weighs more."""
+    """Looks at parameters. Each takes a millisecond, by a call of the ROS master, so a repeated one weighs more."""
 
     def __init__(self, scheduler):
         self._scheduler = scheduler
         self._names = set()
 
     def weight_of(self, name, *_args, **_kwds):
-        """Return for how many looks this one counts."""
+        """Return the number of looks as which this one counts."""
         if not self._scheduler.current().looks:
             self._names.clear()
         if name in self._names:
@@ -63,7 +63,7 @@ def _count(function, scheduler, step_ns, weight_of=None):
                 try:
                     scheduler.look(step_ns, weight_of(*args, **kwds) if weight_of else 1)
                 except TurnLost:
-                    pass  # lockstep is over, which the answer says
+                    pass  # lockstep is over, as the answer says
             return original(*args, **kwds)
         return look
     replace_within(function, counting)
@@ -75,7 +75,7 @@ def _is_module_of_ros(name):
 
 
 def _is_of_ros(frame):
-    """Whether ROS's own code looks, behind rospy's functions that only hand the question on."""
+    """Return whether ROS's own code looks, above rospy's functions that only pass the question on."""
     name = frame.f_globals.get('__name__')
     while name == 'rospy.rostime':
         frame = frame.f_back

@@ -1,9 +1,9 @@
-"""Pools of Python's library: those of threads take turns, those of processes work while simulated time stands.
+"""Pools of Python's library: pools of threads take turns; pools of processes work while simulated time stands still.
 
-The threads that manage a pool of processes wait for these in the kernel, as do those that wait for asyncio's children:
-they are none of the application's. As long as such a pool has work to do, or such a child works, the process reports
-nothing, so that results come at the instant at which they were asked for (that processes take no part labels the run
-all the same).
+The threads that manage a pool of processes wait for the processes in the kernel, and so do those that wait for
+asyncio's children. They do not count as threads of the application. As long as such a pool has work to do, or such a
+child works, this process reports nothing, so that results come at the instant at which they were asked for. (The run is
+labelled all the same, because the processes take no part.)
 """
 import time
 
@@ -16,14 +16,14 @@ from ...replacing.replaced import replace
 
 _OF_PROCESSES = ('concurrent.futures.process', 'multiprocessing.queues')
 _POOL = 'multiprocessing.pool'
-_OF_CHILDREN = 'asyncio.unix_events'  # its threads wait for a child each
+_OF_CHILDREN = 'asyncio.unix_events'  # each of its threads waits for a child
 _LOOK_S, _LAST_WORDS_S, _LONGEST_S = 0.001, 0.05, 60.0  # wall
-_sleep = time.sleep  # the wall's
-_jobs = []  # of pools of processes: (thread that manages them, dict of what is to be done)
+_sleep = time.sleep  # the real one, by the wall clock
+_jobs = []  # of pools of processes: (managing thread, dict of the jobs that are not done)
 
 
 def is_manager(thread):
-    """Return whether a thread that is about to start manages a pool of processes; if so, its results are awaited."""
+    """Return whether a thread that is about to start manages a pool of processes. If so, follow the pool's jobs."""
     target = getattr(thread, '_target', None)
     module = getattr(target, '__module__', None)
     is_manager_ = type(thread).__module__ in _OF_PROCESSES or module in (*_OF_PROCESSES, _OF_CHILDREN) or (
@@ -34,7 +34,7 @@ def is_manager(thread):
 
 
 def _jobs_of(thread, module):
-    """Return [dict of what is to be done] of a managing thread, none where another thread has it."""
+    """Return [dict of the jobs that are not done] of a managing thread; [] if another thread of the pool has it."""
     if hasattr(thread, 'pending_work_items'):
         return [thread.pending_work_items]
     if module == _OF_PROCESSES[0]:  # before Python 3.9
@@ -45,13 +45,13 @@ def _jobs_of(thread, module):
 
 
 def _has_pipes(thread):
-    """Whether a pool's thread gets its work over pipes; one of each pool tells of changes."""
+    """Return whether a thread of a pool gets its work over pipes; one pipe of each pool only tells of changes."""
     pipes = sum(type(one).__module__ == 'multiprocessing.queues' for one in thread._args)
     return pipes > (thread._target.__name__ == '_handle_workers')
 
 
 def await_results(scheduler):
-    """Wait, by the wall, until a pool of processes that has work to do has done some of it."""
+    """If a pool of processes has work to do, wait in wall time until it has done some of it."""
     if not _jobs:
         return
     _jobs[:] = [(thread, jobs) for thread, jobs in _jobs if thread.is_alive()]
@@ -61,7 +61,7 @@ def await_results(scheduler):
         rospy.logwarn('%s: a pool of processes, or a child of asyncio, has not said anything for %g s; simulated time '
                       'goes on without waiting for it', rospy.get_name(), _LONGEST_S)
         _jobs.clear()
-    _wait_by_the_wall(scheduler, _LAST_WORDS_S, lambda: True)  # of what is off the list, and not told yet
+    _wait_by_the_wall(scheduler, _LAST_WORDS_S, lambda: True)  # for a result that is off the list, and not here yet
 
 
 def _is_working():
@@ -69,7 +69,10 @@ def _is_working():
 
 
 def _wait_by_the_wall(scheduler, longest, condition):
-    """Wait for something from outside while a condition holds; return whether it was there within ``longest`` [s]."""
+    """Wait in wall time, while a condition holds, until something comes from outside.
+
+    Return False if that takes longer than ``longest`` [s, wall].
+    """
     end = time.monotonic() + longest
     while condition() and not (scheduler.has_outside or rospy.core.is_shutdown_requested()):
         if time.monotonic() > end:
@@ -79,7 +82,7 @@ def _wait_by_the_wall(scheduler, longest, condition):
 
 
 def follow(thread, scheduler):
-    """Have a thread that keeps a pool of threads going wait for them as any other thread."""
+    """Have a thread that manages a pool of threads wait for them like any other thread."""
     target = getattr(thread, '_target', None)
     if getattr(target, '__module__', None) == _POOL and not _state:
         _state.append(True)

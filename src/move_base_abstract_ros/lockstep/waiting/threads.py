@@ -1,8 +1,8 @@
-"""Threads of the application: one runs at a time, and Python's locks are known waits.
+"""Threads of the application: one runs at a time, and lockstep knows their waits for Python's locks.
 
 A thread that the application starts waits for its first turn. ``threading.Lock`` and everything made of it (RLock,
-Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when an application thread must wait for
-another; time-outs are simulated time. Threads of rospy itself use the same locks as ever.
+Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when a thread of the application must wait for
+another. Time-outs are simulated time. For rospy's own threads these locks are ordinary ones.
 """
 import itertools
 import queue
@@ -21,16 +21,16 @@ from ..failing import uncaught
 from . import pools
 from .waits import to_ns
 
-#: where threads and their work are from that are never the application's
+#: modules whose threads, or threads that run their functions, are never the application's
 _FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_base_abstract_ros.lockstep.',
             'move_base_abstract_ros.messages.outbox.')
-#: rospy's own threads are started here; rospy.spin, say, may well be the work of a thread of the application
+#: modules that start rospy's own threads. (A thread of the application may run a function of rospy, as rospy.spin.)
 _ROSPY = 'rospy.impl.'
-_numbers = itertools.count(1)  # of threads without a name, which Python itself calls so
+_numbers = itertools.count(1)  # of threads without a name, in the names that Python gives to them
 
 
 def install(participant, own_threads):
-    """Follow the application's threads; with ``own_threads`` its locks as well."""
+    """Have locks use the scheduler of ``participant``; with ``own_threads``, replace locks and follow threads."""
     Process.scheduler = participant.scheduler
     if own_threads:
         replace_locks()
@@ -38,7 +38,7 @@ def install(participant, own_threads):
 
 
 def replace_locks():
-    """Have the locks that are made from now on give the turn away; until the process takes part they are ordinary."""
+    """Have locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
     now = clock(time.monotonic)
     for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
                            ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),
@@ -47,9 +47,9 @@ def replace_locks():
 
 
 def watch_start(take_part):
-    """Have a program that starts a thread before it is a node take part from there on, by ``take_part(what)``.
+    """If a program starts a thread before it is a node, have it take part from there on, by ``take_part(what)``.
 
-    Where that is not possible, lockstep does not order the thread, which is told.
+    If that is not possible, lockstep does not order the thread, and the run is labelled.
     """
     replace('threading.Thread.start', lambda start: _starting_early(start, take_part))
 
@@ -106,7 +106,7 @@ def _joining(scheduler, join):
             return
         wake_ns = NEVER if timeout is None else scheduler.now_ns + max(0, to_ns(timeout))
         if scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name), task):
-            join(self)  # the rest of it, which is Python's, takes a moment of the wall clock
+            join(self)  # Python's own end of the thread takes a moment of wall time
     return _join
 
 
@@ -118,7 +118,7 @@ def _looking(scheduler, is_alive):
 
 
 def _is_foreign(thread, starter):
-    """Return whether a thread is none of the application's; ``starter``: the module that starts it."""
+    """Return whether a thread is not the application's; ``starter`` is the module that starts it."""
     target = getattr(thread, '_target', None)
     modules = (type(thread).__module__, getattr(target, '__module__', None) or '')
     is_foreign = starter.startswith(_ROSPY) or any((module + '.').startswith(_FOREIGN) for module in modules)
@@ -131,7 +131,7 @@ def _in_turn(scheduler, task, run):
         try:
             run()
         except TurnLost:
-            pass  # lockstep is over, and with it the node
+            pass  # lockstep is over, and so the node ends
         finally:
             scheduler.finish()
     return run_in_turn

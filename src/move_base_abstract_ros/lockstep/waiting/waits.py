@@ -1,7 +1,7 @@
 """rospy's and actionlib's waits, made exact: they give the turn away and end at their instant, not after it.
 
-The functions of rospy are replaced from within (their code, not their name), so that modules which have imported them
-by name follow as well. A thread that is not the application's waits as ever.
+The functions of rospy get other code, and stay the same objects, so that modules that have imported them by name use
+it, too. A thread that is not the application's waits as without lockstep.
 """
 import time
 from contextlib import contextmanager
@@ -20,7 +20,7 @@ from ...replacing import replaced
 
 
 def install(participant):
-    """Replace the waits; to be called once."""
+    """Replace the waits. Call this once."""
     scheduler = participant.scheduler
     waits = _Waits(participant)
     replace(rospy.timer.sleep, waits.sleep, lambda: not scheduler.is_mine())
@@ -36,14 +36,14 @@ def _install_actionlib(waits, scheduler):
     try:
         from actionlib import action_client, simple_action_client
     except ImportError:
-        return  # then nobody here uses it
+        return  # then the program does not use it
     replace(action_client.ActionClient.wait_for_server, waits.wait_for_server, lambda: not scheduler.is_mine())
     replace(simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result,
              lambda: not scheduler.is_mine())
 
 
 def replace(function, hook, is_foreign):
-    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``."""
+    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
     def make(original):
         def call(*args, **kwds):
             return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
@@ -52,7 +52,7 @@ def replace(function, hook, is_foreign):
 
 
 def replace_within(function, make):
-    """Have ``function`` do what ``make(original)`` does; it stays the same object, whoever has imported it."""
+    """Have ``function`` do what ``make(original)`` does. It stays the same object for all modules that have it."""
     replaced.note(replaced.name_of(function), function)
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__
@@ -67,7 +67,7 @@ def replace_within(function, make):
 
 @contextmanager
 def replaced_within(function, make):
-    """As :func:`replace_within`, for the time of a context."""
+    """Do the same as :func:`replace_within`, within a context."""
     before = function.__code__, function.__defaults__, function.__kwdefaults__
     replace_within(function, make)
     try:
@@ -77,14 +77,14 @@ def replaced_within(function, make):
 
 
 def to_ns(duration):
-    """Return seconds (int, float) or a Duration as ns, rounded as rospy does."""
+    """Return seconds (int, float) or a Duration in ns, rounded as rospy does."""
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)
     return duration.to_nsec()
 
 
 class _Waits:
-    """The waits themselves. Each ends when the node shuts down, in the way of the original."""
+    """The waits. Each ends when the node shuts down, with the same result or error as the original."""
 
     def __init__(self, participant):
         self._participant = participant
@@ -94,7 +94,7 @@ class _Waits:
         return NEVER if timeout is None else self._scheduler.now_ns + max(0, to_ns(timeout))
 
     def sleep(self, duration):
-        """rospy.sleep."""
+        """Stand in for rospy.sleep."""
         pause_ns = to_ns(duration)
         if pause_ns > 0:
             try:
@@ -107,14 +107,14 @@ class _Waits:
             raise rospy.ROSInterruptException('ROS shutdown request')
 
     def _look(self):
-        """Sleep for no time: a loop of such sleeps waits by looking."""
+        """Sleep for 0 s; a loop of such sleeps waits by looking."""
         try:
             self._scheduler.look(STEP_NS)
         except TurnLost:
             pass  # lockstep is over
 
     def spin(self):
-        """rospy.spin."""
+        """Stand in for rospy.spin."""
         if not rospy.core.is_initialized():
             raise rospy.ROSInitException('client code must call rospy.init_node() first')
         try:
@@ -133,7 +133,7 @@ class _Waits:
             raise rospy.ROSInterruptException('rospy shutdown') from None
 
     def wait_for_message(self, topic, topic_type, timeout=None):
-        """rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
+        """Stand in for rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
         messages = []
         subscriber = rospy.Subscriber(topic, topic_type, messages.append)
         try:
@@ -144,7 +144,7 @@ class _Waits:
         return messages[0]
 
     def wait_for_service(self, service, timeout=None):
-        """rospy.wait_for_service; the timeout is simulated time (stock rospy's is wall time)."""
+        """Stand in for rospy.wait_for_service; the timeout is simulated time (stock rospy's is wall time)."""
         name = rospy.resolve_name(service)
         timeout_ns = None if timeout is None else to_ns(timeout)
         if timeout_ns == 0:
@@ -158,7 +158,7 @@ class _Waits:
             raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
 
     def wait_for_result(self, client, timeout=genpy.Duration()):
-        """SimpleActionClient.wait_for_result."""
+        """Stand in for SimpleActionClient.wait_for_result."""
         from actionlib.simple_action_client import SimpleGoalState
         if not client.gh:
             rospy.logerr('Called wait_for_result when no goal exists')
@@ -168,7 +168,7 @@ class _Waits:
         return client.simple_state == SimpleGoalState.DONE
 
     def wait_for_server(self, client, timeout=genpy.Duration()):
-        """ActionClient.wait_for_server, and through it SimpleActionClient's."""
+        """Stand in for ActionClient.wait_for_server, which SimpleActionClient's calls, too."""
         if to_ns(timeout) < 0:  # as in actionlib: look once
             return _is_connected(client)
         return self._until_or_shutdown(lambda: _is_connected(client), timeout,
@@ -184,14 +184,14 @@ class _Waits:
 
 
 def until_shutdown():
-    """Lockstep has ended in the middle of a wait, so the node is about to: wait for it, in wall time."""
+    """Wait, 5 s of wall time at most, until the node shuts down: lockstep has ended in the middle of a wait."""
     deadline = time.monotonic() + 5.0
     while not rospy.core.is_shutdown() and time.monotonic() < deadline:
         time.sleep(0.01)
 
 
 def _is_connected(client):
-    """Return whether an action server has been heard and all topics are connected; actionlib's own condition."""
+    """Return actionlib's own condition: whether an action server was heard, and all topics are connected to it."""
     if not client.last_status_msg:
         return False
     server = client.last_status_msg._connection_header['callerid']

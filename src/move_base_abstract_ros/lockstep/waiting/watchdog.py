@@ -1,4 +1,4 @@
-"""time.sleep of an unmodified program: by the wall while simulated time stands, or simulated time."""
+"""time.sleep of an unmodified program sleeps in wall time while simulated time stands still, or in simulated time."""
 import sys
 import time
 
@@ -12,21 +12,21 @@ from ..code.callers import own_frame
 from ..code.labels import told
 from ..ros_master.queries import settle
 
-#: packages of ROS that sleep for their sockets, for the ROS master and as a courtesy, never for what another node does:
-#: their sleeps are not the program's. (actionlib and tools like rostopic poll: theirs count as the program's.)
+#: packages of ROS that sleep for sockets, for the ROS master and out of courtesy, but never until another node acts.
+#: Their sleeps are not the program's. (actionlib and tools like rostopic poll; their sleeps count as the program's.)
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'genpy', 'genmsg'))
-#: ours that looks for the time master before the program takes part: how often depends on the wall
+#: our modules that look for the time master before the program takes part; how often depends on the wall clock
 _OWN = __name__.partition('.waiting.')[0] + '.exchange.'
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
 def install(sleep, take_part, clocks):
-    """Stand before time.sleep; return what sleeps so, for the code of a frame: ``by(seconds, frame)``.
+    """Replace time.sleep; return a function ``by(seconds, frame)`` that sleeps in this way for the code of a frame.
 
-    ``sleep`` says what it is to wait for: 'wall' or 'simulated'.
-
-    ``take_part(what)`` is called where a program that is no node yet is to take part, because of ``what``; ``clocks``
-    are those that the program sees.
+    :param sleep: the time that a sleep takes: 'wall' or 'simulated'.
+    :param take_part: function ``take_part(what)`` by which a program that is not a node yet takes part, before the
+        call ``what``.
+    :param clocks: the clocks that the program sees.
     """
     replace('os.sched_yield', lambda sched_yield: lambda: _look(sched_yield))
     made = _Sleep(sleep, take_part, time.sleep, clocks)
@@ -35,7 +35,7 @@ def install(sleep, take_part, clocks):
 
 
 def _look(sched_yield):
-    """A thread lets others go first: it is a sleep of no length."""
+    """Let other threads go first, as in a sleep of 0 s."""
     participant = told.participant
     if participant is None or not participant.scheduler.is_mine():
         sched_yield()
@@ -47,7 +47,7 @@ def _look(sched_yield):
 
 
 class _Sleep:
-    """time.sleep of the application's threads."""
+    """Replaces time.sleep, for the application's threads."""
 
     def __init__(self, kind, take_part, wall_sleep, clocks):
         self._is_simulated = kind == 'simulated'
@@ -66,7 +66,7 @@ class _Sleep:
         self.by(seconds, frame)
 
     def by(self, seconds, frame):
-        """Sleep for the code of a frame [s]."""
+        """Sleep for ``seconds``, for the code of a frame."""
         if told.participant is None and self._is_simulated:
             self._take_part('time.sleep')
         participant = told.participant
@@ -85,7 +85,7 @@ class _Sleep:
             self._clocks.add_sleep(seconds)
 
     def _in_turn(self, participant, seconds, frame):
-        """Sleep as who has the turn; return False if it remains to sleep by the wall."""
+        """Sleep in the thread that has the turn; return False if the caller must still sleep in wall time."""
         if not seconds:
             participant.scheduler.look(STEP_NS)
             return True
@@ -98,7 +98,7 @@ class _Sleep:
         return self._is_simulated
 
     def _warn(self, frame):
-        """It is exact, but not what the program means: time stands."""
+        """Warn, once for each place, that simulated time stands still in a sleep, which the program may not mean."""
         frame = own_frame(frame)
         place = frame and (frame.f_code.co_filename, frame.f_lineno)
         if place and place not in self._is_warned:
@@ -107,7 +107,7 @@ class _Sleep:
                           '(--sleep simulated turns this into simulated time)', rospy.get_name(), *place)
 
     def _give_in(self, participant, seconds):
-        """Who sleeps again and again waits for something that needs simulated time: have it go on."""
+        """If the program sleeps for long at one instant, it waits for simulated time: let sleeps take that instead."""
         if participant.now_ns != self._at_ns:
             self._at_ns, self._slept = participant.now_ns, 0.0
         self._slept += seconds
@@ -120,8 +120,8 @@ class _Sleep:
 
 
 def _is_of_ros(frame):
-    """Whether ROS's own code or ours sleeps: rospy does, for 0 s, after each message that it sends, also of the log."""
-    if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
+    """Return whether ROS's own code or ours sleeps. rospy does, for 0 s, after each message that it sends."""
+    if frame.f_globals.get('__name__') == 'rospy.rostime':  # its wallsleep, which others call
         frame = frame.f_back
     name = frame.f_globals.get('__name__') or ''
     return name.partition('.')[0] in _ROS or name.startswith(_OWN)

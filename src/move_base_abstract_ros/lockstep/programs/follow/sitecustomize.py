@@ -1,6 +1,7 @@
-"""Read by each Python that a followed shell script starts: the one that is the node becomes the launcher's.
+"""Each Python that a followed shell script starts imports this module. The one that is the node becomes the launcher.
 
-The others go on, with the sitecustomize that they would have had. See shell_scripts.py.
+The launcher then runs its program. All others go on, with the sitecustomize that they would have had. See
+shell_scripts.py.
 """
 import json
 import os
@@ -26,7 +27,7 @@ def _go_on(folder):
     sys.path[:] = [path for path in sys.path if path != folder]
     del sys.modules[__name__]
     try:
-        import sitecustomize  # noqa: F401 - the one behind this
+        import sitecustomize  # noqa: F401 - the next one in the search path
     except ImportError:
         pass
 
