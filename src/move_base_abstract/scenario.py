@@ -82,7 +82,7 @@ class Scenario:
     dispatcher: Optional[DispatchSettings] = None
 
     def tasks(self, seed=None):
-        """Yield the tasks (Task) that arrive, in order, by ``seed`` or the scenario's seed; there may be no last one."""
+        """Yield the tasks (Task) that arrive, in order, by ``seed`` or the scenario's seed; they may be endless."""
         return merged(self.arrivals, self.seed if seed is None else seed)
 
     def orders(self, seed=None):
