@@ -91,7 +91,7 @@ class Scenario:
 
 
 def read_scenario(path, overrides=None, base=None):
-    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides`` and ``base`` as of :func:`make_scenario`.
+    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides``, ``base``: see :func:`make_scenario`.
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
@@ -134,7 +134,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     groups = [] if raw.get('robots') is None else raw['robots']
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
-        raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
+        raise ConfigurationError('{0}: robots: got more than {1} robots; allowed: at most {1}'.format(
+            where, MAX_ROBOTS))
     dispatcher = None if raw.get('dispatcher') is None else read_dispatcher(raw['dispatcher'], where)
     levels = () if dispatcher is None else dispatcher.levels
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
@@ -160,9 +161,9 @@ def _read_encounters(raw, settings, where):
     laws = [one.encounters for one in settings]
     if None in laws or any(law != laws[0] for law in laws):
         raise ConfigurationError(
-            "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
-            'encounters, the same for all robots'.format(where, (
-                'whose calibration does not say it' if None in laws else 'of different laws')))
+            "parameter {}/encounters: got 'calibrated' with robots whose {}; allowed: if all robots have a calibration "
+            'with the same section encounters'.format(where, (
+                'calibration has no section encounters' if None in laws else 'calibrations have different laws')))
     return laws[0]
 
 

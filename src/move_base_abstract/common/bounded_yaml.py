@@ -70,7 +70,7 @@ def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -
     :raises ConfigurationError: if it is not YAML, or is out of bounds.
     """
     if len(text) > bounds.size:
-        raise ConfigurationError('{}: got more than {} bytes of YAML; allowed: at most that'.format(
+        raise ConfigurationError('{0}: got more than {1} bytes of YAML; allowed: at most {1}'.format(
             where, bounds.size))
     try:
         loader = _Loader(text.decode('utf-8') if isinstance(text, bytes) else text, bounds)
@@ -108,7 +108,7 @@ class _Loader(yaml.SafeLoader):
         event: Any = self.peek_event()
         if isinstance(event, yaml.AliasEvent):
             if event.anchor in self.anchors and event.anchor not in self._sizes:
-                raise _error(event, "the alias '*{}' lies in what it stands for".format(shown_text(event.anchor)))
+                raise _error(event, "the alias '*{}' lies in its own value".format(shown_text(event.anchor)))
             self._count(event, *self._sizes.get(event.anchor, (1, 0)))
             return super().compose_node(parent, index)
         values, characters = self._total

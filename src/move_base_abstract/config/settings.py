@@ -163,8 +163,8 @@ def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) ->
     for key in ('calibration', 'turn_rate', 'xy_goal_tolerance', 'yaw_goal_tolerance', 'routes',
                 *(parameter.name for parameter in DURATIONS)):
         if key in raw and (key, raw[key]) != ('routes', 'none'):
-            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has none of it; allowed: '
-                                     'one of them'.format(where.rstrip('/'), key, shown(raw[key]), profile))
+            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has no such parameter; '
+                                     'allowed: one of the two'.format(where.rstrip('/'), key, shown(raw[key]), profile))
     if 'pose_update_freq' not in raw:
         settings.values['pose_update_freq'] = POSE_RATES[profile]
     return replace(settings, tolerances=Tolerances(),
@@ -177,8 +177,8 @@ def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> 
     """Return ``settings`` with the values of their calibration."""
     own = [name for name in _CALIBRATED if name in raw]
     if own:
-        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
-                                 'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
+        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which sets it, too; allowed: one of the '
+                                 'two'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
     calibration = read_calibration(settings.values['calibration'], where)
     if settings.values['routes'] == 'matrix' or isinstance(settings.network, LaneMap) and settings.network.has_speeds:
         raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "

@@ -74,7 +74,7 @@ class Dispatch:
 
         If nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
 
-        :raises PolicyError: at the end of the run, if the policy has failed, or has chosen what cannot be done.
+        :raises PolicyError: at the end of the run, if the policy failed, or chose something that cannot be done.
         """
         now_ns = self.fleet.run(until_ns, until)
         if not self.fleet.simulation.queue.is_busy():
@@ -103,7 +103,7 @@ class Dispatch:
         :raises ConfigurationError: if nothing is recorded (``trace=None``).
         """
         if self.fleet.trace is None:
-            raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
+            raise ConfigurationError('trace: got None, so nothing is known of the past; allowed: a list')
         account = FleetAccount(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
             account.take(*entry)

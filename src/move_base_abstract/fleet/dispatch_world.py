@@ -62,8 +62,8 @@ def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> 
         missing = [level for level in settings.levels if battery is not None and level not in battery.levels]
         if missing:
             raise ConfigurationError(
-                "{}: charge: robot '{}' does not tell when its charge passes {}; allowed: with it among its "
-                "battery_thresholds, as the scenario's key dispatcher puts it".format(
+                "{}: charge: robot '{}' does not report when its charge passes {}; allowed: with that among its "
+                "battery_thresholds, to which the scenario's key dispatcher adds it".format(
                     where, spec.name, ', '.join('{:g}'.format(level) for level in missing)))
 
 

@@ -5,8 +5,8 @@
     fleet.run()
     fleet.trace[-1]        # TraceEntry(time_ns=6000000000, robot='bot', kind='ended', ...)
 
-The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds. So this
-fleet also says what the ROS fleet must do in tests.
+The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds. Tests
+compare the ROS fleet with this one.
 """
 import itertools
 
@@ -290,7 +290,7 @@ class Fleet:
         :raises OutputError: if the file cannot be written.
         """
         if self._trace is None:
-            raise ConfigurationError('trace: got None, so that nothing is there to be written; allowed: a list')
+            raise ConfigurationError('trace: got None, so there is nothing to write; allowed: a list')
         write_event_log(path, self.trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))

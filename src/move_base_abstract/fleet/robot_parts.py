@@ -87,6 +87,6 @@ def make_planner(settings, map_check=None):
         from ..maps.lane_planner import LanePlanner, LaneWays  # imports numpy, which only planning needs
         return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
     if map_check is None:
-        raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")
+        raise ConfigurationError("routes: got 'grid' for a robot without a map; allowed: with a map only")
     from ..maps.grid_planner import GridPlanner  # imports numpy, too
     return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)

@@ -255,7 +255,7 @@ class Recorded(NamedTuple):
 class Beyond(NamedTuple):
     """The robot's goal lies outside of the range of its calibration.
 
-    ``found``: in what it does, see RecordedRange.beyond; ``words``: the same for people to read.
+    ``found``: in which respects, see RecordedRange.beyond; ``words``: the same for people to read.
     """
 
     time_ns: int

@@ -61,7 +61,7 @@ class GoalLedger:
         """
         records, current, since_ns = [], self._current, now_ns - self._keep_ns
         for record in self._records:
-            if record is current or record.ended_ns is None or record.ended_ns >= since_ns:  # as of records()
+            if record is current or record.ended_ns is None or record.ended_ns >= since_ns:  # as in records()
                 if goal_id and record.goal_id == goal_id:
                     self._take_again(record, now_ns)
                     return None

@@ -33,7 +33,8 @@ _METHODS = frozenset((
     'get_state', 'is_active', 'is_alive', 'is_new_goal_available', 'is_preempt_requested', 'is_set', 'is_shutdown',
     'isSet', 'items', 'keys', 'locked', 'qsize', 'running', 'sched_yield', 'startswith', 'to_nsec', 'to_sec',
     'total_seconds', 'values'))
-_WAITS = frozenset(('get', 'join', 'wait', 'wait_for_result', 'wait_for_server'))  # if for 0 s
+#: methods that only look if their time-out is 0 s
+_WAITS = frozenset(('get', 'join', 'wait', 'wait_for_result', 'wait_for_server'))
 _NOT_OF_ROSPY = frozenset(('Publisher', 'Subscriber', 'Service', 'ServiceProxy', 'Timer', 'set_param', 'delete_param',
                            'init_node', 'signal_shutdown', 'on_shutdown'))
 _TIMES = frozenset(('now', 'get_time', 'get_rostime'))

@@ -55,7 +55,7 @@ class OwnCores:
         return call
 
     def chosen(self, setaffinity: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a replacement for os.sched_setaffinity: if the program chooses cores, these are no longer changed."""
+        """Return a replacement for os.sched_setaffinity: cores that the program chooses are its own from then on."""
         def call(pid: int, mask: Set[int], /) -> None:
             setaffinity(pid, mask)
             self._own = None

@@ -67,7 +67,7 @@ class Scheduler(Looking):
         self._source = source
         self._goes_on_to = getattr(self._channel, 'goes_on_to', None)
 
-    # --- who is who -------------------------------------------------------------------------------------------------
+    # --- threads and their tasks ------------------------------------------------------------------------------------
 
     def is_mine(self) -> bool:
         """Return whether the calling thread has the turn."""

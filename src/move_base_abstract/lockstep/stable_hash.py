@@ -17,8 +17,8 @@ class Numbered:
     """A base of the program's classes: an object's hash is its number, which it gets when its hash is first needed.
 
     Numbers count up, so they are the same in each run of a repeatable program. Equality does not change, and classes
-    that define how they are compared or hashed do not, either. Where Python would show an object's address, its number
-    is shown. The numbers are kept apart from the objects, as long as these exist.
+    that define how they are compared or hashed stay as they are. Python's text for an object shows its number instead
+    of its address. The numbers are kept apart from the objects, as long as these exist.
     """
 
     __slots__ = ()

@@ -26,7 +26,7 @@ class Window:
         self._told_at_ns = 0
         self._arrivals: Deque[Tuple[int, List[Item]]] = deque()
         self._walked: List[bytes] = []
-        self.walks_to_ns: Any = None  # the instant of the next turn in the window; None: the next grant says it
+        self.walks_to_ns: Any = None  # when the next turn in the window is [ns]; None: a grant begins it
 
     def take(self, items: List[Item], now_ns: int) -> List[Item]:
         """Return the items of a grant that are for ``now_ns`` [ns], and keep those that arrive later in its window."""

@@ -172,7 +172,7 @@ class EventLog:
         if not _are_bags(end.get('bags', [])):
             raise self._error(number, 'has bags that are not a list of node, name, bytes and sha256', line)
         if end.get('events') != self.events:
-            raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
+            raise self._error(number, f'the end record has another number of events than were read, {self.events}',
                               line)
         self.end = end
 
