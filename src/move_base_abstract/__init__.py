@@ -1,9 +1,9 @@
-"""The simulator's core: robots whose travel is computed instead of simulated. Needs no ROS."""
+"""The simulator's core: robots whose travel is computed in closed form. It needs no ROS."""
 from pkgutil import extend_path
 
 from .common.handed_on import handed_on
 
-# In a devel space the generated messages live in another folder of the same name; whichever is found first must
+# In a devel space the generated messages are in another folder of the same name. Whichever folder is found first must
 # lead to both.
 __path__ = extend_path(__path__, __name__)
 

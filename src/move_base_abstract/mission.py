@@ -1,8 +1,8 @@
-"""Missions: the robots, where they start, and the places that they visit, in their order.
+"""Missions: the robots, where they start, and the places that they visit, in the order of the visits.
 
 A mission comes from a YAML file (read_mission) or from a field's readings (read_field_points, mission_from_points).
 All places are in the map frame, in metres (x east, y north) and radians (yaw from x, counter-clockwise).
-Standard library and PyYAML only; everything is checked when it is read and immutable afterwards.
+This module needs only the standard library and PyYAML. Everything is checked when it is read and immutable afterwards.
 """
 
 import csv
@@ -26,11 +26,11 @@ ROBOT_KEYS = ('name', 'start', 'goals')
 
 
 class MissionError(ConfigurationError):
-    """A mission or field file that cannot be used; the text names the file, the place in it and what is allowed."""
+    """A mission or field file cannot be used. The text names the file, the place in it, and what is allowed."""
 
 
 class RobotPlan(NamedTuple):
-    """What one robot is to do."""
+    """The part of one robot in a mission: its name, its start and its goals."""
 
     name: str  # ROS name; also its namespace and tf prefix
     start: Pose2D
@@ -48,7 +48,10 @@ class Mission(NamedTuple):
         return sum(len(robot.goals) for robot in self.robots)
 
     def first_robots(self, count):
-        """Return the mission of the first count robots only, or of all if count is None."""
+        """Return the mission of the first ``count`` robots, or of all if it is None.
+
+        :raises MissionError: if ``count`` is not in 1..the number of robots.
+        """
         if count is not None and not 1 <= count <= len(self.robots):
             raise MissionError(f'the mission has {len(self.robots)} robots: their number must be '
                                f'1..{len(self.robots)}, got {count}')
@@ -64,7 +67,7 @@ class FieldPoint(NamedTuple):
 
 
 def _facing_travel(previous, place):
-    """Return place with the heading of the way from previous, or with previous's heading where they coincide."""
+    """Return ``place`` with the heading of the way from ``previous``, or the same heading if the two coincide."""
     same = (previous.x, previous.y) == (place.x, place.y)
     return Pose2D(place.x, place.y, previous.yaw if same else previous.bearing_to(place))
 
@@ -72,7 +75,10 @@ def _facing_travel(previous, place):
 # ---------------------------------------------------------------------------------------------- the mission file
 
 def read_mission(path):
-    """Read the YAML mission file at path; raise MissionError where it cannot be used."""
+    """Return the Mission in the YAML file ``path``.
+
+    :raises MissionError: if the file cannot be used.
+    """
     try:
         document = load_yaml_file(path)
     except ConfigurationError as error:
@@ -81,7 +87,10 @@ def read_mission(path):
 
 
 def parse_mission(document, source):
-    """Make a Mission of a loaded YAML document; source names it in error texts."""
+    """Return the Mission in a loaded YAML document; error texts begin with ``source``.
+
+    :raises MissionError: if the document is not a mission.
+    """
     _check_mapping(document, MISSION_KEYS, MISSION_KEYS, f'{source}: mission')
     entries = document['robots']
     if not isinstance(entries, list) or not entries:
@@ -112,7 +121,10 @@ def _parse_robot(entry, where):
 
 
 def _parse_place(value, previous, where):
-    """Return [x, y] or [x, y, yaw] as a Pose2D; without a yaw it faces away from the previous place (0 if none)."""
+    """Return [x, y] or [x, y, yaw] as a Pose2D.
+
+    Without a yaw the heading is that of the way from the previous place; 0 if there is none.
+    """
     if not isinstance(value, list) or len(value) not in (2, 3):
         raise MissionError(f'{where}: must be [x, y] or [x, y, yaw] in m and rad, map frame, got {shown(value)}')
     for name, number in zip(('x', 'y', 'yaw'), value):
@@ -141,9 +153,9 @@ def _check_mapping(value, known, required, where):
 def read_field_points(path, value_column=None):
     """Read the columns lat, lon [degrees, WGS84] and a value from a CSV file; return a tuple of FieldPoint.
 
-    value_column: name of the value's column; if None, 'value' or else the first column that is neither lat nor lon.
-    The projection is the equirectangular one with the field's middle latitude p as its standard parallel, moved to the
-    south-west corner of the readings' bounding box (angles in radians):
+    value_column: the name of the value's column. If it is None, the column is 'value', or, if there is none, the first
+    that is neither lat nor lon. The projection is the equirectangular one with the field's middle latitude p as its
+    standard parallel, moved to the south-west corner of the readings' bounding box (angles in radians):
 
         x = N cos(p) (lon - lon_min)      N = a / sqrt(1 - e^2 sin(p)^2)                  (radius along the parallel)
         y = M (lat - lat_min)             M = a (1 - e^2) / (1 - e^2 sin(p)^2)^(3/2)      (radius along the meridian)
@@ -151,6 +163,8 @@ def read_field_points(path, value_column=None):
     J. P. Snyder, Map Projections: A Working Manual, USGS Professional Paper 1395, 1987: equations 12-1 and 12-2 with
     the radii of equations 4-20 and 4-18 in place of the sphere's. Over a field of 1 km the error is below 0.1 m
     within 60 degrees of the equator.
+
+    :raises MissionError: if the file cannot be used, or has fewer than 3 points.
     """
     rows = _read_csv(path, value_column)
     if len(rows) < 3:
@@ -225,8 +239,10 @@ def _check_degrees(row, where):
 def mission_from_points(points, robot_count, goals_each, seed=1):
     """Return a mission robot_0, robot_1, ... in which each robot starts at one point and visits goals_each others.
 
-    points: anything with x and y [m]. Robot k draws from a generator of its own, made of (seed, k): adding a robot
-    changes no other robot's plan. A robot's places are all different; two robots may visit the same one.
+    points: a sequence of objects with x and y [m]. Robot k draws from a generator of its own, made of (seed, k), so
+    adding a robot changes no other robot's plan. A robot's places are all different; two robots may visit the same one.
+
+    :raises MissionError: if a number is not >= 1, or there are too few points.
     """
     for name, value in (('robot_count', robot_count), ('goals_each', goals_each)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:

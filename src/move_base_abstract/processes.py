@@ -11,9 +11,9 @@
     env.process(patrol(env, env.robot('bot')))
     env.run(until=60.0)
 
-Everything of SimPy is there: processes, interrupts, conditions, resources, stores. Its heap of events is not: all
-events are in the fleet's queue, in integer nanoseconds. At one instant robots come first, then what is urgent to SimPy
-(new processes and interrupts), then the rest in the order in which it was scheduled.
+All of SimPy can be used: processes, interrupts, conditions, resources, stores. Only its heap of events is replaced: all
+events are in the fleet's queue, in integer nanoseconds. At one instant the robots' events come first, then SimPy's
+urgent events (new processes and interrupts), then all others in the order in which they were scheduled.
 """
 import math
 from typing import NamedTuple
@@ -36,7 +36,7 @@ __all__ = ['Environment', 'Outcome', 'Robot']
 
 
 class Outcome(NamedTuple):
-    """How a goal or a task has ended: its id, state and text, and when [ns]."""
+    """The ending of a goal or a task: its id, its state, the text for the client, and the instant [ns]."""
 
     goal_id: str
     state: GoalState
@@ -45,32 +45,36 @@ class Outcome(NamedTuple):
 
     @property
     def succeeded(self):
-        """Whether it was reached, or done."""
+        """Whether the goal was reached, or the task was done."""
         return self.state is GoalState.SUCCEEDED
 
 
 class Robot(RobotView):
-    """A robot that processes wait for. What its methods return are events of SimPy: ``yield`` them, combine them."""
+    """A robot for processes. ``go``, ``work`` and ``when`` return events of SimPy, to be yielded or combined."""
 
     def __init__(self, env, name):
         super().__init__(env.fleet, name)
         self._env = env
 
     def go(self, x, y, yaw=0.0):
-        """Send it to (x, y) [m] with ``yaw`` [rad], in the frame ``map``; the event's value is the :class:`Outcome`.
+        """Send the robot to (x, y) [m], ``yaw`` [rad], in the frame ``map``; the event's value is an :class:`Outcome`.
 
-        A goal that fails is no exception: look at ``outcome.succeeded``. Another goal ends it as PREEMPTED.
+        A goal that fails raises no exception: look at ``outcome.succeeded``. A newer goal ends this one as PREEMPTED.
         """
         return self._env.ending('goal', self.name, self.send(x, y, yaw))
 
     def work(self, task):
-        """Have it do ``task`` (:class:`.arrivals.Task`) where it stands; the event's value is the :class:`Outcome`."""
+        """Have the robot do ``task`` (:class:`.arrivals.Task`) where it stands; the event's value is its Outcome.
+
+        :raises ConfigurationError: if the scenario says nothing of places.
+        """
         return self._env.ending('task', self.name, self._fleet.work(self.name, task))
 
     def when(self, kind, *values):
-        """Wait until something of ``kind`` happens to it, as :class:`.TraceEntry` has it; the value is the entry.
+        """Return the event of the robot's next entry of ``kind`` in the trace; its value is that :class:`.TraceEntry`.
 
-        ``values``: the first of the entry's: ``bot.when('entered', 'zone dock')``.
+        With ``values``, only an entry whose values begin with these counts: ``bot.when('entered', 'zone dock')``.
+
         :raises ConfigurationError: if there is no such kind.
         """
         check_keys({kind: None}, KINDS, "robot '{}'".format(self.name), 'when: ')
@@ -78,9 +82,9 @@ class Robot(RobotView):
 
 
 class Environment(simpy.Environment):
-    """SimPy's environment on a fleet; times are seconds, kept in whole nanoseconds (exact for 100 days).
+    """SimPy's environment on a fleet. Times are in seconds and kept in whole nanoseconds, which is exact for 100 days.
 
-    ``options``: as of :class:`Fleet` (``start_ns``, ``planner``, ``trace``, ``occupancy``).
+    ``options`` are those of :class:`Fleet`: ``start_ns``, ``planner``, ``trace``, ``occupancy``.
     """
 
     def __init__(self, scenario=Scenario(()), **options):
@@ -92,7 +96,7 @@ class Environment(simpy.Environment):
 
     @property
     def now(self):
-        """The present [s]."""
+        """The present simulated time [s]."""
         return self.fleet.now_ns / NS_PER_S
 
     def robot(self, name):
@@ -109,12 +113,14 @@ class Environment(simpy.Environment):
         self._put(event, priority, self.fleet.now_ns + seconds_to_ns(delay))
 
     def run(self, until=None):
-        """Let everything happen; until the time ``until`` [s], or until that event, whose value is returned.
+        """Run up to the time ``until`` [s], or until the event ``until`` happens, and return that event's value.
 
-        As SimPy: of what processes have scheduled for the very time ``until`` nothing has happened yet; robots have
-        come there. Without ``until`` to the end of all events; as :meth:`Fleet.run`, no charge is waited for.
+        At the time ``until`` itself the robots' events have happened. As in SimPy, the processes' events of that time
+        have not. Without ``until`` the run goes on until no events are left; like :meth:`Fleet.run`, it does not wait
+        for batteries to be charged.
 
-        :raises ValueError: if ``until`` is not in the future. :raises RuntimeError: if the event cannot happen.
+        :raises ValueError: if ``until`` is not in the future.
+        :raises RuntimeError: if nothing is left to happen and the event ``until`` has not happened.
         """
         if until is None:
             self.fleet.run()
@@ -131,23 +137,23 @@ class Environment(simpy.Environment):
         raise RuntimeError('nothing is left to happen at {} s, and {} has not happened'.format(self.now, until))
 
     def step(self):
-        """Let all happen that is due at the next instant. :raises simpy.core.EmptySchedule: if there is none."""
+        """Let everything of the next instant happen. :raises simpy.core.EmptySchedule: if nothing is left to happen."""
         due_ns = self.fleet.simulation.next_due_ns()
         if due_ns is None:
             raise EmptySchedule
         self.fleet.run(due_ns)
 
     def peek(self):
-        """Return when something happens next [s], of a robot or a process; infinity: nothing does."""
+        """Return the time [s] of the next event of a robot or a process; infinity if there is none."""
         due_ns = self.fleet.simulation.next_due_ns()
         return math.inf if due_ns is None else due_ns / NS_PER_S
 
     def ending(self, kind, robot, goal_id):
-        """Return the event of the end of a ``goal`` or a ``task`` that a robot has just got."""
+        """Return the event of the end of a goal or a task that the robot has just got; ``kind``: 'goal' or 'task'."""
         return self._endings.setdefault((kind, robot, goal_id), Event(self))
 
     def happening(self, robot, kind, values):
-        """Return the event of the next thing of ``kind`` that happens to a robot; see :meth:`Robot.when`."""
+        """Return the event of the robot's next entry of ``kind`` in the trace; see :meth:`Robot.when`."""
         self._happenings.append((Event(self), robot, kind, tuple(values)))
         return self._happenings[-1][0]
 
@@ -157,7 +163,7 @@ class Environment(simpy.Environment):
             due_ns, AFTER_USERS + priority, lambda _due_ns, _now_ns: self._happen(event))
 
     def _happen(self, event):
-        self._queue.append((self.now, NORMAL, 0, event))  # SimPy's own, in which there is never another one
+        self._queue.append((self.now, NORMAL, 0, event))  # SimPy's own queue, which holds no other event
         super().step()
 
     def _stop(self, until):

@@ -7,13 +7,13 @@
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
     encounters: none                               # or calibrated, see encounters
-    zones: []                                      # see zones; likewise lanes and travel_matrix, paths of files
+    zones: []                                      # see zones; the keys lanes and travel_matrix are paths of files
     places: [{name: dock, x: 12.0, y: 3.0}]        # see places
-    arrivals: [{place: dock, rate_per_hour: 20.0, duration: 30.0}]    # of tasks, see arrivals
-    orders: [{name: picks, rate_per_hour: 20.0, stops: [{place: dock}]}]    # of several stops, see orders
-    dispatcher: {policy: nearest}                  # who does them, see orders
+    arrivals: [{place: dock, rate_per_hour: 20.0, duration: 30.0}]    # tasks that arrive, see arrivals
+    orders: [{name: picks, rate_per_hour: 20.0, stops: [{place: dock}]}]    # work with several stops, see orders
+    dispatcher: {policy: nearest}                  # how orders are given to robots, see orders
 
-The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
+The settings are the private parameters of the ``move_base`` node. A robot's own settings override the defaults.
 """
 import os
 from dataclasses import dataclass, field, replace
@@ -38,10 +38,10 @@ from .traffic.rules import KEYS as RULES
 from .traffic.rules import TrafficRules, read_rules
 from .traffic.zones import Zone, read_zones
 
-_NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
+_NETWORKS = ('lanes', 'travel_matrix')  # settings that describe the world, so they are keys of the scenario itself
 _TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *RULES, 'encounters', *_NETWORKS, 'places', 'arrivals', 'orders',
              'dispatcher')
-#: settings that are paths, or names without .yaml that ship
+#: settings that are paths of files; a calibration may also be named, without .yaml, if it ships with the package
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
@@ -53,7 +53,7 @@ _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 
 @dataclass(frozen=True)
 class RobotSpec:
-    """One robot: its name, its parameters as they were given, and the settings that these mean."""
+    """One robot: its name, its parameters as they were given, and the settings that follow from them."""
 
     name: str
     parameters: dict
@@ -62,12 +62,12 @@ class RobotSpec:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones.
+    """A fleet: the robots in the order of their indices, the settings of all robots, the seed of all draws, the zones.
 
-    ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks;
-    ``traffic``: its rules (TrafficRules); ``encounters``: what happens when two robots come near each other
-    (EncounterLaw), None: nothing. ``order_sources``: of orders; ``dispatcher``: who does them (DispatchSettings), None
-    where the scenario says nothing of it.
+    ``places``: {name: Place}, or None if the scenario says nothing of places. ``arrivals``: the sources of tasks.
+    ``traffic``: the rules of traffic (TrafficRules). ``encounters``: what happens when two robots come near each other
+    (EncounterLaw); None: nothing. ``order_sources``: the sources of orders. ``dispatcher``: how orders are given to
+    robots (DispatchSettings), or None if the scenario does not say it.
     """
 
     robots: Tuple[RobotSpec, ...]
@@ -82,16 +82,16 @@ class Scenario:
     dispatcher: Optional[DispatchSettings] = None
 
     def tasks(self, seed=None):
-        """Yield the tasks (Task) that arrive, in order, of the scenario's seed or another one; they may be endless."""
+        """Yield the tasks (Task) that arrive, in order, by ``seed`` or the scenario's seed; they may be endless."""
         return merged(self.arrivals, self.seed if seed is None else seed)
 
     def orders(self, seed=None):
-        """Yield the orders (Order) that arrive, likewise."""
+        """Yield the orders (Order) that arrive, in the same way."""
         return order_arrivals.merged(self.order_sources, self.seed if seed is None else seed)
 
 
 def read_scenario(path, overrides=None, base=None):
-    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides`` and ``base`` as of :func:`make_scenario`.
+    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides``, ``base``: see :func:`make_scenario`.
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
@@ -101,7 +101,7 @@ def read_scenario(path, overrides=None, base=None):
 
 
 def _find_files(raw, folder):
-    """Take paths of files in a scenario, in place, as from the ``folder`` that it lies in."""
+    """Resolve the relative paths in a scenario, in place; they are relative to ``folder``, where its file lies."""
     if not isinstance(raw, dict):
         return
     groups = raw.get('robots')
@@ -116,16 +116,16 @@ def _find_files(raw, folder):
 
 
 def make_scenario(raw, where='scenario', overrides=None, base=None):
-    """Return the :class:`Scenario` in the dictionary ``raw``; ``where`` is named in errors.
+    """Return the :class:`Scenario` that the dictionary ``raw`` describes; error texts begin with ``where``.
 
-    ``overrides`` are settings that replace the defaults of the same name, not what a robot says of itself; ``base``
-    are settings that the defaults replace.
+    ``overrides`` are settings that replace the defaults of the same name, but not a robot's own settings. ``base`` are
+    settings that the defaults replace.
 
-    :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots bear one name.
+    :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots have the same name.
     """
     _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
     check_keys(raw, _TOP_KEYS, where, '')
-    defaults = {} if raw.get('defaults') is None else raw['defaults']  # 0 and false are no defaults, and an error
+    defaults = {} if raw.get('defaults') is None else raw['defaults']  # 0 and false are not allowed
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
@@ -134,7 +134,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     groups = [] if raw.get('robots') is None else raw['robots']
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
-        raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
+        raise ConfigurationError('{0}: robots: got more than {1} robots; allowed: at most {1}'.format(
+            where, MAX_ROBOTS))
     dispatcher = None if raw.get('dispatcher') is None else read_dispatcher(raw['dispatcher'], where)
     levels = () if dispatcher is None else dispatcher.levels
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
@@ -151,22 +152,26 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
 
 
 def _read_encounters(raw, settings, where):
-    """Return the EncounterLaw that the calibrations of all robots, of which these are the settings, agree on."""
+    """Return the EncounterLaw of the robots' calibrations, which must agree; None if there are no encounters.
+
+    ``settings``: the RobotSettings of all robots.
+    """
     if checked(raw.get('encounters', 'none'), 'encounters', _ENCOUNTERS, where) == 'none':
         return None
     laws = [one.encounters for one in settings]
     if None in laws or any(law != laws[0] for law in laws):
         raise ConfigurationError(
-            "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
-            'encounters, the same for all robots'.format(where, (
-                'whose calibration does not say it' if None in laws else 'of different laws')))
+            "parameter {}/encounters: got 'calibrated' with robots whose {}; allowed: if all robots have a calibration "
+            'with the same section encounters'.format(where, (
+                'calibration has no section encounters' if None in laws else 'calibrations have different laws')))
     return laws[0]
 
 
 def check_one_process(scenario, parts, where):
-    """Check that places which are counted are not counted in several processes.
+    """Check that a scenario in which robots are counted in zones, lanes or places is not split into several processes.
 
-    :raises ConfigurationError: one with zones, or with lanes or places that have a capacity, is split into ``parts``.
+    :raises ConfigurationError: if ``parts`` > 1 and the scenario has zones, encounters, or lanes or places that have a
+        capacity.
     """
     what = counted_places(scenario)
     if parts > 1 and what:
@@ -176,7 +181,10 @@ def check_one_process(scenario, parts, where):
 
 
 def counted_places(scenario):
-    """Return in what kind of places robots are counted, so that one has to wait for another: a word, or None."""
+    """Return why the robots of a scenario depend on each other's positions, so that one process must know them all.
+
+    One of 'encounters', 'zones', 'lanes' and 'places' (the last two: with a capacity), or None.
+    """
     if scenario.encounters is not None:
         return 'encounters'
     if scenario.zones:
@@ -189,7 +197,7 @@ def counted_places(scenario):
 def make_robot(name, parameters, where='robot'):
     """Return the :class:`RobotSpec` of one robot.
 
-    :raises ConfigurationError: if the name is no ROS name, a key is unknown, or a value is not allowed.
+    :raises ConfigurationError: if the name is not a ROS name, a key is unknown, or a value is not allowed.
     """
     if not is_robot_name(name):
         raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
@@ -198,7 +206,7 @@ def make_robot(name, parameters, where='robot'):
 
 
 def _expand(group, index, defaults, levels, where):
-    """Return the robots of one entry of the list; ``levels``: states of charge of which they tell."""
+    """Return the robots of one entry of the list; ``levels``: states of charge whose crossing they must report."""
     place = 'robots[{}]'.format(index)
     _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
     check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
@@ -217,20 +225,20 @@ def _expand(group, index, defaults, levels, where):
 
 
 def _size(group):
-    """Return how many robots an entry of the list stands for, if it is one at all and its count is allowed."""
+    """Return the number of robots that an entry of the list stands for; 1 if the entry or its count is not allowed."""
     count = group.get('count', 1) if isinstance(group, dict) else 1
     return count if isinstance(count, int) and 1 <= count <= MAX_ROBOTS else 1
 
 
 def frame_of(spec):
-    """Return the tf frame that a robot publishes as its own: its base's, below its prefix, which may be its name."""
+    """Return the tf frame of a robot's base, with the robot's tf prefix, which is its name if none is set."""
     settings = spec.settings
     prefix = spec.name if settings.tf_prefix is None else settings.tf_prefix
     return replace(settings, tf_prefix=prefix).frame(settings.values['robot_base_frame'])
 
 
 def _check_different(specs, where):
-    """Refuse two robots of one name, and two that would publish one tf frame."""
+    """Refuse two robots with the same name or with the same tf frame."""
     names, frames = set(), {}
     for spec in specs:
         if spec.name in names:
@@ -243,7 +251,7 @@ def _check_different(specs, where):
 def check_frame(spec, frames, where):
     """Note the tf frame of a robot in ``frames``, {frame: name of its robot}.
 
-    :raises ConfigurationError: if another robot has it.
+    :raises ConfigurationError: if another robot has the same frame.
     """
     frame = frame_of(spec)
     other = frames.setdefault(frame, spec.name)

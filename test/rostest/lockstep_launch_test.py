@@ -122,7 +122,7 @@ CRASHES = {
     '/odd': r'at 2\.0+ s: TypeError in a callback of /ticks, an unknown place \(and \d+ more\)',
     '/unsaved': r'at 3\.0+ s: KeyError in a function of rospy.on_shutdown, fates.py, line \d+',
     '/raises': r'at 3\.0+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
-    '/wrapped': r'at 3\.0+ s: exit code 139 \(a shell says so of SIGSEGV\)',
+    '/wrapped': r'at 3\.0+ s: exit code 139 \(in a shell, this means SIGSEGV\)',
     '/within': r'at 3\.0+ s: its connection was lost',
     '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
     '/faults': r'at 3\.0+ s: ended by SIGSEGV', '/killed': r'at 3\.0+ s: ended by SIGKILL',

@@ -59,7 +59,7 @@ def test_what_comes_by_a_service_is_bounded_more_closely():
 
 
 def test_an_alias_in_what_it_stands_for_is_refused():
-    assert "line 1, column 5: the alias '*a' lies in what it stands for" in refusal('&a [*a]')
+    assert "line 1, column 5: the alias '*a' lies in its own value" in refusal('&a [*a]')
 
 
 @pytest.mark.parametrize('text', ['[' * 100_000, '{a: ' * 100_000, '- ' * 100_000, '[' * 33 + ']' * 33])

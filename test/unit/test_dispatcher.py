@@ -178,7 +178,7 @@ def test_whose_battery_gets_empty_at_the_edge_of_a_charger_charges_there():
 
 def test_thresholds_that_robots_do_not_tell_of_are_an_error():
     scenario = make_scenario({'robots': [{'name': 'a', 'battery_capacity': 1.0}], 'zones': [DOCK]})
-    with pytest.raises(ConfigurationError, match="robot 'a' does not tell when its charge passes 0.9, 0.3"):
+    with pytest.raises(ConfigurationError, match="robot 'a' does not report when its charge passes 0.9, 0.3"):
         Dispatch(scenario)
 
 

@@ -242,8 +242,8 @@ def test_how_often_robots_are_blocked_goes_by_how_near_they_come_and_some_blocks
 
 @pytest.mark.parametrize('raw, words', [
     ({'encounters': 'sometimes'}, "'calibrated' or 'none'"),
-    ({'encounters': 'calibrated', 'robots': [{'name': 'a'}]}, 'does not say it'),
-    ({'encounters': 'calibrated'}, 'does not say it'),
+    ({'encounters': 'calibrated', 'robots': [{'name': 'a'}]}, 'has no section encounters'),
+    ({'encounters': 'calibrated'}, 'has no section encounters'),
     ({'defaults': {'encounters': 'none'}}, 'unknown'),
 ])
 def test_what_cannot_be_is_refused(raw, words):

@@ -40,7 +40,7 @@ def crash_of(log, *processes):
     (-15, False, False, 'ended by SIGTERM'),
     (-9, True, True, 'ended by SIGKILL'),  # the connection was lost before a signal of ours came
     (-9, False, True, None), (130, False, True, None), (1, False, True, 'exit code 1'),
-    (139, True, False, 'exit code 139 (a shell says so of SIGSEGV)'), (127, False, False, 'exit code 127')])
+    (139, True, False, 'exit code 139 (in a shell, this means SIGSEGV)'), (127, False, False, 'exit code 127')])
 def test_of_a_participant_that_went_before_the_end_its_exit_code_counts(tmp_path, code, died, told, how):
     log = log_of(tmp_path, [('/a', died)])
     assert crash_of(log, Process('/a', True, code, was_told=told)) == (
@@ -122,7 +122,7 @@ def test_of_a_shell_that_ends_well_the_death_of_what_it_has_started_counts(tmp_p
     assert crash_of(died, Process('/a', True, 0, is_shell=True)) == [
         '/a crashed at 5.000000000 s: its connection was lost']
     assert crash_of(died, Process('/a', True, 137, is_shell=True)) == [
-        '/a crashed at 5.000000000 s: exit code 137 (a shell says so of SIGKILL)']
+        '/a crashed at 5.000000000 s: exit code 137 (in a shell, this means SIGKILL)']
     assert crash_of(left, Process('/a', True, 0, is_shell=True)) == []
 
 

@@ -152,7 +152,7 @@ def test_text_with_quotes_commas_and_bytes_that_are_no_text_survives():
     (HEAD + '\n{"time_ns":1,"robot":"a","kind":"k"}\n', ('a.jsonl:2', 'must hold time_ns')),
     (HEAD + '\n{"end":{}}\n', ('a.jsonl:2', 'must be an end record')),
     (HEAD + '\n' + end_record(0, cut_ns=1.5) + '\n', ('a.jsonl:2', 'cut_ns')),
-    (HEAD + '\n' + end_record(7) + '\n', ('a.jsonl:2', 'counts another number of events than were read, 0')),
+    (HEAD + '\n' + end_record(7) + '\n', ('a.jsonl:2', 'has another number of events than were read, 0')),
     (json_text() + 'more\n', ('a.jsonl:6', 'is not JSON')),
     (json_text() + json_text().split('\n')[1] + '\n', ('a.jsonl:6', 'after the end record')),
     (HEAD + '\n' + '[' * 100000 + '\n', ('a.jsonl:2', 'is not JSON')),

@@ -197,7 +197,7 @@ def test_what_is_not_allowed(settings, text):
 
 
 def test_routes_need_a_map():
-    with pytest.raises(ConfigurationError, match="routes: got 'grid' for robots that have no map"):
+    with pytest.raises(ConfigurationError, match="routes: got 'grid' for a robot without a map"):
         fleet_on(None)
 
 

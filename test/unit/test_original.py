@@ -100,7 +100,7 @@ def test_one_that_was_given_up_leaves_no_retry_for_the_next():
 @pytest.mark.parametrize('name, value', [('turn_rate', 1.0), ('xy_goal_tolerance', 0.1), ('goal_overhead', 1.0),
                                          ('routes', 'grid'), ('calibration', 'x')])
 def test_what_the_original_has_not_is_refused(name, value):
-    with pytest.raises(ConfigurationError, match='with compatible_with: move_base_abstract, which has none of it'):
+    with pytest.raises(ConfigurationError, match='compatible_with: move_base_abstract, which has no such parameter'):
         read_settings({'compatible_with': MAIN, name: value, **({'use_map': True} if name == 'routes' else {})}, '/r')
 
 

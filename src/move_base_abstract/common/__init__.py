@@ -1,4 +1,4 @@
-"""What all packages use and what is not about robots: errors, units, texts, careful reading and writing of files."""
+"""Tools of all packages that are not about robots: errors, units, texts, careful reading and writing of files."""
 from .handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,4 +1,4 @@
-"""Arguments of calls from outside, checked where they come in: a value of the wrong kind is an error at once."""
+"""Checks of the arguments of calls from outside, so that a value of the wrong kind is an error at once."""
 from __future__ import annotations
 
 import numbers
@@ -13,9 +13,9 @@ from .units import check_reachable
 def as_float(value: object, name: str) -> float:
     """Return the number ``value`` as a float, which may be NaN or infinite.
 
-    :raises ConfigurationError: naming ``name``, if it is no number, or one that no float holds.
+    :raises ConfigurationError: if it is not a number, or too large for a float; the text begins with ``name``.
     """
-    if type(value) is float:  # as nearly always; to look among all kinds of numbers takes ten times as long
+    if type(value) is float:  # nearly always true; the check for all kinds of numbers takes ten times as long
         return value
     try:
         if isinstance(value, numbers.Real) and not isinstance(value, bool):
@@ -28,7 +28,7 @@ def as_float(value: object, name: str) -> float:
 def as_ns(value: object, name: str) -> int:
     """Return the time ``value`` [ns] as an int.
 
-    :raises ConfigurationError: naming ``name``, if it is no whole number; a float is none, not even 1e9.
+    :raises ConfigurationError: if it is not a whole number (also for the float 1e9); the text begins with ``name``.
     """
     try:
         if not isinstance(value, bool):
@@ -41,7 +41,8 @@ def as_ns(value: object, name: str) -> int:
 def as_instant(value: object, name: str) -> int:
     """Return the instant ``value`` [ns] of simulated time as an int.
 
-    :raises ConfigurationError: as of :func:`as_ns`. :raises TimeError: naming ``name``, if simulated time ends before.
+    :raises ConfigurationError: if it is not a whole number.
+    :raises TimeError: if simulated time ends before; the text begins with ``name``.
     """
     time_ns = as_ns(value, name)
     try:
@@ -54,7 +55,7 @@ def as_instant(value: object, name: str) -> int:
 def check_kind(value: object, kind: type, name: str) -> None:
     """Check that ``value`` is an instance of ``kind``.
 
-    :raises ConfigurationError: naming ``name``, if it is none.
+    :raises ConfigurationError: if it is not; the text begins with ``name``.
     """
     if not isinstance(value, kind):
         raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), _KINDS.get(kind, kind.__name__)))

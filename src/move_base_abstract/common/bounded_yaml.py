@@ -1,8 +1,8 @@
-"""YAML files of users: plain data only, bounded in size and depth, without duplicate keys.
+"""Reads YAML files of users: plain data only, bounded in size and depth, without duplicate keys.
 
-A few hundred bytes of YAML can stand for more than any machine holds (aliases of aliases), and a few kilobytes can
+A few hundred bytes of YAML can stand for more than any machine can hold (aliases of aliases), and a few kilobytes can
 exhaust the reader (nesting, long numbers). Here each of these is an error that says what was got, what is allowed, and
-where. Maps, scenarios, missions and services read with this, so that they all allow the same.
+where. Maps, scenarios, missions and services use this module, so that all of them allow the same.
 """
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
     from .type_names import StrPath
 
-MAX_DEPTH = 32  # lists and mappings in one another
-MAX_DIGITS = 100  # characters of a number
+MAX_DEPTH = 32  # of lists and mappings in one another
+MAX_DIGITS = 100  # of characters in a number
 _MERGE_TAG = 'tag:yaml.org,2002:merge'
 _NUMBER_TAGS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
-#: what SafeLoader lets out where a value does not fit its tag: !!int x, 2001-13-40
+#: the errors that SafeLoader does not catch if a value does not fit its tag: !!int x, 2001-13-40
 _CONSTRUCTION_ERRORS = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
 
 
@@ -38,13 +38,13 @@ class Bounds(NamedTuple):
 
 
 FILE = Bounds(8 * 1024 * 1024, 500_000, 16 * 1024 * 1024)
-REQUEST = Bounds(64 * 1024, 10_000, 256 * 1024)  # what comes by a service, while others wait
+REQUEST = Bounds(64 * 1024, 10_000, 256 * 1024)  # for a request of a service, because others wait meanwhile
 
 
 def load_yaml_file(path: StrPath) -> Any:
     """Return the document in the YAML file ``path``.
 
-    :raises ConfigurationError: if it cannot be read, is no YAML, or is out of bounds; the text begins with the path.
+    :raises ConfigurationError: if it cannot be read, is not YAML, or is out of bounds; the text begins with the path.
     """
     with open_input(path, FILE.size, what='file of YAML') as stream:
         data = stream.read(FILE.size + 1)
@@ -52,9 +52,9 @@ def load_yaml_file(path: StrPath) -> Any:
 
 
 def file_version(path: StrPath, where: str) -> Tuple[int, int]:
-    """Return (time of the last change [ns], size [bytes]) of a file, to know whether it has changed since it was read.
+    """Return (time of the last change [ns], size [bytes]) of a file, to detect whether it changed since it was read.
 
-    :raises ConfigurationError: if it cannot be looked at; the text begins with ``where``.
+    :raises ConfigurationError: if the file cannot be read; the text begins with ``where``.
     """
     try:
         status = os.stat(path)
@@ -65,12 +65,12 @@ def file_version(path: StrPath, where: str) -> Tuple[int, int]:
 
 
 def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -> Any:
-    """Return the document in ``text`` (str, or bytes in UTF-8); ``where`` begins the text of an error.
+    """Return the document in ``text`` (str, or bytes in UTF-8); error texts begin with ``where``.
 
-    :raises ConfigurationError: if it is no YAML, or out of bounds.
+    :raises ConfigurationError: if it is not YAML, or is out of bounds.
     """
     if len(text) > bounds.size:
-        raise ConfigurationError('{}: got more than {} bytes of YAML; allowed: at most that'.format(
+        raise ConfigurationError('{0}: got more than {1} bytes of YAML; allowed: at most {1}'.format(
             where, bounds.size))
     try:
         loader = _Loader(text.decode('utf-8') if isinstance(text, bytes) else text, bounds)
@@ -85,7 +85,7 @@ def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -
 
 
 def _told(error: Any) -> str:
-    """Return an error of the library as one line, without the piece of text that it quotes at length."""
+    """Return an error of the library as one line, without the text that the library quotes at length."""
     mark = getattr(error, 'problem_mark', None)
     if mark is None:
         return shown_text(' '.join(str(error)[:1000].split()) or type(error).__name__)
@@ -94,21 +94,21 @@ def _told(error: Any) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """Counts while it composes the tree, which is before anything is made of it."""
+    """Counts values and characters while it composes the tree, before Python objects are made from it."""
 
     def __init__(self, text: str, bounds: Bounds) -> None:
         super().__init__(text)
         self._bounds = bounds
         self._depth = 0
         self._total = (0, 0)  # values, characters
-        self._sizes: Dict[Optional[str], Tuple[int, int]] = {}  # the same, by anchor
+        self._sizes: Dict[Optional[str], Tuple[int, int]] = {}  # {anchor: (values, characters)}
 
     def compose_node(self, parent: Optional[Node], index: Any) -> Optional[Node]:
-        """Compose a node, or take that of an alias, and count it."""
+        """Compose a node, or take the node of an alias, and count its values and characters."""
         event: Any = self.peek_event()
         if isinstance(event, yaml.AliasEvent):
             if event.anchor in self.anchors and event.anchor not in self._sizes:
-                raise _error(event, "the alias '*{}' lies in what it stands for".format(shown_text(event.anchor)))
+                raise _error(event, "the alias '*{}' lies in its own value".format(shown_text(event.anchor)))
             self._count(event, *self._sizes.get(event.anchor, (1, 0)))
             return super().compose_node(parent, index)
         values, characters = self._total
@@ -130,7 +130,7 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
-        """Say where a value is that its tag does not fit."""
+        """Make the object of a node; if the value does not fit its tag, the error says where it is."""
         try:
             return super().construct_object(node, deep)
         except ConfigurationError:
@@ -141,7 +141,7 @@ class _Loader(yaml.SafeLoader):
                 shown_text(node.tag.rsplit(':', 1)[-1]))) from None
 
     def construct_mapping(self, node: MappingNode, deep: bool = False) -> Dict[Hashable, Any]:
-        """Refuse a key that is there twice, also written in two ways (1 and 0x1); merged keys may be replaced."""
+        """Refuse a key that is there twice, even if it is written differently (1, 0x1); merged keys may be replaced."""
         is_mapping = isinstance(node, yaml.MappingNode)
         written = [key for key, _ in node.value if key.tag != _MERGE_TAG] if is_mapping else []
         mapping = super().construct_mapping(node, deep)

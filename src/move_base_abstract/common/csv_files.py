@@ -1,4 +1,4 @@
-"""CSV tables of users, also compressed by gzip: only regular files of a bounded size are opened."""
+"""Reads CSV tables of users, also compressed by gzip. Only regular files of a bounded size are opened."""
 from __future__ import annotations
 
 import contextlib
@@ -21,11 +21,11 @@ MAX_BYTES = 64 * 1024 * 1024
 
 @contextlib.contextmanager
 def open_csv(path: StrPath, error_type: Type[ConfigurationError] = ConfigurationError) -> Iterator[IO[str]]:
-    """Open a CSV file as text. Errors of its reader in the with block become errors that name the file.
+    """Open a CSV file as text. Errors of a CSV reader in the with block become errors that name the file.
 
     A file whose name ends with .gz is unpacked, to at most MAX_BYTES.
 
-    :raises error_type: (a kind of ConfigurationError) if it is no regular file, too large, or cannot be read.
+    :raises error_type: (a kind of ConfigurationError) if it is not a regular file, too large, or cannot be read.
     """
     try:
         with open_input(path, MAX_BYTES, error_type, 'CSV file') as stream:
@@ -34,7 +34,7 @@ def open_csv(path: StrPath, error_type: Type[ConfigurationError] = Configuration
                 yield text
     except ConfigurationError:
         raise
-    except (ValueError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile) as error:  # ValueError: no text
+    except (ValueError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile) as error:  # ValueError: not UTF-8
         raise error_type(f'{path}: cannot be read as CSV: {error}') from None
 
 
@@ -46,11 +46,12 @@ def _unpacked(stream: IO[bytes], path: StrPath, error_type: Type[ConfigurationEr
 
 
 def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str, str]]]:
-    """Yield (where, {column: cell}) for each row of a table whose first line has the columns. Empty lines are skipped.
+    """Yield (where, {column: cell}) for each row of a table whose first line names the columns; skip empty lines.
 
-    ``lines``: an iterable of text lines that may have the number of the last one as ``number``.
+    ``lines``: an iterable of text lines; it may have the number of its last line as the attribute ``number``. ``where``
+    is a text with the path and the line, for errors.
 
-    :raises ConfigurationError: for no columns, one that is there twice, and a row of another length.
+    :raises ConfigurationError: if there are no columns, a column is there twice, or a row has another length.
     """
     reader = csv.reader(lines, strict=True)
     columns = [name.strip() for name in next(reader, ())]

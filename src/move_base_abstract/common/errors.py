@@ -5,16 +5,16 @@ Every text says who complains, what was got, what is allowed, and where.
 
 
 class SimulatorError(Exception):
-    """The root of everything that this package raises on purpose."""
+    """The base class of all errors that this package raises on purpose."""
 
 
 class ConfigurationError(SimulatorError, ValueError):
-    """A parameter, a file or an argument that cannot be used."""
+    """A parameter, a file or an argument cannot be used."""
 
 
 class FrameError(SimulatorError):
-    """A pose whose coordinate frame cannot be related to the global frame."""
+    """The coordinate frame of a pose cannot be related to the global frame."""
 
 
 class TimeError(SimulatorError, ValueError):
-    """An instant that is not allowed, for example one before the present."""
+    """An instant is not allowed, for example because it is before the present."""

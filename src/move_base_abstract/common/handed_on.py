@@ -1,4 +1,4 @@
-"""The public names of a room. Each is imported when it is first used, so that using one does not import all."""
+"""The public names of a package. Each is imported when it is first used, so that using one does not import all."""
 from __future__ import annotations
 
 import importlib
@@ -6,9 +6,9 @@ from typing import Any, Callable, Dict
 
 
 def handed_on(package: str, names: Dict[str, str]) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` (PEP 562) of a package that hands names of its modules on.
+    """Return a ``__getattr__`` (PEP 562) for ``package``, which makes names of its modules its own.
 
-    :param names: {module, below the package: the names of it, with blanks between}.
+    :param names: {module, relative to the package: its names, separated by blanks}.
     """
     homes = {name: module for module, own in names.items() for name in own.split()}
 

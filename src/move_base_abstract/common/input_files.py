@@ -1,6 +1,7 @@
-"""The only way to open files that users name: regular files of a bounded size.
+"""The only way to open files that users name: they must be regular files of a bounded size.
 
-A pipe would be waited for, for ever if nobody writes; a device may never end. Symbolic links are followed.
+A program that opens a pipe would wait, for ever if nobody writes to it, and a device may never end. Symbolic links are
+followed.
 """
 from __future__ import annotations
 
@@ -24,15 +25,16 @@ def open_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[
                what: str = 'file') -> Iterator[IO[bytes]]:
     """Open the file ``path``, of at most ``most`` bytes (None: any number), to be read in binary.
 
-    What the operating system refuses in the with block becomes an error that names the file, too.
+    An error of the operating system in the with block becomes an error that names the file, too. ``what`` names the
+    kind of file in error texts.
 
-    :raises error_type: naming the path, what was got and what is allowed.
+    :raises error_type: if it is not a regular file, is too large, or cannot be read; the text names the path.
     """
     shown_path = shown_text(os.fspath(path))
     try:
-        # Without waiting for a pipe's writer; a regular file is read as ever.
+        # O_NONBLOCK: do not wait for a pipe's writer; it changes nothing for a regular file.
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
-    except (OSError, ValueError) as error:  # ValueError: a name with a zero in it
+    except (OSError, ValueError) as error:  # ValueError: a path with a zero byte
         raise error_type('{}: cannot be read: {}'.format(
             shown_path, getattr(error, 'strerror', None) or error)) from None
     with contextlib.ExitStack() as stack:
@@ -48,7 +50,7 @@ def open_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[
         try:
             yield stream
         except OSError as error:
-            if error.errno is None:  # of a library, which has not got it from the operating system
+            if error.errno is None:  # raised by a library, not by the operating system
                 raise
             raise error_type('{}: cannot be read: {}'.format(shown_path, error.strerror)) from None
 
@@ -57,7 +59,7 @@ def open_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[
 def open_text_input(path: StrPath, most: Optional[int] = None,
                     error_type: Callable[[str], Exception] = ConfigurationError, what: str = 'file',
                     **options: Any) -> Iterator[IO[str]]:
-    """As :func:`open_input`, of text; ``options``: encoding, errors and newline as of open()."""
+    """Open a text file as :func:`open_input` does; ``options``: encoding, errors and newline of open()."""
     with open_input(path, most, error_type, what) as stream:
         with io.TextIOWrapper(stream, **{'encoding': 'utf-8', **options}) as text:
             yield text
@@ -65,6 +67,6 @@ def open_text_input(path: StrPath, most: Optional[int] = None,
 
 def check_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[str], Exception] = ConfigurationError,
                 what: str = 'file') -> None:
-    """Check that ``path`` is a file that may be read: for libraries that open it themselves. As :func:`open_input`."""
+    """Check as :func:`open_input` does that ``path`` may be read, for libraries that open it themselves."""
     with open_input(path, most, error_type, what):
         pass

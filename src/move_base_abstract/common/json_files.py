@@ -1,4 +1,4 @@
-"""JSON files of users: only regular files of a bounded size are opened."""
+"""Reads JSON files of users. Only regular files of a bounded size are opened."""
 from __future__ import annotations
 
 import json
@@ -14,13 +14,14 @@ if TYPE_CHECKING:
     from .type_names import StrPath
 
 MAX_BYTES = 64 * 1024 * 1024
-_HALF = b'\\ud'  # begins what JSON may hold and no text file can: half of a pair
+_HALF = b'\\ud'  # begins half of a surrogate pair, which JSON may hold but no text file can
 
 
 def load_json_mapping(path: StrPath, most: int = MAX_BYTES) -> Dict[str, Any]:
-    """Return the mapping in a JSON file of at most so many bytes. :raises FileNotFoundError: if there is none.
+    """Return the mapping in a JSON file of at most ``most`` bytes.
 
-    :raises ConfigurationError: if it is a folder, a pipe or a device, too large, or holds no mapping; names the path.
+    :raises FileNotFoundError: if there is no such file.
+    :raises ConfigurationError: if it is not a regular file, too large, or not a mapping; the text names the path.
     """
     if not os.path.lexists(path):
         raise FileNotFoundError(f'{path}: is not there')
@@ -38,7 +39,10 @@ def load_json_mapping(path: StrPath, most: int = MAX_BYTES) -> Dict[str, Any]:
 
 
 def loads_cleaned(data: bytes) -> Any:
-    """Return the value in bytes of JSON, cleaned(). :raises ValueError: if they are none."""
+    """Return the value in ``data`` (JSON in UTF-8), as :func:`cleaned` returns it.
+
+    :raises ValueError: if it is not JSON.
+    """
     content = json.loads(data.decode('utf-8'), parse_float=_finite, parse_constant=lambda _name: None)
     return cleaned(content) if _HALF in data or b'\\uD' in data else content
 
@@ -49,7 +53,10 @@ def _finite(text: str) -> Optional[float]:
 
 
 def cleaned(value: Any) -> Any:
-    """Return a value of JSON as any text file can carry it: no half characters, no infinite numbers."""
+    """Return a value of JSON such that any text file can hold it.
+
+    Halves of surrogate pairs are escaped, and numbers that are not finite become None.
+    """
     if isinstance(value, str):
         return value.encode('utf-8', 'backslashreplace').decode()
     if isinstance(value, float) and not math.isfinite(value):

@@ -1,7 +1,7 @@
-"""Options that are written once: their values as a check, as JSON Schema and as arguments of a command line.
+"""Options that are defined once, with their check, their JSON Schema and their arguments of a command line.
 
-An Option is a field of a dataclass. Files are read, schemas made, pages of the docs written and command lines parsed by
-it. An error says where, what was got, and what is allowed.
+An Option is a field of a dataclass. It is used to read files, to make schemas, to write pages of the docs and to parse
+command lines. An error says where, what was got, and what is allowed.
 """
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .shown import shown, shown_text
 
 Schema = Dict[str, Any]
 T = TypeVar('T')
-OPTION = 'option'  # in the metadata of a dataclass's field
+OPTION = 'option'  # the key of an Option in the metadata of a dataclass's field
 _PRINTABLE = r'^[^\x00-\x1f\x7f-\x9f]*$'
 _LONGEST_TEXT = 4096
 _LARGEST_WHOLE = 10**18
 
 
 class Kind(NamedTuple):
-    """One kind of value. ``check(where, value)`` returns it as the code has it, or raises a ConfigurationError.
+    """One kind of value. ``check(where, value)`` returns the value for the code, or raises a ConfigurationError.
 
-    ``of_word``: makes of a word of a command line what a file would have, or raises a ValueError.
+    ``of_word(word)`` converts a word of a command line to the value that a file would have, or raises a ValueError.
     """
 
     check: Callable[[str, Any], Any]
@@ -36,13 +36,14 @@ class Kind(NamedTuple):
 
 
 class Option(NamedTuple):
-    """One key of a mapping in a file, or one option of a command line; all that is known of it.
+    """All that is known of one key of a mapping in a file, or of one option of a command line.
 
-    ``default``: as a file would have it; None: there is none. ``says``: one sentence, Markdown. ``initial``: the
-    default as the code has it. ``systems``: what an experiment must run to have it; empty: anything. ``is_part``:
-    whether a trial that has run is another one once this is changed. ``parameter``: the time master's that gets it, or
-    ''. ``flag``: on a command line, if not the field's name; of a list one for each of its values. ``key``: in a file,
-    if not the field's name. ``field``: of the dataclass.
+    ``default``: the default as in a file; None: there is none. ``says``: its description, one sentence of Markdown.
+    ``initial``: the default as the code has it. ``systems``: the kinds of systems for which an experiment may have it;
+    empty: all. ``is_part``: whether a change of it makes a trial another one. ``parameter``: the parameter of the time
+    master that gets the value, or ''. ``flag``: its name on a command line, if it is not the field's name; for a list,
+    the flag is given once for each value. ``key``: its name in a file, if it is not the field's name. ``field``: the
+    name of the dataclass's field.
     """
 
     kind: Kind
@@ -59,19 +60,19 @@ class Option(NamedTuple):
 
     @property
     def plain(self) -> str:
-        """What it says, without the marks of Markdown."""
+        """The description ``says``, without the marks of Markdown."""
         return re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', self.says).replace('`', '')
 
 
 def option(kind: Kind, default: Any, says: str, absent: Any = '', **others: Any) -> Any:
-    """Return the field of a dataclass that is an Option; its default is the Option's, or ``absent`` without one."""
+    """Return a dataclass's field that is an Option; its default is that of the Option, or ``absent`` if it has none."""
     initial = absent if default is None else kind.check('', default)
     return dataclasses.field(default_factory=lambda: initial, metadata={
         OPTION: Option(kind, default, says, initial, **others)})
 
 
 def options_of(cls: Any) -> Dict[str, Option]:
-    """Return the Options of a dataclass, or of one's class, by their keys: its own, then those of its base."""
+    """Return {key: Option} of a dataclass or of an instance of one: its own Options first, then those of its base."""
     return _options_of(cls if isinstance(cls, type) else type(cls))
 
 
@@ -84,12 +85,12 @@ def _options_of(cls: Any) -> Dict[str, Option]:
 
 
 def error(where: str, value: object, allowed: str) -> ConfigurationError:
-    """Return the error of a value that cannot be used."""
+    """Return the error for a value that cannot be used: where, what was got, and what is allowed."""
     return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}'.lstrip(': '))
 
 
 def unknown(what: str, name: str, known: Iterable[str]) -> ConfigurationError:
-    """Return the error of a name that is not known, with the known one that is like it."""
+    """Return the error for an unknown name, with the most similar known one."""
     known = list(known)
     near = difflib.get_close_matches(name, known, n=1)
     hint = f'; did you mean {near[0]!r}?' if near else ''
@@ -97,7 +98,7 @@ def unknown(what: str, name: str, known: Iterable[str]) -> ConfigurationError:
 
 
 def text(longest: int = _LONGEST_TEXT) -> Kind:
-    """Return the kind of a text of one line that is not empty."""
+    """Return the kind of texts of one line that are not empty, with at most ``longest`` characters."""
     def check(where: str, value: Any) -> str:
         if not isinstance(value, str) or not value or len(value) > longest or not value.isprintable():
             raise error(where, value, f'a text of one line, 1 to {longest} characters')
@@ -106,7 +107,7 @@ def text(longest: int = _LONGEST_TEXT) -> Kind:
 
 
 def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> Kind:
-    """Return the kind of a text of this form. made: gives it as the code has it."""
+    """Return the kind of texts that match a regular expression; ``made(text)`` returns the value for the code."""
     form = re.compile(f'(?:{expression})\\Z', re.ASCII)
 
     def check(where: str, value: Any) -> str:
@@ -118,9 +119,10 @@ def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> 
 
 def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False, unit: str = '',
            or_word: str = '') -> Kind:
-    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one.
+    """Return the kind of finite numbers in ``lowest`` .. ``highest``; with ``whole``, 2.0 is allowed, too.
 
-    unit: for errors, 's, simulated'. or_word: a text that may stand in place of a number; '': none.
+    ``or_zero``: 0 is allowed, too. ``unit``: the unit in error texts, for example 's, simulated'. ``or_word``: a text
+    that is allowed instead of a number; '': none.
     """
     allowed = f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}' + (f' [{unit}]' if unit else '') + (
         ', or 0' if or_zero else '') + (f', or {or_word}' if or_word else '')
@@ -141,7 +143,7 @@ def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = F
 
 
 def one_of(*allowed: str) -> Kind:
-    """Return the kind of a text that is one of some."""
+    """Return the kind of texts that are among ``allowed``."""
     def check(where: str, value: Any) -> str:
         if not isinstance(value, str) or value not in allowed:
             raise error(where, value, ', '.join(allowed))
@@ -166,14 +168,14 @@ def _scalar(where: str, value: Any) -> Any:
 
 
 FLAG = Kind(_flag, {'type': 'boolean'})
-#: what can stand in a table
+#: the kind of values that can be in a table
 SCALAR = Kind(_scalar, {'type': ['string', 'number', 'boolean'], 'maxLength': _LONGEST_TEXT, 'pattern': _PRINTABLE})
 #: the name of a factor or a metric
 NAME = pattern('[A-Za-z][A-Za-z0-9_]{0,63}', 'a letter, then at most 63 letters, digits and underscores')
 
 
 def list_of(kind: Kind, allowed: str = '', least: int = 0, distinct: bool = False, most: int = 10_000) -> Kind:
-    """Return the kind of a list of values of a kind, a tuple in the code. allowed: in words, for errors."""
+    """Return the kind of lists of values of ``kind``, which the code gets as tuples; ``allowed``: words for errors."""
     allowed = allowed or f'a list of at most {most} texts'
 
     def check(where: str, value: Any) -> Tuple[Any, ...]:
@@ -189,7 +191,7 @@ def list_of(kind: Kind, allowed: str = '', least: int = 0, distinct: bool = Fals
 
 
 def map_of(kind: Kind, names: Kind = NAME) -> Kind:
-    """Return the kind of a mapping from names to values of a kind."""
+    """Return the kind of mappings from ``names`` to values of ``kind``."""
     def check(where: str, value: Any) -> Dict[Any, Any]:
         if not isinstance(value, dict):
             raise error(where, value, 'a mapping')
@@ -199,12 +201,16 @@ def map_of(kind: Kind, names: Kind = NAME) -> Kind:
 
 
 def mapping_of(cls: Type[Any]) -> Kind:
-    """Return the kind of a mapping that is a dataclass of Options."""
+    """Return the kind of mappings that the code gets as an instance of a dataclass of Options."""
     return Kind(lambda where, value: read(cls, where, value), schema_of(cls))
 
 
 def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kind:
-    """Return the kind of values of several types: of each ``kinds`` says how the code has it; else ``others``."""
+    """Return the kind of values of several types.
+
+    ``kinds``: (type, made, kind), ...: a value of that type is checked by ``kind``, and the code gets ``made(value)``.
+    Values of all other types are checked by ``others``.
+    """
     def check(where: str, value: Any) -> Any:
         for type_, made, kind in kinds:
             if isinstance(value, type_):
@@ -214,12 +220,17 @@ def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kin
 
 
 def or_null(kind: Kind) -> Kind:
-    """Return a kind that takes null, too."""
+    """Return the kind of values of ``kind``, or null."""
     return either(kind, (type(None), lambda _: None, Kind(lambda _where, _value: None, {'type': 'null'})))
 
 
 def read(cls: Type[T], where: str, value: Any, **others: Any) -> T:
-    """Return the dataclass of a mapping of its Options. where: '' of a file. others: fields that are no Options."""
+    """Return an instance of the dataclass ``cls`` from ``value``, a mapping of its Options.
+
+    ``where``: the place in the file, for errors; '': the file itself. ``others``: fields that are not Options.
+
+    :raises ConfigurationError: if a key is unknown or missing, or a value is not allowed.
+    """
     options = options_of(cls)
     name = where or 'the file'
     if not isinstance(value, dict):
@@ -237,7 +248,7 @@ def read(cls: Type[T], where: str, value: Any, **others: Any) -> T:
 
 
 def schema_of(cls: Type[Any]) -> Schema:
-    """Return the schema of a mapping of a dataclass's Options and nothing else."""
+    """Return the JSON Schema of a mapping that has the Options of a dataclass and no other keys."""
     options = options_of(cls)
     required = [key for key, one in options.items() if one.is_required]
     return {'type': 'object', 'additionalProperties': False, 'properties': {
@@ -247,7 +258,7 @@ def schema_of(cls: Type[Any]) -> Schema:
 
 
 def collected(record: Any, is_wanted: Callable[[Option], Any]) -> List[Tuple[Option, Any]]:
-    """Return (Option, value) of all wanted Options of a dataclass, and of those in it, that are not as by default."""
+    """Return (Option, value) of all wanted Options in ``record``, and in dataclasses in it, that are not by default."""
     found: List[Tuple[Option, Any]] = []
     for one in options_of(record).values():
         value = getattr(record, one.field)
@@ -259,30 +270,30 @@ def collected(record: Any, is_wanted: Callable[[Option], Any]) -> List[Tuple[Opt
 
 
 def parameters_of(record: Any) -> Dict[str, Any]:
-    """Return {parameter: value} of the time master, of all Options that are not as by default."""
+    """Return {parameter: value} for the time master, of all Options in ``record`` that are not the default."""
     return {one.parameter: list(value) if isinstance(value, tuple) else value
             for one, value in collected(record, lambda one: one.parameter)}
 
 
 def add_arguments(parser: argparse.ArgumentParser, cls: Type[Any]) -> None:
-    """Have a command line take the Options of a dataclass; of_arguments() returns it."""
+    """Add an argument for each Option of a dataclass to ``parser``; :func:`of_arguments` reads them."""
     for one in options_of(cls).values():
         how: Dict[str, Any] = {'choices': one.kind.schema['enum']} if 'enum' in one.kind.schema else {
             'type': _of_word(one), 'metavar': 'X'}
-        how['default'] = [] if _is_list(one) else one.initial or None  # argparse would check a text, '' too
+        how['default'] = [] if _is_list(one) else one.initial or None  # argparse would check a text, even ''
         how.update({'action': 'append'} if _is_list(one) else {})
         parser.add_argument(_flag_of(one), dest=one.field, help=one.plain.replace('%', '%%') + (
             '' if one.default in (None, [], 0) else f' (default: {one.default})'), **how)
 
 
 def of_arguments(cls: Type[T], found: argparse.Namespace) -> T:
-    """Return the dataclass of a command line that add_arguments() was asked for."""
+    """Return an instance of the dataclass ``cls`` from the arguments that :func:`add_arguments` has added."""
     return cls(**{one.field: tuple(value) if isinstance(value, list) else one.initial if value is None else value
                   for one in options_of(cls).values() for value in [getattr(found, one.field)]})
 
 
 def words_of(record: Any) -> List[str]:
-    """Return the words of a command line that say the same as a dataclass of Options."""
+    """Return the words of a command line that mean the same as the Options in ``record``."""
     return [word for one, value in collected(record, bool) for each in (value if _is_list(one) else (value,))
             for word in (_flag_of(one), str(each))]
 
@@ -300,7 +311,7 @@ def _of_word(one: Option) -> Callable[[str], Any]:
         try:
             value: Any = one.kind.of_word(word)
         except ValueError:
-            value = word  # which the check refuses, and says what is allowed
+            value = word  # the check refuses it with an error that says what is allowed
         try:
             return one.kind.check('', [word])[0] if _is_list(one) else one.kind.check('', value)
         except ConfigurationError as problem:

@@ -1,11 +1,11 @@
-"""Output of a program that manages other processes: it goes on when nobody reads its output any more."""
+"""Output of a program that manages other processes and so must go on when nobody reads its output any more."""
 import os
 import sys
 from typing import Any, TextIO, cast
 
 
 class _Lasting:
-    """A text stream that is thrown away from the moment on at which its reader has gone."""
+    """A text stream whose text is thrown away as soon as its reader has gone."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -14,7 +14,7 @@ class _Lasting:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        """Write; what nobody can read any more counts as written."""
+        """Write ``text``; if there is no reader any more, it counts as written."""
         try:
             return self._stream.write(text)
         except BrokenPipeError:
@@ -22,7 +22,7 @@ class _Lasting:
             return len(text)
 
     def flush(self) -> None:
-        """Hand on what was written."""
+        """Flush the stream, if there is still a reader."""
         try:
             self._stream.flush()
         except BrokenPipeError:
@@ -35,9 +35,10 @@ class _Lasting:
 
 
 def outlive_readers() -> None:
-    """Have standard output and standard error last when a pipe behind them is closed (``| head``): no BrokenPipeError.
+    """Make standard output and standard error raise no BrokenPipeError when their pipe is closed (``| head``).
 
-    For a program that has processes to end and files to finish. What it starts from then on writes nowhere, too.
+    This is for a program that has processes to end and files to finish. The output of programs that it starts after the
+    pipe was closed is thrown away, too.
     """
     sys.stdout = cast(TextIO, _Lasting(sys.stdout))
     sys.stderr = cast(TextIO, _Lasting(sys.stderr))

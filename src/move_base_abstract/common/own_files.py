@@ -1,8 +1,8 @@
 """Files that this package writes: they are complete or absent, and never replace files that it did not make.
 
-A folder that it makes holds the file MARKER. Only such a folder, or an empty one, is ever replaced, and only if nothing
-is in it but what this package puts there; anything else is an error that names it. Folders are emptied file by file,
-never as a tree. Symbolic links are not followed.
+A folder that this package makes has the file MARKER in it. Only such a folder, or an empty one, is ever replaced, and
+only if all files in it are from this package; any other file is an error that names it. Folders are emptied file by
+file, never as a tree. Symbolic links are not followed.
 """
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ _TEXT = 'This folder was made by move_base_abstract, as a {}. The program replac
 
 
 class OutputError(SimulatorError):
-    """A file or folder that cannot be written, for example because the disk is full. The text names it and says why."""
+    """A file or folder cannot be written, for example because the disk is full. The text names it and says why."""
 
 
 class FolderKind:
     """One kind of folder that this package makes.
 
-    :param name: for its marker and for error texts. :param files: patterns (fnmatch) of the names of the files that may
-        be in it; each may have PART behind it. None: the folder is never replaced, so that anything may be in it.
+    :param name: its name in the marker and in error texts.
+    :param files: patterns (fnmatch) of the names of the files that may be in it, also with PART behind them. None:
+        anything may be in it, because the folder is never replaced.
     """
 
     def __init__(self, name: str, files: Optional[Sequence[str]] = None) -> None:
@@ -41,10 +42,10 @@ class FolderKind:
         self._text = _TEXT.format(name)
 
     def check(self, path: StrPath, beside: Sequence[str] = ()) -> None:
-        """Complain unless there is nothing at the path, an empty folder, or one of this kind and nothing else in it.
+        """Check that at ``path`` there is nothing, an empty folder, or a folder of this kind with only its files in it.
 
-        :param beside: names of folders of other kinds that may be in it.
-        :raises ConfigurationError: naming the path, and what is in the way.
+        :param beside: names of folders of other kinds that may be in it, too.
+        :raises ConfigurationError: if not; the text names the path and what is in the way.
         """
         kind = _kind_of(path)
         if kind == 'nothing':
@@ -66,8 +67,10 @@ class FolderKind:
     def make(self, path: StrPath) -> int:
         """Make a folder, or take an empty one or one of this kind; return a descriptor of its marker, which is locked.
 
-        Close the descriptor when nothing more is to be written. :raises ConfigurationError: as check(), or if another
-        process has it locked. :raises OutputError: if it cannot be made.
+        Close the descriptor when nothing more is to be written.
+
+        :raises ConfigurationError: if something is in the way (see check), or another process has locked the folder.
+        :raises OutputError: if the folder cannot be made.
         """
         self.check(path)
         with _clear_errors(path, 'cannot be made'):
@@ -84,9 +87,9 @@ class FolderKind:
         return marker
 
     def make_new(self, path: StrPath) -> None:
-        """Make a folder of this kind where there is nothing, within one that this process has locked.
+        """Make a new folder of this kind within a folder that this process has locked.
 
-        :raises OutputError: if it cannot be made.
+        :raises OutputError: if it cannot be made, also if it exists.
         """
         with _clear_errors(path, 'cannot be made'):
             os.mkdir(path)
@@ -94,7 +97,11 @@ class FolderKind:
                 stream.write(self._text)
 
     def remove(self, path: StrPath) -> None:
-        """Remove a folder of this kind, or an empty one, if it is there. :raises ConfigurationError: as make()."""
+        """Remove a folder of this kind or an empty one; do nothing if there is none.
+
+        :raises ConfigurationError: if something else is in the way, or another process has locked the folder.
+        :raises OutputError: if the folder cannot be removed.
+        """
         self.check(path)
         if _kind_of(path) == 'nothing':
             return
@@ -104,7 +111,7 @@ class FolderKind:
                 marker = os.open(os.path.join(path, MARKER), os.O_RDONLY | os.O_NOFOLLOW)
                 stack.callback(os.close, marker)
                 self._lock(path, marker)
-            for name in sorted(names, key=lambda name: name == MARKER):  # the mark goes last
+            for name in sorted(names, key=lambda name: name == MARKER):  # the marker last
                 os.unlink(os.path.join(path, name))
             os.rmdir(path)
 
@@ -119,7 +126,7 @@ class FolderKind:
             return False
         with _clear_errors(path, 'cannot be read'), open(path, 'rb') as stream:
             text = stream.read(len(self._text) + 1)
-        # An empty one was being written when its process was killed.
+        # An empty marker was being written when its process was killed.
         return text in (b'', self._text.encode())
 
     def _is_own(self, path: StrPath, name: str) -> bool:
@@ -131,10 +138,13 @@ class FolderKind:
 
 @contextlib.contextmanager
 def whole_file(path: StrPath, mode: str = 'w', **options: Any) -> Iterator[IO[Any]]:
-    """Open a file of a folder that is ours; it appears under its name only once it is complete and on the disk.
+    """Open a file in a folder of ours for writing; it gets its name only when it is complete and on the disk.
 
-    Until then it is called NAME.part. What an earlier, unfinished run left by that name is replaced, if it is a file.
-    :param mode: 'w' or 'wb'. :param options: as of open(). :raises OutputError: if it cannot be written.
+    Until then it is called NAME.part. A file of that name, from an earlier, unfinished run, is replaced.
+
+    :param mode: 'w' or 'wb'.
+    :param options: other arguments of open().
+    :raises OutputError: if the file cannot be written.
     """
     path = os.fspath(path)
     with _clear_errors(path, 'cannot be written'):
@@ -149,15 +159,20 @@ def whole_file(path: StrPath, mode: str = 'w', **options: Any) -> Iterator[IO[An
 
 @contextlib.contextmanager
 def new_file(path: StrPath, mode: str = 'x', **options: Any) -> Iterator[IO[Any]]:
-    """Open a new file of a folder of ours that takes its place later, once on_disk(). :raises OutputError: if not."""
+    """Open a new file in a folder of ours that will get its final name later, after :func:`on_disk`.
+
+    :raises OutputError: if the file cannot be written.
+    """
     with _clear_errors(path, 'cannot be written'), open(path, mode, **options) as stream:
         yield stream
 
 
 def on_disk(folder: StrPath) -> None:
-    """Wait until all files of a folder of ours, and of those in it, are on the disk. :raises OutputError: if not.
+    """Wait until all files in a folder of ours, and in its subfolders, are on the disk.
 
-    But for its mark: an empty one, as a power cut may leave it, is a mark as well.
+    Markers are left out: an empty marker, as a power cut may leave it, still counts as one.
+
+    :raises OutputError: if a file cannot be written.
     """
     with _clear_errors(folder, 'cannot be written'):
         for path, _, names in os.walk(folder):
@@ -170,10 +185,10 @@ def on_disk(folder: StrPath) -> None:
 
 
 def check_file(path: StrPath, is_own: Callable[[bytes], bool]) -> None:
-    """Complain unless there is nothing at the path, or a file that is empty or made by this program.
+    """Check that at ``path`` there is nothing, or a file that is empty or was made by this program.
 
-    :param is_own: tells from the first line of a file (bytes) whether this program made it.
-    :raises ConfigurationError: naming the path.
+    :param is_own: returns whether this program made a file, from its first line (bytes).
+    :raises ConfigurationError: if not; the text names the path.
     """
     kind = _kind_of(path)
     if kind == 'nothing':
@@ -187,17 +202,21 @@ def check_file(path: StrPath, is_own: Callable[[bytes], bool]) -> None:
 
 
 def create_file(path: StrPath, is_own: Callable[[bytes], bool]) -> IO[str]:
-    """Open a new text file in the place of nothing, or of a file of our own. As check_file; also OutputError."""
+    """Open a new text file, in place of nothing or of a file that this program made; see :func:`check_file`.
+
+    :raises ConfigurationError: if something else is at ``path``.
+    :raises OutputError: if the file cannot be written.
+    """
     check_file(path, is_own)
     with _clear_errors(path, 'cannot be written'):
         with contextlib.suppress(FileNotFoundError):
             os.unlink(path)
         return open(path, 'x', encoding='utf-8')
-    raise AssertionError  # for mypy, to which a with statement may swallow what is raised
+    raise AssertionError  # never reached; mypy thinks that the with statement may swallow an error
 
 
 def _kind_of(path: StrPath) -> str:
-    """Return what is at a path, no link followed."""
+    """Return the kind of what is at ``path``, in words; links are not followed."""
     try:
         mode = os.lstat(path).st_mode
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Reading values out of a parameter dictionary, with errors that name key, namespace, value and what is allowed."""
+"""Reads values from a dictionary of parameters, with errors that name key, namespace, value and what is allowed."""
 from __future__ import annotations
 
 import difflib
@@ -9,26 +9,29 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 from .errors import ConfigurationError
 from .shown import shown, shown_text
 
-#: (x, y), ascending by x
+#: ((x, y), ...), ascending by x
 Pairs = Tuple[Tuple[float, float], ...]
-#: what converters take, as JSON Schema says it: {converter: schema}; others are described in words alone
+#: {converter: JSON Schema of the values that it takes}; other converters are described in words only
 SCHEMAS: Dict[Any, Dict[str, Any]] = {}
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter: its default, how a raw value is converted (ValueError = not allowed), and what is allowed."""
+    """One parameter: its default, its converter (which raises ValueError if a value is not allowed), and its rule.
+
+    ``allowed``: the values that are allowed, in words.
+    """
 
     name: str
     default: Any
     convert: Callable[[Any], Any]
     allowed: str
-    #: what it is for, one sentence in Markdown; empty where no page lists it
+    #: its description, one sentence in Markdown; empty if no page lists it
     what: str = ''
 
 
 def number(low: float = -math.inf, high: float = math.inf, above: Optional[float] = None) -> Callable[[object], float]:
-    """Return a converter of finite numbers in [low, high], or > ``above``."""
+    """Return a converter of finite numbers in [low, high] and, if ``above`` is given, > ``above``."""
     def convert(value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError
@@ -46,7 +49,7 @@ def _bounds(low: float, high: float) -> Dict[str, float]:
 
 
 def integer(low: int, high: float = math.inf) -> Callable[[object], int]:
-    """Return a converter of whole numbers in [low, high]; 2.0 is one, as it is to roscpp."""
+    """Return a converter of whole numbers in [low, high]; 2.0 counts as one, as in roscpp."""
     def convert(value: object) -> int:
         if isinstance(value, float) and value.is_integer():
             value = int(value)
@@ -58,21 +61,21 @@ def integer(low: int, high: float = math.inf) -> Callable[[object], int]:
 
 
 def boolean(value: object) -> bool:
-    """Return ``value`` if it is true or false."""
+    """Return ``value`` if it is true or false. :raises ValueError: otherwise."""
     if not isinstance(value, bool):
         raise ValueError
     return value
 
 
 def text(value: object) -> str:
-    """Return ``value`` if it is a string."""
+    """Return ``value`` if it is a string. :raises ValueError: otherwise."""
     if not isinstance(value, str):
         raise ValueError
     return value
 
 
 def name(value: object) -> str:
-    """Return ``value`` if it is a string that is not empty, without a leading slash."""
+    """Return ``value`` without leading slashes. :raises ValueError: if it is not a string, or nothing is left."""
     stripped = text(value).lstrip('/')
     if not stripped:
         raise ValueError
@@ -80,7 +83,7 @@ def name(value: object) -> str:
 
 
 def topic(value: object) -> str:
-    """Return ``value`` if it is a string with more than slashes. A leading slash stays."""
+    """Return ``value``, with its leading slash. :raises ValueError: if it is not a string, or has only slashes."""
     if not isinstance(value, str) or not value.strip('/'):
         raise ValueError
     return value
@@ -109,7 +112,7 @@ def numbers(count: int) -> Callable[[object], Tuple[float, ...]]:
 
 
 def ascending_pairs(first: Callable[[object], float], second: Callable[[object], float]) -> Callable[[object], Pairs]:
-    """Return a converter of lists of [x, y], the x (by ``first``) ascending, the y by ``second``: a tuple of pairs."""
+    """Return a converter of lists of [x, y] with ascending x to tuples of pairs; x by ``first``, y by ``second``."""
     def convert(value: object) -> Pairs:
         if not isinstance(value, (list, tuple)) or not value:
             raise ValueError
@@ -125,9 +128,9 @@ SCHEMAS.update((one, {'type': 'string'}) for one in (text, name, topic))
 
 
 def checked(raw: object, key: str, parameter: Parameter, where: str) -> Any:
-    """Return the converted value of ``raw``.
+    """Return the value of ``raw``, converted by ``parameter``.
 
-    :raises ConfigurationError: naming ``key``, the namespace ``where``, the value and what is allowed.
+    :raises ConfigurationError: if it is not allowed; the text names ``key``, the namespace ``where`` and the value.
     """
     try:
         return parameter.convert(raw)
@@ -137,13 +140,16 @@ def checked(raw: object, key: str, parameter: Parameter, where: str) -> Any:
 
 
 def read_table(raw: Mapping[str, Any], table: Sequence[Parameter], where: str) -> Dict[str, Any]:
-    """Return {name: value} for each :class:`Parameter` of ``table``, from the dictionary ``raw`` or by default."""
+    """Return {name: value} for each :class:`Parameter` of ``table``, from the dictionary ``raw`` or its default.
+
+    :raises ConfigurationError: if a value is not allowed.
+    """
     return {parameter.name: checked(raw[parameter.name], parameter.name, parameter, where)
             if parameter.name in raw else parameter.default for parameter in table}
 
 
 def unknown_names(raw: Mapping[str, Any], known: Sequence[str], where: str) -> List[str]:
-    """Return a warning for each key of ``raw`` that is not among ``known``, with the name it is most like."""
+    """Return a warning for each key of ``raw`` that is not among ``known``, with the most similar known name."""
     warnings = []
     for key in sorted(raw):
         if key in known:

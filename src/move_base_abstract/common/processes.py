@@ -1,7 +1,7 @@
-"""Processes of a run: forked from this one, gone when it is gone, in groups of their own.
+"""The processes of a run: they are forked from this one, in groups of their own, and end when this one ends.
 
-Who calls this has one thread. A child that is forked either becomes another program (exec) or goes on as a Python
-program that has all imported already.
+The process that calls this must have one thread. A forked child either becomes another program (exec), or goes on as a
+Python program that has already imported everything.
 """
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ from typing import Any, Callable, Collection, Dict, Iterator, List, Mapping, Opt
 PR_SET_PDEATHSIG, PR_SET_NAME, PR_SET_CHILD_SUBREAPER = 1, 15, 36
 _PR_SET_MM, _PR_SET_MM_ARG_END = 35, 9
 _LIBC = ctypes.CDLL(None, use_errno=True)
-_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
-_MOST_TRIMMED, _MOST_MAPPED = 2 ** 30, 2 ** 25  # bytes; of the latter glibc takes no more
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
+_MOST_TRIMMED, _MOST_MAPPED = 2 ** 30, 2 ** 25  # bytes; glibc allows no more for the latter
 _POLL_S = 0.05  # wall
 _SHORT_POLL_S = 0.005  # wall
-_ARGUMENTS = slice(45, 47)  # in /proc/PID/stat, behind the name: where the command line begins and ends in memory
+_ARGUMENTS = slice(45, 47)  # the fields of /proc/PID/stat, after the name, with begin and end of the command line
 _KILL_ROUNDS = 200
 _TASKS = '/proc/self/task'
-#: set for all that a trial runs: trials run side by side, and sums do not depend on the number of cores
+#: set for all programs of a trial, because trials run side by side, and sums must not depend on the number of cores
 ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 
 
 def assert_one_thread() -> None:
-    """Raise RuntimeError if this process has a second thread: a fork would leave its locks as they are."""
+    """Raise RuntimeError if this process has a second thread, whose locks would stay locked after a fork."""
     count = len(os.listdir(_TASKS)) if os.path.isdir(_TASKS) else threading.active_count()
     if count != 1:
         raise RuntimeError(f'{count} threads at a fork; allowed: one ({[one.name for one in threading.enumerate()]})')
 
 
 def adopt_orphans() -> None:
-    """Adopt processes whose parent has ended, so that none is left at the end."""
+    """Make this process adopt its descendants whose parent has ended, so that none is left at the end."""
     _LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def keep_memory() -> None:
     """Make this process, and its forks, keep freed memory instead of returning it each time.
 
-    For processes that end soon: numpy's temporary arrays else cost a page fault for each of their pages, again and
-    again, which is a third of the CPU time of a short trial. glibc's; another C library goes on as it likes.
+    This is for processes that end soon. Otherwise numpy's temporary arrays cost a page fault for each of their pages,
+    again and again, which is a third of the CPU time of a short trial. It has an effect with glibc only.
     """
     mallopt = getattr(_LIBC, 'mallopt', lambda _parameter, _value: 0)
     mallopt(_M_TRIM_THRESHOLD, _MOST_TRIMMED)
@@ -58,7 +58,7 @@ def keep_memory() -> None:
 
 @contextlib.contextmanager
 def importing() -> Iterator[None]:
-    """Do not collect garbage meanwhile, nor later in the objects that exist then: imported objects stay."""
+    """Collect no garbage in the with block, nor later among the objects that exist at its end: imported ones stay."""
     gc.disable()
     try:
         yield
@@ -68,7 +68,7 @@ def importing() -> Iterator[None]:
 
 
 def die_with(parent: int) -> None:
-    """Make the kernel end this process when its parent ends."""
+    """Make the kernel end this process when its parent, the process ``parent``, ends."""
     _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)
@@ -79,17 +79,19 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
     """Start a child that calls body() and ends with its exit code; return its process id.
 
     ``output``: the path of a file for what it prints. The child leads a process group of its own.
+
+    :raises RuntimeError: if this process has a second thread.
     """
     assert_one_thread()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     parent = os.getpid()
-    # What an interrupt raises within Python's own work around a fork is lost, and locks that it holds stay locked.
+    # If an interrupt raised an error in Python's own work around a fork, its locks would stay locked.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
     try:
         pid = os.fork()
         if pid and not new_session:
-            with contextlib.suppress(OSError):  # both do it, so that it is so for both
+            with contextlib.suppress(OSError):  # parent and child both do it, so that neither must wait for the other
                 os.setpgid(pid, pid)
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
@@ -109,11 +111,11 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
         traceback.print_exc()
     finally:
         finish(code)
-    return pid  # never: finish does not return
+    return pid  # never reached: finish() does not return
 
 
 def execute(words: List[str], environment: Mapping[str, str], output: str, cwd: str) -> int:
-    """Start a program; return its process id. What cannot be started says so in its output, and ends with 127."""
+    """Start a program; return its process id. If it cannot be started, its output says so, and its exit code is 127."""
     def become() -> None:
         try:
             os.execvpe(words[0], words, environment)
@@ -133,7 +135,7 @@ class Forked:
         self._lock = threading.Lock()
 
     def poll(self) -> Optional[int]:
-        """Return its exit code, of a signal the negative number; None while it runs."""
+        """Return its exit code; if a signal ended it, the signal's negative number; None while it runs."""
         with self._lock:
             if self.returncode is None:
                 self.returncode = self._look()
@@ -142,12 +144,12 @@ class Forked:
     def _look(self) -> Optional[int]:
         try:
             found, status = os.waitpid(self.pid, os.WNOHANG)
-        except ChildProcessError:  # somebody else has taken its status
+        except ChildProcessError:  # its status has been taken elsewhere
             return -signal.SIGKILL
         return code_of(status) if found else None
 
     def wait(self, timeout: Optional[float] = None) -> Optional[int]:
-        """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
+        """Wait for its end; return its exit code. :raises subprocess.TimeoutExpired: after ``timeout`` [s, wall]."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while self.poll() is None:
             if deadline is not None and time.monotonic() > deadline:
@@ -157,13 +159,13 @@ class Forked:
 
 
 class Held(Forked):
-    """Likewise one that keeps its number, when it has ended, until :meth:`release`.
+    """A child that keeps its process id after its end, until :meth:`release`.
 
-    So what is sent to it, or to the group that it leads, reaches nobody who has got the number after it.
+    So a signal to it, or to the group that it leads, never reaches another process that has got the same id later.
     """
 
     def __init__(self, process: Any) -> None:
-        """``process``: a subprocess.Popen or a Forked, which nobody else asks any more."""
+        """``process``: a subprocess.Popen or a Forked, which must not be polled or waited for elsewhere."""
         super().__init__(process.pid)
         self._process = process
         self._is_released = False
@@ -179,11 +181,11 @@ class Held(Forked):
         return found.si_status if found.si_code == os.CLD_EXITED else -found.si_status
 
     def send_signal(self, number: int) -> None:
-        """As that of Popen."""
+        """Send a signal to the process, unless it was released."""
         self._send(os.kill, number)
 
     def signal_group(self, number: int) -> None:
-        """Send a signal to the process group that it leads, if there is one left."""
+        """Send a signal to the process group that it leads, if there is one left, unless it was released."""
         self._send(os.killpg, number)
 
     def _send(self, how: Callable[[int, int], None], number: int) -> None:
@@ -193,15 +195,15 @@ class Held(Forked):
                     how(self.pid, number)
 
     def terminate(self) -> None:
-        """As that of Popen."""
+        """Send SIGTERM to the process."""
         self.send_signal(signal.SIGTERM)
 
     def kill(self) -> None:
-        """As that of Popen."""
+        """Send SIGKILL to the process."""
         self.send_signal(signal.SIGKILL)
 
     def release(self) -> None:
-        """Wait for its end and give its number back. From then on signals are sent to nobody."""
+        """Wait for its end and give its process id back. From then on no signals are sent."""
         self.wait()
         with self._lock:
             self._process.wait()
@@ -215,7 +217,7 @@ def show_name(name: str, *words: str) -> None:
         begin, end = map(int, stream.read().rpartition(b')')[2].split()[_ARGUMENTS])
     text = b'\0'.join(map(os.fsencode, words))[:end - begin - 1]
     ctypes.memmove(begin, text.ljust(end - begin, b'\0'), end - begin)
-    # Where that is allowed. Else empty words follow.
+    # This is not allowed everywhere. Without it, empty words follow.
     _LIBC.prctl(_PR_SET_MM, _PR_SET_MM_ARG_END, ctypes.c_ulong(begin + len(text) + 1), 0, 0)
 
 
@@ -238,13 +240,13 @@ def _output(old: Any, number: int, is_buffered: bool) -> Any:
 
 
 def finish(code: int) -> None:
-    """End this process as Python itself does it at its end, but for taking all apart, which may take half a second.
+    """End this process with exit code ``code``, as Python does at its end, but without destroying all objects.
 
-    A process that was forked from the frames of others cannot return.
+    Destroying them may take half a second. A process that was forked from within other functions cannot return.
     """
     core: Any = sys.modules.get('rospy.core')
     if core is not None and not core.is_initialized():
-        atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
+        atexit.unregister(core._ros_atexit)  # it would take 0.1 s, for nothing, in a process that is not a node
     own_threads: Any = threading
     try:
         own_threads._shutdown()
@@ -258,19 +260,19 @@ def finish(code: int) -> None:
 
 
 def end(pids: Collection[int], polite: int, grace: float, statuses: Dict[int, int]) -> None:
-    """End children and all that they have left: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
+    """End children and their groups: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
 
-    Into ``statuses`` go {pid: exit status as of waitpid} of all children that have ended meanwhile.
+    ``statuses`` gets {pid: exit status of waitpid} of all children that end meanwhile.
     """
     for number in (polite, signal.SIGKILL):
-        left = [pid for pid in pids if pid not in statuses]  # the numbers of the others may be somebody else's by now
+        left = [pid for pid in pids if pid not in statuses]  # other processes may have the ids of the rest by now
         for pid in left:
             signal_group(pid, number)
         await_ends(set(left), grace, statuses)
 
 
 def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> None:
-    """Wait until all of these have ended, at most so long [s, wall]; their statuses go into ``statuses``."""
+    """Wait until all children ``waiting`` (pids) have ended, at most ``seconds`` [s, wall]; fill ``statuses``."""
     deadline = time.monotonic() + seconds
     while waiting - set(statuses):
         if reap(statuses):
@@ -282,17 +284,17 @@ def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> N
 
 
 def await_child(seconds: float) -> None:
-    """Wait until a child has ended, or so long; SIGCHLD is blocked in this process (block_child_signal)."""
+    """Wait until a child has ended, or ``seconds`` [s, wall]; SIGCHLD must be blocked (see block_child_signal)."""
     signal.sigtimedwait({signal.SIGCHLD}, seconds)
 
 
 def block_child_signal() -> None:
-    """Block SIGCHLD until it is asked for."""
+    """Block SIGCHLD, so that :func:`await_child` can wait for it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
 
 
 def reap(statuses: Dict[int, int]) -> bool:
-    """Take the statuses of all children that have ended; return whether there was one."""
+    """Put the statuses of all children that have ended into ``statuses``; return whether there was one."""
     found = False
     while True:
         try:
@@ -306,7 +308,7 @@ def reap(statuses: Dict[int, int]) -> bool:
 
 
 def end_all_children() -> None:
-    """Kill whatever children this process has, adopted ones too, until there is none."""
+    """Kill all children of this process, adopted ones too, until there are none."""
     for _ in range(_KILL_ROUNDS):
         for pid in children():
             signal_group(pid, signal.SIGKILL)
@@ -330,7 +332,7 @@ def children() -> List[int]:
 
 
 def signal_group(pid: int, number: int) -> None:
-    """Send a signal to the process group that a child leads, if there is one left. Never to this process's own."""
+    """Send a signal to the process group that a child leads, otherwise to the child; never to our own group."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if os.getpgid(pid) == pid:
             os.killpg(pid, number)
@@ -339,12 +341,12 @@ def signal_group(pid: int, number: int) -> None:
 
 
 def code_of(status: int) -> int:
-    """Return the exit code of a status of waitpid; of a signal its negative number."""
+    """Return the exit code in a status of waitpid; if a signal ended the process, its negative number."""
     return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
 
 
 def _take_defaults() -> None:
-    """Have signals as a program has them that was started anew."""
+    """Handle signals as a newly started program does."""
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     for number in (signal.SIGTERM, signal.SIGCHLD, signal.SIGHUP):
@@ -377,7 +379,7 @@ def _code_of(body: Callable[[], Any]) -> int:
 
 
 def interpreter_of(path: str) -> str:
-    """Return the Python in the first line of a script, or '' if it is no Python script."""
+    """Return the path of the Python in the first line of a script, or '' if it is not a Python script."""
     try:
         with open(path, 'rb') as stream:
             first = stream.readline(500)

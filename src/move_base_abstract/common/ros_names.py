@@ -1,4 +1,4 @@
-"""Which strings are names in the ROS graph: the one rule for scenarios, missions and parameters.
+"""The rule for names in the ROS graph, which scenarios, missions and parameters use.
 
 http://wiki.ros.org/Names: a letter first, then letters, digits and '_'; '/' between the parts of a longer name.
 """
@@ -15,16 +15,16 @@ _NAMESPACE = re.compile(r'/?([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*/?)?\
 
 
 def is_robot_name(value: object) -> bool:
-    """Return whether ``value`` can be the name of a robot: its namespace and the prefix of its frames."""
+    """Return whether ``value`` can be the name of a robot, which is also its namespace and the prefix of its frames."""
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
 
 
 def natural_order(name: str) -> Tuple[Union[str, int], ...]:
-    """Return the key by which names are sorted so that numbers in them count as numbers: bot_2 before bot_10."""
+    """Return a key to sort names such that numbers in them count as numbers: bot_2 comes before bot_10."""
     parts = re.split('([0-9]+)', name)
     return tuple(int(part) if number % 2 else part for number, part in enumerate(parts)) + (name,)
 
 
 def is_namespace(value: object) -> bool:
-    """Return whether ``value`` can be a namespace, with or without a slash in front; '' and '/' can."""
+    """Return whether ``value`` can be a namespace, with or without a slash in front; '' and '/' are allowed."""
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAMESPACE.match(value))

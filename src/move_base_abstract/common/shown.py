@@ -1,18 +1,18 @@
-"""Values in error texts, shortened without first building the whole text."""
+"""Shows values in error texts, shortened without first building the whole text."""
 from __future__ import annotations
 
 import math
 import re
 import reprlib
 
-MAX_LENGTH = 120  # characters of a text that stands for a value
+MAX_LENGTH = 120  # of characters in the text of a value
 _EXPONENT = re.compile(r'[-+]?[0-9]{1,20}(\.[0-9]{0,20})?[eE][-+]?[0-9]{1,5}\Z')
 _YAML_NOTE = ' (a text: in YAML a number with an exponent has a point and a sign, as 1.0e+3)'
 _MAX_BITS = 200  # of a whole number that is written out
 
 
 class _Shortener(reprlib.Repr):
-    """Looks at a few parts of a value only: a list that holds itself a million times costs no more than a short one."""
+    """Looks at a few parts of a value only, so that a list of a million lists costs no more than a short one."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -22,7 +22,7 @@ class _Shortener(reprlib.Repr):
         self.maxlist = self.maxtuple = self.maxdict = self.maxset = 6
 
     def repr_int(self, value: int, level: int) -> str:
-        """Python refuses to write out what has more than 4,300 digits, and takes long for less."""
+        """Show only the size of a long number: Python takes long to write it, and refuses beyond 4,300 digits."""
         if value.bit_length() <= _MAX_BITS:
             return super().repr_int(value, level)
         return 'a whole number of about {} digits'.format(int(value.bit_length() * math.log10(2.0)) + 1)
@@ -32,16 +32,16 @@ _SHORTENER = _Shortener()
 
 
 def shown(value: object) -> str:
-    """Return ``repr(value)``, or as much of it as tells what it is, in at most 120 characters of one line.
+    """Return ``repr(value)``, shortened to at most 120 characters of one line.
 
-    A text like '1e3' has a note: somebody wrote a number, and YAML 1.1 reads those of this form as texts.
+    A text like '1e3' gets a note, because its writer meant a number, but YAML 1.1 reads this form as a text.
     """
     text = _cut(_SHORTENER.repr(value))
     return text + _YAML_NOTE if isinstance(value, str) and _EXPONENT.match(value) else text
 
 
 def shown_text(value: object) -> str:
-    """Return the text ``value``, as it stands but for control characters, in at most 120 characters of one line."""
+    """Return the text ``value``, with control characters escaped, in at most 120 characters of one line."""
     text = str(value) if isinstance(value, (str, float, bool)) or value is None else shown(value)
     text = text[:MAX_LENGTH + 1]
     return _cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))

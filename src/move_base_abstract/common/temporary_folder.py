@@ -1,9 +1,10 @@
 """A folder for the temporary files of one run, so that files of one run do not change the next one.
 
-Names of temporary files are functions of the seed, so that the files of an earlier run have the names that the next
-one would take. The folder has the same path in each run, since programs may show it; runs beside each other have one
-each, whose paths are equally long: the environment lies on a program's stack, so that a longer one moves all addresses
-there. It is empty at first. What a run has left in it is never deleted: it is moved aside, and told.
+Names of temporary files are functions of the seed, so files of an earlier run have the names that the next one would
+take. The folder has the same path in each run, because programs may show it. Runs beside each other have one folder
+each, with paths of the same length: the environment lies on a program's stack, where a longer path would move all
+addresses. The folder is empty at first. Files that a run has left in it are never deleted: they are moved aside, and a
+message says where they are.
 """
 from __future__ import annotations
 
@@ -14,17 +15,17 @@ import stat
 import tempfile
 from typing import Callable, Iterator, Optional
 
-_MOST = 64  # runs beside each other; two digits
+_MOST = 64  # runs beside each other; numbers have two digits
 
 
 @contextlib.contextmanager
 def temporary_folder(say: Callable[[str], None]) -> Iterator[Optional[str]]:
-    """Have a folder of the run's own; its path is yielded, or None where none can be had. ``say`` takes a line."""
+    """Make a folder for the run; yield its path, or None if it cannot be made. ``say(line)`` prints a message."""
     base = os.path.join(tempfile.gettempdir(), 'move_base_abstract_run_{}'.format(os.getuid()))
     for number in range(1, _MOST + 1):
         path = '{}_{:02d}'.format(base, number)
         held = _hold(path)
-        if held is None:  # the run that had it may have removed it just now
+        if held is None:  # another run may just have removed it
             held = _hold(path)
         if held is not None:
             break
@@ -36,13 +37,13 @@ def temporary_folder(say: Callable[[str], None]) -> Iterator[Optional[str]]:
         yield path
     finally:
         _clear(path, say)
-        with contextlib.suppress(OSError):  # it is not empty: that was told
+        with contextlib.suppress(OSError):  # it is not empty, and a message has said so
             os.rmdir(path)
         os.close(held)
 
 
 def _hold(path: str) -> Optional[int]:
-    """Return a descriptor of this folder of ours while no other run has it; None if that cannot be."""
+    """Make or take the folder and lock it; return its descriptor, or None if it is another run's or somebody else's."""
     held = None
     try:
         with contextlib.suppress(FileExistsError):
@@ -61,7 +62,7 @@ def _hold(path: str) -> Optional[int]:
 
 
 def _clear(path: str, say: Callable[[str], None]) -> None:
-    """Move aside what is in the folder, by name, into a new one."""
+    """Move all files in the folder, in the order of their names, into a new folder beside it."""
     try:
         names = sorted(os.listdir(path))
         if not names:

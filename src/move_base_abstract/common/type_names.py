@@ -1,4 +1,4 @@
-"""Names of types that several rooms use; who reads annotations needs them, nobody imports them while a program runs."""
+"""Names of types that several packages use in annotations; they are not imported while a program runs."""
 from __future__ import annotations
 
 import os

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 
 NS_PER_S = 1_000_000_000
-#: the last instant of simulated time: the seconds of a ros::Duration are an int32, and the time master ends there
+#: the last instant of simulated time [ns], where the time master ends: the seconds of a ros::Duration are an int32
 LAST_NS = (2 ** 31 - 1) * NS_PER_S
 
 
@@ -21,9 +21,9 @@ def seconds_to_ns(seconds: float) -> int:
 
 
 def check_reachable(time_ns: int, what: str) -> None:
-    """Check that simulated time comes as far as ``time_ns`` [ns].
+    """Check that simulated time can reach ``time_ns`` [ns].
 
-    :raises ValueError: if it ends before; the text begins with ``what``.
+    :raises ValueError: if simulated time ends before; the text begins with ``what``.
     """
     if time_ns > LAST_NS:
         raise ValueError('{} at {:.10g} s, simulated time ends at {} s'.format(

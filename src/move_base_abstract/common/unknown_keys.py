@@ -1,4 +1,4 @@
-"""Unknown keys in users' files: refused, with the most similar known key."""
+"""Refuses unknown keys in users' files, with an error that names the most similar known key."""
 from __future__ import annotations
 
 import difflib
@@ -9,9 +9,9 @@ from .shown import shown_text
 
 
 def check_keys(raw: Mapping[str, Any], known: Sequence[str], where: str, prefix: str) -> None:
-    """Check that all keys of the mapping ``raw`` are among ``known``; an error names them behind ``prefix``.
+    """Check that all keys of the mapping ``raw`` are among ``known``; an error shows the key with ``prefix`` before it.
 
-    :raises ConfigurationError: naming ``where``, the key, and the one that may be meant.
+    :raises ConfigurationError: if one is not; the text begins with ``where``, and names the most similar known key.
     """
     for key in raw:
         if key not in known:

@@ -1,4 +1,4 @@
-"""Parameters of robots, their checks, and the names that upstream's setups carry."""
+"""The parameters of robots and nodes, their checks, and the parameter names of existing move_base set-ups."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

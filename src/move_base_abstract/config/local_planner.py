@@ -1,4 +1,4 @@
-"""The limits of a robot, found in the parameter group of its local planner."""
+"""Finds the limits of a robot in the parameter group of its local planner."""
 from __future__ import annotations
 
 import re
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE = 'speed', 'acceleration', 'xy_tolerance', 'yaw_tolerance'
 
-#: what the name of a limit may look like in a group that is not understood
+#: patterns of names that may mean a limit, in the group of an unknown planner
 _LOOKS_LIKE = {
     SPEED: re.compile('vel|speed'),
     ACCELERATION: re.compile('acc(?!ura)'),
     XY_TOLERANCE: re.compile('^(?!.*(yaw|ang|rot|heading)).*(toler|accura)'),
     YAW_TOLERANCE: re.compile('^(?=.*(yaw|ang|rot|heading)).*(toler|accura)'),
 }
-#: names of other things: turning, sideways and backward motion, lower bounds, weights
+#: patterns of names that mean something else: turning, sideways and backward motion, lower bounds, weights
 _OTHERWISE = {kind: re.compile(r'(^|_)({})(_|$)'.format('|'.join(words))) for kind, words in (
     (SPEED, upstream.NOT_FORWARD + upstream.NOT_LIMITS), (ACCELERATION, upstream.NOT_FORWARD + upstream.NOT_LIMITS),
     (XY_TOLERANCE, upstream.NOT_LIMITS), (YAW_TOLERANCE, upstream.NOT_LIMITS))}
@@ -29,7 +29,7 @@ _NAMED_AT_MOST = 8
 
 @dataclass(frozen=True)
 class Found:
-    """A limit: its value, where it comes from, and the parameters (below the node's name) that were looked at."""
+    """A limit: its value, its source, and the parameters (below the node's name) from which it was found."""
 
     value: float
     source: str
@@ -37,10 +37,10 @@ class Found:
 
 
 class PlannerGroup:
-    """The parameters of the local planner among ``raw``, all parameters in the namespace ``where``.
+    """The parameters of the local planner in ``raw``, which has all parameters in the namespace ``where``.
 
-    ``speeds`` are the {name: m/s} that :meth:`speed` has found, by their present names; ``warnings`` say what was not
-    understood.
+    ``speeds``: {present name: m/s} of the speeds that :meth:`speed` has found. ``warnings``: texts about old names, and
+    about names that may mean a limit but are not understood.
     """
 
     def __init__(self, raw: Mapping[str, Any], where: str) -> None:
@@ -54,7 +54,7 @@ class PlannerGroup:
         self._tell_old_names()
 
     def speed(self, parameter: Parameter) -> Found:
-        """Return the :class:`Found` speed: the smallest of the planner's, its own default among them."""
+        """Return the :class:`Found` speed [m/s]: the smallest of the planner's speeds, possibly its own default."""
         planner = self._planner
         given = self._values(planner.speed, parameter, planner.zero_is_unset)
         found: List[Tuple[Optional[str], float]] = [*given]
@@ -71,7 +71,7 @@ class PlannerGroup:
         return Found(value, '~' + self._path(name), paths)
 
     def limit(self, kind: str, parameter: Parameter) -> Found:
-        """Return the :class:`Found` limit that ``kind`` names, ACCELERATION or one of the tolerances."""
+        """Return the :class:`Found` limit of ``kind``: ACCELERATION [m/s^2], XY_TOLERANCE [m], YAW_TOLERANCE [rad]."""
         found = self._values(getattr(self._planner, kind), parameter)
         if not found:
             return self._default(kind, parameter, parameter.default)
@@ -80,7 +80,7 @@ class PlannerGroup:
 
     def _values(self, names: Tuple[str, ...], parameter: Parameter,
                 zero_is_unset: Tuple[str, ...] = ()) -> List[Tuple[str, float]]:
-        """Return [(name, value)] of those of ``names`` that the group has; an old name gives way to its new one."""
+        """Return [(name, value)] of those ``names`` that the group has; an old name is left out beside its new one."""
         found = {}
         for name in names:
             raw = self._get(name)
@@ -97,7 +97,7 @@ class PlannerGroup:
         return value
 
     def _full(self, name: str) -> str:
-        """Return ``name`` with the kind of robot that the group says it is for, where its names depend on that."""
+        """Return ``name`` with ``{robot}`` replaced by the group's kind of robot."""
         if '{robot}' not in name:
             return name
         robot = self._group.get('robot')
@@ -109,7 +109,7 @@ class PlannerGroup:
 
     def _default(self, kind: str, parameter: Parameter, value: Any, whose: str = '',
                  paths: Tuple[str, ...] = ()) -> Found:
-        """Return ``value`` as a default and warn of what looks like the limit, but is not understood."""
+        """Return ``value`` as a default, and warn of names that may mean the limit but are not understood."""
         known = {self._full(name) for names in self._planner.names() for name in names}
         strange = [path for path in leaves(self._group) if path not in known
                    and _LOOKS_LIKE[kind].search(path.rsplit('/', 1)[-1])
@@ -135,9 +135,9 @@ class PlannerGroup:
 
 @dataclass(frozen=True)
 class SpeedNames:
-    """The top speed where a planner's configuration shows it under two names: the smaller one of those that are set.
+    """A top speed [m/s] that a planner's configuration shows under two names; the smaller of those that are set counts.
 
-    ``given``: {name: m/s} of the names that were set. The others show the speed and limit nothing.
+    ``given``: {name: m/s} of the names that were set. The other names show the speed but limit nothing.
     """
 
     speed: float
@@ -147,7 +147,7 @@ class SpeedNames:
 
     @classmethod
     def of(cls, speed: float, given: Dict[str, float]) -> SpeedNames:
-        """Return the names as they are at the start; what is ``given`` by other names is not shown."""
+        """Return the names at the start; speeds that are ``given`` by other names are left out."""
         return cls(speed, {name: given[name] for name in cls.NAMES if name in given})
 
     def shown(self) -> Dict[str, float]:
@@ -155,7 +155,7 @@ class SpeedNames:
         return {name: self.given.get(name, self.speed) for name in self.NAMES}
 
     def changed(self, config: Dict[str, float]) -> SpeedNames:
-        """Return the names after somebody has set ``config``, {name: m/s}, which may have one of them or both."""
+        """Return the names after ``config``, {name: m/s}, was set, which may have one of them or both."""
         shown = self.shown()
         news = {name: config[name] for name in self.NAMES if name in config and config[name] != shown[name]}
         if not news:
@@ -174,6 +174,6 @@ def leaves(group: Dict[str, Any], prefix: str = '') -> List[str]:
 
 
 def _unnamed(raw: Mapping[str, Any]) -> str:
-    """Return the planner that counts where none is named: upstream's, or the one whose group stands alone."""
+    """Return the planner if none is named: the first of UNNAMED_PLANNERS that has a group, or the first of all."""
     standing = [name for name in upstream.UNNAMED_PLANNERS if isinstance(raw.get(name), dict)]
     return standing[0] if standing else upstream.UNNAMED_PLANNERS[0]

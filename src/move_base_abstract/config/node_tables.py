@@ -1,4 +1,4 @@
-"""The parameters of the nodes besides those of a robot: the one table from which checks and pages come."""
+"""The parameters of the nodes, except those of a robot. The checks and the pages of the nodes use these tables."""
 from __future__ import annotations
 
 from typing import List
@@ -6,7 +6,7 @@ from typing import List
 from ..common.parameter_table import Parameter, boolean, integer, name, number, text
 from ..common.ros_names import NAMESPACE_RULE, is_namespace
 
-MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
+MAX_ROBOTS = 100_000  # in a scenario; the most that have been driven so far are ten thousand
 
 def _names(value: object) -> List[str]:
     if not isinstance(value, list) or not all(is_namespace(item) for item in value):
@@ -26,7 +26,7 @@ def _as_it_is(value: object) -> object:
     return value
 
 
-MAX_SECONDS = 2.0 ** 31 - 1.0  # of a duration in ROS
+MAX_SECONDS = 2.0 ** 31 - 1.0  # the longest duration in ROS
 _SEED = 'a whole number >= 0'
 _PATH = 'the path of a scenario file'
 _SECONDS = 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)
@@ -41,7 +41,7 @@ ACTIONLIB = (
               'Rate at which the status is repeated; a namespace above counts, too. 0: only on transitions. With '
               '`events_only` it is 0.'),
 )
-#: the keys of a scenario that may be parameters of a node instead; they are checked as those of the file are
+#: the keys of a scenario that may be parameters of a node instead; they are checked like those in the file
 INLINE = {parameter.name: parameter for parameter in (
     Parameter('defaults', None, _as_it_is, 'a mapping of settings of every robot', 'Settings of every robot.'),
     Parameter('robots', None, _as_it_is, 'a list of robots', 'The robots, in the order of their indices.'),
@@ -101,7 +101,7 @@ TASK_SOURCE = (
 )
 TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'], INLINE['orders'])
 MAP_FRAME = Parameter('frame_id', 'map', name, 'a frame name', 'Frame of the map.')
-#: with the old form of map_server's command line
+#: parameters that are read with the old form of map_server's command line
 MAP_OLD_FORM = (
     Parameter('negate', 0, integer(0), 'a whole number >= 0; 0 = white is free',
               'Meaning of shades; only with the old form of the command line.'),

@@ -1,4 +1,4 @@
-"""What the robots of a process publish at rates of simulated time, and to whom, in words: for `why` and the state."""
+"""The topics that the robots of a process publish at rates of simulated time, in words, for `why` and the state."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,37 +9,37 @@ _SHOWN = 5  # names
 
 @dataclass(frozen=True)
 class Told:
-    """Something that one robot publishes at a rate."""
+    """Something that one robot publishes at a rate; ``what`` names it, for example 'feedback'."""
 
     what: str
-    #: Hz of simulated time
+    #: returns the rate, in Hz of simulated time
     frequency: Callable[[], float]
-    #: (topic, name of a node that hears it), as of Outlet.hearers
+    #: returns (topic, name of a node that subscribes to it), ..., see Outlet.hearers
     hearers: Callable[[], Iterable[Tuple[str, str]]]
 
 
 class Rates:
-    """Of one process; ``changed()`` is called when there is more or less to say. The caller holds the clock's lock."""
+    """The rates of one process; ``changed()`` is called when one comes or goes. The caller holds the clock's lock."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
-        self._told: Dict[Told, bool] = {}  # what is told, in the order in which it came
+        self._told: Dict[Told, bool] = {}  # in the order in which they were added
         self.changed = changed
 
     def add(self, what: str, frequency: Callable[[], float],
             hearers: Callable[[], Iterable[Tuple[str, str]]]) -> Told:
-        """Add something that a robot tells, see :class:`Told`, and return it."""
+        """Add something that a robot publishes at a rate, and return its :class:`Told`."""
         told = Told(what, frequency, hearers)
         self._told[told] = True
         self.changed()
         return told
 
     def remove(self, told: Told) -> None:
-        """The robot tells it no more."""
+        """Remove what the robot no longer publishes."""
         del self._told[told]
         self.changed()
 
     def text(self) -> str:
-        """Return what is told at which rate, and to whom: 'feedback at 20 Hz to nobody; tf at 10 Hz to /viewer'."""
+        """Return all rates with the subscribers, for example 'feedback at 20 Hz to nobody; tf at 10 Hz to /viewer'."""
         groups: Dict[Tuple[str, float], List[Dict[str, bool]]] = {}
         for told in self._told:
             names = {name: True for _topic, name in told.hearers()}

@@ -1,4 +1,4 @@
-"""The parameters of one robot: the one table from which reading, checks, pages and schemas come."""
+"""The parameters of one robot. Reading, checks, pages and schemas all use this table."""
 from __future__ import annotations
 
 from ..common.parameter_table import Parameter, boolean, integer, name, number, numbers, one_of, text, topic
@@ -13,7 +13,7 @@ from . import upstream
 DEFAULT_SPEED = 0.5
 _MOST_PRIORITY = 2 ** 31 - 1
 
-#: how a robot finds its way
+#: the ways in which a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
 
 _POSITIVE = 'a finite number > 0'

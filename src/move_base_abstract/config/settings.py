@@ -42,20 +42,20 @@ from .local_planner import Found, PlannerGroup, leaves
 from .robot_table import ACCELERATION, LIMITS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
 
 _ODOM = 'odom'
-#: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
+#: (our parameter, the costmap that has it in an existing set-up, its key there, the default)
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
-#: what a calibration says
+#: the parameters that a calibration replaces
 _CALIBRATED = tuple(parameter.name for parameter in LIMITS + DURATIONS) + ('turn_rate',)
-#: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
-#: would be an event more that time has to stop for
+#: the defaults with ``events_only``, where time leaps from event to event: each of these rates would add events for
+#: which time has to stop
 EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
 
 @dataclass
 class RobotSettings:
-    """All settings of one robot; units as in the docs of the ``move_base`` node."""
+    """All settings of one robot; the units are those in the docs of the ``move_base`` node."""
 
     limits: MotionLimits
     tolerances: Tolerances
@@ -68,27 +68,27 @@ class RobotSettings:
     costmaps: Costmaps
     values: Dict[str, Any]
     tf_prefix: Optional[str] = None
-    #: all recovery behaviours that there are, whether they are enabled or not
+    #: all recovery behaviours, whether they are enabled or not
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
-    #: how goals differ from the law of motion; None: in nothing
+    #: how the durations of goals differ from the law of motion; None: they do not
     durations: Union[Durations, CalibratedDurations, None] = None
-    #: what goes wrong; None: nothing
+    #: how the robot fails, and which mishaps are drawn for it; None: it does not fail, and there are none
     failures: Optional[Failures] = None
     buggify: Optional[Buggify] = None
-    #: its battery; None: it has none, and needs none
+    #: the robot's battery; None: it has none, and needs no energy
     battery: Optional[BatterySettings] = None
-    #: its laser scanner
+    #: the robot's laser scanner
     laser: LaserSettings = LaserSettings()
-    #: how legs begin and end; None: as of a Leg
+    #: how legs begin and end; None: as in Leg
     phases: Optional[MotionPhases] = None
-    #: the original package's law, and how often its branch for failures tries; None: ours
+    #: the law of motion of the original package, and the attempts of its branch for failures; None: our law
     original: Optional[OriginalLaw] = None
     attempts: Optional[Attempts] = None
-    #: the LaneMap or TravelMatrix by which it goes; None: neither
+    #: the LaneMap or TravelMatrix by which the robot finds its way; None: neither
     network: Union[LaneMap, TravelMatrix, None] = None
-    #: what its calibration says of meeting other robots; None: nothing
+    #: the calibration's law of meeting other robots; None: it has none
     encounters: Optional[EncounterLaw] = None
-    #: {name: m/s} of the planner's parameters that the speed comes from
+    #: {name: m/s} of the planner's parameters from which the speed comes
     speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
     warnings: List[str] = field(default_factory=list)
@@ -105,11 +105,11 @@ class RobotSettings:
 
     @property
     def odom_frame(self) -> str:
-        """The full name of the odometry's frame; in a set-up without a map it may be the global frame itself."""
+        """The full name of the odometry's frame; without a map it may be the global frame itself."""
         return self.frame(self.values['odom_frame'])
 
     def frame(self, frame_id: str) -> str:
-        """Return the robot's own frame ``frame_id`` with its tf prefix, which is not put twice."""
+        """Return the robot's own frame ``frame_id`` with its tf prefix, unless it has the prefix already."""
         if not self.tf_prefix or frame_id.startswith(self.tf_prefix + '/'):
             return frame_id
         return '{}/{}'.format(self.tf_prefix, frame_id)
@@ -118,7 +118,7 @@ class RobotSettings:
 def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]:
     """Return the :class:`RobotSettings` in ``raw``, the dictionary of all parameters in the namespace ``where``.
 
-    :raises ConfigurationError: for a wrong type or an impossible value of a parameter that is used.
+    :raises ConfigurationError: if a parameter that is used has a wrong type or a value that is not allowed.
     """
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
@@ -158,13 +158,13 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
 
 
 def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:
-    """Return ``settings`` with the law of the original package, which knows none of what would change it."""
+    """Return ``settings`` with the law of motion of the original package, which has no parameters to change it."""
     profile = settings.values['compatible_with']
     for key in ('calibration', 'turn_rate', 'xy_goal_tolerance', 'yaw_goal_tolerance', 'routes',
                 *(parameter.name for parameter in DURATIONS)):
         if key in raw and (key, raw[key]) != ('routes', 'none'):
-            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has none of it; allowed: '
-                                     'one of them'.format(where.rstrip('/'), key, shown(raw[key]), profile))
+            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has no such parameter; '
+                                     'allowed: one of the two'.format(where.rstrip('/'), key, shown(raw[key]), profile))
     if 'pose_update_freq' not in raw:
         settings.values['pose_update_freq'] = POSE_RATES[profile]
     return replace(settings, tolerances=Tolerances(),
@@ -174,11 +174,11 @@ def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) ->
 
 
 def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:
-    """Return ``settings`` with what their calibration says."""
+    """Return ``settings`` with the values of their calibration."""
     own = [name for name in _CALIBRATED if name in raw]
     if own:
-        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
-                                 'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
+        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which sets it, too; allowed: one of the '
+                                 'two'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
     calibration = read_calibration(settings.values['calibration'], where)
     if settings.values['routes'] == 'matrix' or isinstance(settings.network, LaneMap) and settings.network.has_speeds:
         raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "
@@ -193,14 +193,14 @@ def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> 
 
 def _limit(raw: Mapping[str, Any], parameter: Parameter, where: str,
            of_planner: Callable[[Parameter], Found]) -> Found:
-    """Return the :class:`Found` limit: the robot's own, else what ``of_planner`` finds."""
+    """Return the :class:`Found` limit: the robot's own if it is set, otherwise that of ``of_planner(parameter)``."""
     if parameter.name in raw:
         return Found(checked(raw[parameter.name], parameter.name, parameter, where), '~' + parameter.name)
     return of_planner(parameter)
 
 
 def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> List[str]:
-    """Put the frames that are not given into ``values``; return the costmaps' parameters that were used."""
+    """Add the frames that are not set to ``values``; return the costmaps' parameters that were used."""
     used = []
     is_own = values['odom_frame'] is not None
     for own, costmap, key, default in _COSTMAP_FRAMES:
@@ -212,7 +212,7 @@ def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> 
         elif values[own] is None:
             values[own] = default
     if not is_own and values['odom_frame'] in (None, values['global_frame']):
-        # A local costmap in the map's frame says nothing of odometry. Without a map odometry is the global frame.
+        # A local costmap in the map's frame says nothing of odometry. Without a map, odometry is in the global frame.
         is_mapless = _ODOM in values['global_frame'].rsplit('/', 1)[-1]
         values['odom_frame'] = values['global_frame'] if is_mapless else _ODOM
     if values['robot_base_frame'] in (values['global_frame'], values['odom_frame']):
@@ -232,7 +232,7 @@ def _bounds(values: Optional[Tuple[float, float, float, float]], where: str) -> 
 
 
 def _check_routes(values: Dict[str, Any], where: str) -> Optional[Union[LaneMap, TravelMatrix]]:
-    """Check what goes with ``routes``, and return the LaneMap or the TravelMatrix that they need, or None."""
+    """Check that the parameters fit ``routes``; return the LaneMap or the TravelMatrix that it needs, or None."""
     routes = values['routes']
     if routes == 'grid':
         for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
@@ -256,7 +256,7 @@ def _recovery(values: Dict[str, Any], behaviors: Tuple[RecoveryBehavior, ...]) -
 
 
 def _behaviors(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> Tuple[RecoveryBehavior, ...]:
-    """Read move_base's list of {name, type}; a type that rotates takes one turn's time, others none."""
+    """Return the behaviours in move_base's list of {name, type}; a rotation takes the time of one turn, others none."""
     if 'recovery_behaviors' not in raw:
         return DEFAULT_BEHAVIORS if values['clearing_rotation_allowed'] else BEHAVIORS_WITHOUT_ROTATION
     try:
@@ -270,7 +270,7 @@ def _behaviors(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> Tu
 
 def _other_names(raw: Mapping[str, Any], values: Dict[str, Any], used: List[str], where: str,
                  warnings: List[str]) -> Dict[str, Any]:
-    """Sort what is not ours into what upstream would use and what nobody knows."""
+    """Return the parameters of others as ``ignored`` (move_base would use them) and ``warnings`` (unknown names)."""
     plugins = {upstream.plugin_namespace(values[key]) for key in ('base_local_planner', 'base_global_planner')}
     behaviors = raw.get('recovery_behaviors', [])
     groups = sorted(plugins) + [str(entry['name']) for entry in behaviors]

@@ -1,4 +1,4 @@
-"""The parameter names of existing move_base set-ups, known here to distinguish them from mistakes."""
+"""The parameter names of existing move_base set-ups, so that they are not taken for mistakes."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -17,12 +17,12 @@ IGNORED_NAMES = (
 
 @dataclass(frozen=True)
 class LocalPlanner:
-    """Where a local planner keeps its limits: names below its own namespace.
+    """The names of a local planner's limits, below its own namespace.
 
-    ``speed``: [m/s], the smallest counts; of the others the first one that is there: ``acceleration`` [m/s^2],
-    ``xy_tolerance`` [m], ``yaw_tolerance`` [rad]. ``default_speed`` [m/s]: the planner's own, where it is known; it
-    counts beside other speeds too where the ``leading`` one is not given. ``renamed``: {old name: present one}.
-    ``{robot}`` stands for the kind of robot that the group is for.
+    ``speed`` [m/s]: of all that are set, the smallest counts. ``acceleration`` [m/s^2], ``xy_tolerance`` [m],
+    ``yaw_tolerance`` [rad]: the first that is set counts. ``default_speed`` [m/s]: the planner's own default, if it is
+    known; if the ``leading`` speed is not set, it counts beside the others. ``zero_is_unset``: speeds for which 0 means
+    not set. ``renamed``: {old name: present name}. ``{robot}`` stands for the group's kind of robot.
     """
 
     speed: Tuple[str, ...] = ('max_vel_x',)
@@ -65,10 +65,10 @@ LOCAL_PLANNERS = {
 OTHER_PLANNER = LocalPlanner(speed=('max_vel_x', 'max_vel_trans', 'max_vel_lin'))
 MPC_DEFAULT_ROBOT = 'unicycle'
 
-#: where base_local_planner names none: upstream's own choice, else the group that is there all the same
+#: the planners if base_local_planner is not set: move_base's own default, then another one that may have a group
 UNNAMED_PLANNERS = ('TrajectoryPlannerROS', 'DWAPlannerROS')
 
-#: words in the names of parameters that limit something else than forward motion, or limit nothing
+#: words in the names of parameters that limit something other than forward motion, or limit nothing
 NOT_FORWARD = ('theta', 'th', r'rot\w*', r'ang\w*', 'y', 'z', 'yaw', r'backwards?', 'in_place', r'steer\w*')
 NOT_LIMITS = ('min', 'weight', 'stopped', 'latch', 'transform', 'sim', 'ratio', 'samples', 'topic', 'threshold',
               'timeout', 'penalty', 'multiplier', 'scale', 'scaling', 'scoring', 'eps', 'epsilon', 'escape', 'backup')
@@ -78,5 +78,5 @@ DEFAULT_GLOBAL_PLANNER = 'navfn/NavfnROS'
 
 
 def plugin_namespace(plugin: str) -> str:
-    """Return the namespace in which move_base keeps a plugin's parameters: 'pkg/Class' and 'pkg::Class' -> 'Class'."""
+    """Return the namespace of a plugin's parameters in move_base: 'pkg/Class' and 'pkg::Class' give 'Class'."""
     return plugin.replace('::', '/').rsplit('/', 1)[-1]

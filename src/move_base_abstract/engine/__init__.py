@@ -1,4 +1,4 @@
-"""The engine of discrete events: what is due when, the present, and chance that follows from a seed."""
+"""The engine of discrete events: the queue of events, the present time, and draws that follow from a seed."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 class Agenda:
-    """Events of the robot with ``robot_index`` in ``queue`` (EventQueue)."""
+    """Future events of the robot ``robot_index`` in ``queue`` (EventQueue)."""
 
     def __init__(self, queue: EventQueue, robot_index: int) -> None:
         self._queue = queue
@@ -22,7 +22,7 @@ class Agenda:
         self.events.append(self._queue.schedule(due_ns, self._robot_index, action))
 
     def clear(self) -> None:
-        """Call nothing of all this."""
+        """Cancel all events."""
         for event in self.events:
-            event.action = None  # as Event.cancel
+            event.action = None  # the same as Event.cancel()
         self.events.clear()

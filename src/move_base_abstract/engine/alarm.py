@@ -8,9 +8,9 @@ if TYPE_CHECKING:
 
 
 class Alarm:
-    """At most one event of a robot in ``queue`` (EventQueue); ``due_ns``: when it is due [ns], or None.
+    """At most one future event of a robot in ``queue`` (EventQueue); ``due_ns``: when it is due [ns], or None.
 
-    ``keeps_going``: as of :meth:`.event_queue.EventQueue.schedule`.
+    ``keeps_going``: see :meth:`.event_queue.EventQueue.schedule`.
     """
 
     def __init__(self, queue: EventQueue, robot_index: int, keeps_going: Optional[Callable[[], bool]] = None) -> None:
@@ -21,20 +21,20 @@ class Alarm:
         self.due_ns: Optional[int] = None
 
     def set(self, due_ns: int, action: Callable[[int], object]) -> None:
-        """Call ``action(due_ns)`` at ``due_ns`` [ns], and nothing else."""
+        """Call ``action(due_ns)`` at ``due_ns`` [ns], instead of whatever was set before."""
         self.cancel()
         self.due_ns = due_ns
         self._event = self._queue.schedule(due_ns, self._robot_index, lambda at_ns, _: self._go_off(action, at_ns),
                                            keeps_going=self._keeps_going)
 
     def cancel(self) -> None:
-        """Call nothing."""
+        """Cancel the event, if there is one."""
         if self._event is not None:
             self._event.cancel()
             self._event = self.due_ns = None
 
     def shift(self, by_ns: int) -> None:
-        """The queue has been shifted by ``by_ns`` [ns]."""
+        """Correct :attr:`due_ns` after the queue was shifted by ``by_ns`` [ns]."""
         if self.due_ns is not None:
             self.due_ns += by_ns
 

@@ -4,11 +4,11 @@ from heapq import heapify, heappop, heappush, heapreplace
 
 
 class Event:
-    """Something that is due: ``action(due_ns, now_ns)``.
+    """Something that will happen: a call of ``action(due_ns, now_ns)``.
 
-    ``due_ns`` [ns] is when it was to happen; ``now_ns`` is the time that the clock really shows, the same or later.
-    ``keeps_going()``: whether time goes on for it alone, None: it does.
-    ``telling`` is the :class:`Series` that it belongs to where that only tells what is so, else None.
+    ``due_ns`` [ns] is when it is due; ``now_ns`` [ns] is the time that the clock shows at the call, the same or later.
+    ``keeps_going()`` returns whether time goes on for this event alone; None: it does. ``telling`` is the event's
+    :class:`Series` if that only tells, otherwise None.
     """
 
     __slots__ = ('action', 'telling', 'keeps_going')
@@ -19,72 +19,73 @@ class Event:
         self.keeps_going = keeps_going
 
     def __lt__(self, _other):
-        """Return False: what has the same place is one series, stopped and started anew; the stopped one is nothing."""
+        """Return False: two events with the same place are of one series, and one of them is cancelled."""
         return False
 
     def cancel(self):
-        """Make this event not happen. May be said twice, and after it happened."""
+        """Cancel this event. It may be cancelled twice, and after it has happened."""
         self.action = None
 
 
-#: who hears what a :class:`Series` tells: time goes on for those who take part only
+#: the listeners of a :class:`Series` that only tells; time goes on for it alone only if participants listen
 NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
 
-#: in the order of one instant and robot, what only tells comes after what happens, in the order of its making
+#: added to the places of series that only tell, so that they come after all other events of an instant and robot
 _TELLING = 1 << 62
-_FEWEST_SWEPT = 4096  # entries, below which cancelled ones are not looked for
+_FEWEST_SWEPT = 4096  # with fewer entries the queue is not searched for cancelled ones
 
 
 class EventQueue:
     """Events in the order of their time; at the same instant: lower robot index first, then first scheduled.
 
-    What only tells, see :class:`Series`, comes last of its robot's: its place does not follow from when somebody began
-    to listen.
+    A :class:`Series` that only tells comes after the robot's other events of that instant. So its place does not depend
+    on when somebody began to listen.
     """
 
     def __init__(self):
-        self._heap = []  # of (due_ns, robot index, number, Event): tuples, since these are compared most of all
+        self._heap = []  # of (due_ns, robot index, number, Event): tuples, because tuples are compared fastest
         self._sweep_at = _FEWEST_SWEPT
         self._sequence = 0
-        #: whether anything was ever scheduled for which alone time may not go on
+        #: whether any event was ever scheduled with ``keeps_going``
         self.ever_waits = False
         self._telling = 0
         self._tellers = 0
         self._asleep = []  # Series, in the order in which they fell asleep
-        self._guards = {}  # {robot index: function}
+        self._guards = {}  # {robot index: break_off}
 
     def guard(self, robot_index, break_off):
-        """Call ``break_off(error)`` where an event of the robot raises ``error``, and go on; None: let it through."""
+        """Call ``break_off(error)`` if an event of the robot raises ``error``, and go on; None: let errors through."""
         if break_off is None:
             self._guards.pop(robot_index, None)
         else:
             self._guards[robot_index] = break_off
 
     def new_teller(self):
-        """Return the place that a new series that only tells has among all of its instant."""
+        """Return the place of a new series that only tells, among the events of one instant and robot."""
         self._tellers += 1
         return _TELLING + self._tellers
 
     def count_telling(self, change):
-        """``change`` more series that only tell have an event in the queue."""
+        """Note that ``change`` (1, 0 or -1) more series that only tell have an event in the queue."""
         self._telling += change
 
     def sleep(self, series):
-        """Nobody hears the :class:`Series`: it has no event until :meth:`wake`."""
+        """Note that nobody hears the :class:`Series`, so that it has no event until its :meth:`Series.wake`."""
         self._asleep.append(series)
 
     def forget_sleeper(self, series):
-        """The series has been stopped."""
+        """Note that the series is no longer asleep: it has been stopped or woken."""
         self._asleep.remove(series)
 
     def sleepers(self):
-        """Return the series that are asleep and would be heard now."""
+        """Return the series that are asleep although somebody would hear them now."""
         return [series for series in self._asleep if series.is_heard()]
 
     def schedule(self, due_ns, robot_index, action, telling=None, keeps_going=None):
-        """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled.
+        """Schedule ``action(due_ns, now_ns)`` at ``due_ns`` [ns]; return its :class:`Event`, which can be cancelled.
 
-        ``keeps_going()``, of what comes of itself while nobody does anything: whether time goes on for it alone.
+        ``keeps_going()`` returns whether time goes on for this event alone. It is given for events that come by
+        themselves while nobody does anything, for example the end of a charge.
         """
         if keeps_going is not None:
             self.ever_waits = True
@@ -101,7 +102,7 @@ class EventQueue:
         return event
 
     def _sweep(self):
-        """Drop what has been cancelled: of far instants it would stay for long. The order stays, no two are equal."""
+        """Drop cancelled events, of which those of far instants would stay for long; this does not change the order."""
         self._heap[:] = [entry for entry in self._heap if entry[3].action is not None]
         heapify(self._heap)
         self._sweep_at = max(_FEWEST_SWEPT, 2 * len(self._heap))
@@ -114,12 +115,15 @@ class EventQueue:
         return heap[0][0] if heap else None
 
     def is_busy(self):
-        """Return whether anything is due for which alone time goes on."""
+        """Return whether there is an event for which alone time goes on."""
         return any(event.action is not None and (event.keeps_going is None or event.keeps_going())
                    for *_, event in self._heap)
 
     def is_for_onlookers(self):
-        """Return whether there are events, and time goes on for none alone, or but for what onlookers are told."""
+        """Return whether there are events, but time goes on for none of them alone, or only for onlookers.
+
+        That is: each event either does not keep time going, or is of a series that only onlookers hear.
+        """
         is_any = False
         for *_, event in self._heap:
             if event.action is not None:
@@ -132,11 +136,11 @@ class EventQueue:
         return is_any
 
     def run_until(self, until_ns, present, instant_by_instant=False):
-        """Let all happen that is due at ``until_ns`` [ns] or before, in order, what is scheduled meanwhile included.
+        """Run all events that are due at ``until_ns`` [ns] or before, in order, with those scheduled meanwhile.
 
-        ``present.now_ns`` [ns] comes to the time of each event before it happens, and never back. The clock shows
-        ``until_ns`` then, or ``instant_by_instant`` when each is due; and with None for ``until_ns`` it goes on as long
-        as the queue :meth:`is_busy`.
+        ``present.now_ns`` [ns] is set to the time of each event before it happens, and never back. The actions get
+        ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. If
+        ``until_ns`` is None, this goes on as long as the queue :meth:`is_busy`.
         """
         heap, end_ns, entered_ns = self._heap, math.inf if until_ns is None else until_ns, None
         while heap:
@@ -163,11 +167,11 @@ class EventQueue:
                 break_off(error)
 
     def foresee(self, before_ns, most):
-        """Return what series that only tell will do, as [(due_ns, [Series, ...]), ...], and what comes after it [ns].
+        """Return the next calls of series that only tell, [(due_ns, [Series, ...]), ...], and where they end [ns].
 
-        Instant by instant, in order. It ends before ``before_ns`` [ns], before the first instant at which anything else
-        is due, and after ``most`` instants. :meth:`skip` says later how much of it has happened; until then nothing is
-        changed, but that what nobody hears any more falls asleep.
+        The list is in the order of time. It ends before ``before_ns`` [ns], before the first instant at which anything
+        else is due, and after ``most`` instants. The queue does not change, except that series that nobody hears any
+        more fall asleep. :meth:`skip` says later how many of these calls have been made.
         """
         if not self._telling:
             due_ns = self.next_due_ns()
@@ -195,7 +199,7 @@ class EventQueue:
         return instants, before_ns
 
     def skip(self, until_ns):
-        """Take what was foreseen up to ``until_ns`` [ns] as having happened."""
+        """Skip the calls that were foreseen up to ``until_ns`` [ns], because they have been made."""
         while True:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > until_ns:
@@ -203,23 +207,26 @@ class EventQueue:
             heappop(self._heap)[3].telling.skip(due_ns)
 
     def shift(self, by_ns):
-        """Move all that is due by ``by_ns`` [ns]; the order stays."""
+        """Move all events by ``by_ns`` [ns]; their order stays."""
         self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
         for series in self._asleep:
             series.shift(by_ns)
 
 
 class Series:
-    """An event that comes back every ``period_ns`` [ns], on multiples counted from its start.
+    """A periodic event: it is due at its start, and then every ``period_ns`` [ns], at exact multiples.
 
-    ``action(due_ns, now_ns)`` is called once an instant; multiples that the clock has leapt over are left out, so that
-    a fast clock does not bury its listeners, and the k-th one stays at start + k * period exactly. An action that has
-    nothing to do for a while may return for how long [ns]; multiples in between are left out as well.
+    ``action(due_ns, now_ns)`` is called at most once for each time that the clock shows: multiples that the clock has
+    leapt over are left out, so that a fast clock does not flood the listeners. The k-th multiple stays at start + k *
+    period exactly. If an action has nothing to do for a while, it may return for how long [ns]; the multiples in
+    between are left out, too.
 
-    ``only_tells``: the action changes nothing that another event could see, so that it can be done beforehand.
-    ``is_heard()``, of one that only tells: who would notice, ``NOBODY`` to ``PARTICIPANTS``. While nobody would, the
-    series sleeps: it has no events. Woken, see :meth:`Simulation.wake`, it goes on as if it had never slept. Its first
-    event always happens.
+    ``only_tells``: the action changes nothing that another event could see, so it can be done beforehand. Such a series
+    has ``is_heard()``, which returns who listens: ``NOBODY``, ``ONLOOKERS`` or ``PARTICIPANTS``. While nobody does, the
+    series sleeps, that is, it has no events. When it is woken (:meth:`Simulation.wake`), it goes on as if it had never
+    slept. Its first event always happens.
+
+    :raises ValueError: if the period is not > 0.
     """
 
     def __init__(self, queue, robot_index, period_ns, action, only_tells=False, is_heard=None):
@@ -242,7 +249,7 @@ class Series:
         self._queue.count_telling(self._telling is not None)
 
     def stop(self):
-        """Stop; may be said twice."""
+        """Stop the series; stopping it twice is allowed."""
         if self._asleep_until_ns is not None:
             self._asleep_until_ns = None
             self._queue.forget_sleeper(self)
@@ -252,15 +259,15 @@ class Series:
             self._queue.count_telling(-(self._telling is not None))
 
     def tell(self, due_ns):
-        """Do now what is foreseen for ``due_ns`` [ns]."""
+        """Do the action now that is foreseen for ``due_ns`` [ns]."""
         self._action(due_ns, due_ns)
 
     def skip(self, due_ns):
-        """What was due at ``due_ns`` [ns] has been told beforehand."""
+        """Go on after ``due_ns`` [ns], whose action has been done beforehand."""
         self._go_on(due_ns + self.period_ns)
 
     def wake(self, now_ns):
-        """Go on after ``now_ns`` [ns]; return when it would have told last [ns] while it slept, or None."""
+        """End the sleep: go on after ``now_ns`` [ns]. Return the last instant [ns] that was slept through, or None."""
         due_ns, self._asleep_until_ns = self._asleep_until_ns, None
         self._queue.forget_sleeper(self)
         missed = (now_ns - due_ns) // self.period_ns + 1 if due_ns <= now_ns else 0
@@ -269,7 +276,7 @@ class Series:
         return due_ns + (missed - 1) * self.period_ns if missed else None
 
     def shift(self, by_ns):
-        """As :meth:`EventQueue.shift`, of a series that is asleep."""
+        """Move the next event of a series that is asleep by ``by_ns`` [ns]."""
         self._asleep_until_ns += by_ns
 
     def _go_on(self, due_ns):
@@ -279,7 +286,7 @@ class Series:
             self.fall_asleep(due_ns)
 
     def fall_asleep(self, due_ns):
-        """Have no events any more until woken; ``due_ns`` [ns] is when the next one would be due."""
+        """Have no events until woken; ``due_ns`` [ns] is when the next one would be due."""
         self._event = None
         self._asleep_until_ns = due_ns
         self._queue.count_telling(-1)
@@ -294,7 +301,7 @@ class Series:
         try:
             pause_ns = self._action(due_ns, now_ns) or 0
         finally:
-            if self._event is own:  # not stopped, not started anew
+            if self._event is own:  # the action has neither stopped nor restarted the series
                 self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
 
 

@@ -1,6 +1,6 @@
-"""How many times as long as by its law something takes: distributions of a factor, each drawn from uniform numbers.
+"""Distributions of a factor: how many times as long something takes as its law says.
 
-``draw(uniform)`` of each draws from a :data:`Uniform`.
+Each distribution has ``draw(uniform)``, which returns a factor from the uniform numbers of a :data:`Uniform`.
 """
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Callable, Tuple
 
-#: gives the ``place``-th of independent numbers in (0, 1)
+#: a function that returns the ``place``-th of independent, uniform numbers in (0, 1)
 Uniform = Callable[[int], float]
 _NORMAL = NormalDist()
 
 
 @dataclass(frozen=True)
 class Constant:
-    """Always ``mean`` (> 0)."""
+    """The factor is always ``mean`` (> 0)."""
 
     mean: float = 1.0
 
@@ -28,7 +28,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Lognormal:
-    """Lognormal of mean ``mean`` (> 0) and coefficient of variation ``cv`` (> 0): sigma^2 = ln(1 + cv^2)."""
+    """Lognormal distribution: mean ``mean`` (> 0), coefficient of variation ``cv`` (> 0), sigma^2 = ln(1 + cv^2)."""
 
     mean: float
     cv: float
@@ -39,12 +39,12 @@ class Lognormal:
         return self.mean * math.exp(math.sqrt(variance) * _NORMAL.inv_cdf(uniform(0)) - 0.5 * variance)
 
 
-_LEAST_CV = 1e-9  # below it no number shows the spread
+_LEAST_CV = 1e-9  # a smaller spread would not be visible in any number
 
 
 @dataclass(frozen=True)
 class Gamma:
-    """Gamma of mean ``mean`` (> 0) and coefficient of variation ``cv`` (> 0): shape 1/cv^2."""
+    """Gamma distribution: mean ``mean`` (> 0), coefficient of variation ``cv`` (> 0), shape 1/cv^2."""
 
     mean: float
     cv: float
@@ -52,7 +52,7 @@ class Gamma:
     def draw(self, uniform: Uniform) -> float:
         """Return a factor (Marsaglia, Tsang: A simple method for generating gamma variables. ACM TOMS 26(3), 2000).
 
-        For a shape below 1 that of one more is multiplied by u^(1/shape), as they say.
+        For a shape below 1, a number with the shape + 1 is multiplied by u^(1/shape), as in that paper.
         """
         if self.cv < _LEAST_CV:
             return self.mean
@@ -71,9 +71,9 @@ class Gamma:
 
 @dataclass(frozen=True)
 class Quantiles:
-    """``mean`` times what lies between ``points`` ((probability, factor), ...), straight from one to the next.
+    """The factor is ``mean`` times a number by its quantiles ``points`` ((probability, factor), ...).
 
-    Both ascend, the probabilities from 0 to 1.
+    Between two points it is interpolated linearly. Probabilities and factors ascend, the probabilities from 0 to 1.
     """
 
     mean: float
@@ -85,7 +85,7 @@ class Quantiles:
 
 
 def along(points: Tuple[Tuple[float, float], ...], at: float) -> float:
-    """Return y at x = ``at``, straight between ``points`` ((x, y), ...), beyond the ends that of the end."""
+    """Return y at x = ``at``, linear between ``points`` ((x, y), ...); beyond the first or last, that point's y."""
     index = bisect_right([x for x, _ in points], at)
     if index == 0:
         return points[0][1]

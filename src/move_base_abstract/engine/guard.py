@@ -1,7 +1,7 @@
 """Unexpected errors while a robot works on a goal: they end that goal and nothing else.
 
-An object whose methods are :func:`guarded` has ``break_off(error)``. It puts things in order step by step
-(:func:`attempt_each`), so that what is broken keeps nothing else from being put in order.
+An object whose methods are :func:`guarded` has a method ``break_off(error)``, which cleans up step by step
+(:func:`attempt_each`), so that a step that fails does not keep the others from being done.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Method = TypeVar('Method', bound=Callable[..., Any])
 
 
 def guarded(method: Method) -> Method:
-    """Have whatever goes wrong in ``method`` handed to its object's ``break_off(error)``; it returns None then."""
+    """Decorate ``method`` so that an exception in it is handed to the object's ``break_off(error)``, not raised."""
     @functools.wraps(method)
     def guard(self: Any, *arguments: Any) -> Any:
         try:
@@ -30,9 +30,9 @@ def guarded(method: Method) -> Method:
 
 def attempt_each(simulation: Simulation, who: str, error: Exception,
                  steps: Iterable[Tuple[Any, ...]]) -> None:
-    """Report ``error`` as of ``who`` (a text) and do each of ``steps``: (function, argument, ...).
+    """Report ``error`` as an error of ``who`` (a text), and do each of ``steps``: (function, argument, ...).
 
-    What goes wrong in one of them is reported, too, and the next one comes.
+    An error in a step is reported, too, and the next step follows.
     """
     simulation.report_fault(who, error)
     for function, *arguments in steps:
@@ -43,10 +43,10 @@ def attempt_each(simulation: Simulation, who: str, error: Exception,
 
 
 def fault_text(error: BaseException) -> str:
-    """Return the text with which a goal ends in whose midst ``error`` came up."""
+    """Return the text with which a goal ends because of the unexpected ``error``."""
     return 'The goal cannot be worked on: {}: {}'.format(type(error).__name__, shown_text(str(error)))
 
 
 def log_fault(who: str, error: BaseException) -> None:
-    """Log ``error`` with its traceback, as of ``who``, by Python's logging."""
+    """Log ``error`` with its traceback, as an error of ``who``, by Python's logging."""
     logging.getLogger('move_base_abstract').error('%s: %s', who, fault_text(error), exc_info=error)

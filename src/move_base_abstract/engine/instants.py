@@ -1,4 +1,4 @@
-"""The instant at which a condition becomes true that then stays true, to the nanosecond."""
+"""Finds the instant, to the nanosecond, at which a condition becomes true that then stays true."""
 from __future__ import annotations
 
 from typing import Callable, Optional, Tuple
@@ -7,8 +7,9 @@ from typing import Callable, Optional, Tuple
 def first_ns(begin_ns: int, end_ns: int, is_so: Callable[[int], bool], guess_ns: Optional[int] = None) -> int:
     """Return the first instant [ns] in ``begin_ns`` .. ``end_ns`` [ns] at which ``is_so(instant)`` is true.
 
-    It must stay true from there on, and be true at ``end_ns``, which is not asked. By bisection: at most 62 calls. Of a
-    ``guess_ns`` [ns] that is off by n ns it takes some 2 log2(n) of them; it changes the answer in nothing.
+    It must stay true from there on, and be true at ``end_ns``, for which it is not called. The search is by bisection
+    and takes at most 62 calls. With a ``guess_ns`` [ns] that is off by n ns it takes some 2 log2(n) calls. The guess
+    does not change the answer.
     """
     if guess_ns is not None:
         begin_ns, end_ns = _around(min(max(guess_ns, begin_ns), end_ns), begin_ns, end_ns, is_so)
@@ -22,7 +23,7 @@ def first_ns(begin_ns: int, end_ns: int, is_so: Callable[[int], bool], guess_ns:
 
 
 def _around(guess_ns: int, begin_ns: int, end_ns: int, is_so: Callable[[int], bool]) -> Tuple[int, int]:
-    """Return as little as may be of ``begin_ns`` .. ``end_ns`` [ns], by steps from ``guess_ns`` that grow."""
+    """Return a narrower (begin, end) [ns] in which the answer lies, found by growing steps from ``guess_ns`` [ns]."""
     step = 1
     if guess_ns == end_ns or is_so(guess_ns):
         end_ns = guess_ns

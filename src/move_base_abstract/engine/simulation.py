@@ -1,4 +1,4 @@
-"""The present of a simulation: one event queue, and the time up to which everything has happened."""
+"""One simulation: its event queue, and its present, the time up to which everything has happened."""
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
 from .event_queue import EventQueue, Series
@@ -6,21 +6,21 @@ from .guard import log_fault
 
 
 class Simulation:
-    """Keeps the time of some robots and runs their events. Not thread-safe: the caller holds one lock."""
+    """Keeps the time of some robots and runs their events. It is not thread-safe: the caller holds one lock."""
 
     def __init__(self, now_ns=0, on_fault=log_fault):
-        """``on_fault(who, error)`` is told of errors that nobody expected, and that ended a goal."""
+        """``on_fault(who, error)`` is called for unexpected errors that ended a goal."""
         self.queue = EventQueue()
         self._on_fault = on_fault
-        #: the simulated time [ns]: that of the event that is happening, else that up to which all has happened
+        #: the simulated time [ns]: that of the event that is happening, otherwise that up to which all has happened
         self.now_ns = now_ns
 
     def report_fault(self, who, error):
-        """Have it noted that the exception ``error`` came up in what ``who`` (a text) does."""
+        """Report the exception ``error`` as an error of ``who`` (a text)."""
         self._on_fault(who, error)
 
     def advance(self, now_ns):
-        """Let everything due up to ``now_ns`` [ns] happen, in order.
+        """Run everything that is due up to ``now_ns`` [ns], in order.
 
         :raises TimeError: if ``now_ns`` lies before the present; time never goes back.
         """
@@ -30,34 +30,34 @@ class Simulation:
         self.now_ns = now_ns
 
     def run(self, until_ns=None):
-        """As :meth:`advance` to each instant at which anything is due, up to ``until_ns`` [ns] and in the end to that.
+        """Advance to each instant at which anything is due, up to ``until_ns`` [ns], and then to ``until_ns`` itself.
 
-        None: as long as time goes on for anything.
+        None: as long as there is an event for which time goes on.
 
-        :raises TimeError: as of :meth:`advance`.
+        :raises TimeError: if ``until_ns`` lies before the present.
         """
         self.queue.run_until(until_ns, self, instant_by_instant=True)
         if until_ns is not None:
             self.advance(until_ns)
 
     def restart(self, now_ns):
-        """Go on at ``now_ns`` [ns], also an earlier time; what was due comes as much later as before.
+        """Set the present to ``now_ns`` [ns], possibly an earlier time, and shift all events by the same amount.
 
-        For a clock that has started anew. Who keeps a time of the old one has to be told of it.
+        This is for a clock that has started anew. Objects that keep times of the old clock must correct them.
         """
         self.queue.shift(now_ns - self.now_ns)
         self.now_ns = now_ns
 
     def next_due_ns(self):
-        """Return when the next event is due [ns], or None."""
+        """Return when the next event is due [ns], or None if there is none."""
         return self.queue.next_due_ns()
 
     def foresee(self, before_ns, most):
-        """As :meth:`EventQueue.foresee`."""
+        """Foresee as :meth:`EventQueue.foresee` does."""
         return self.queue.foresee(before_ns, most)
 
     def tell(self, due_ns, series):
-        """Do beforehand what is foreseen for ``due_ns`` [ns], at which :attr:`now_ns` stands meanwhile."""
+        """Do what each of ``series`` foresees for ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
         present_ns, self.now_ns = self.now_ns, due_ns
         try:
             for one in series:
@@ -66,10 +66,10 @@ class Simulation:
             self.now_ns = present_ns
 
     def wake(self):
-        """Somebody listens: let the series that slept and are heard now go on, after the present.
+        """Wake the series that sleep and are heard now, because somebody has begun to listen; they go on after now.
 
-        What they have told nobody last is done now, at its instant, so that all is as if they had not slept; whatever
-        is sent by it was meant for nobody.
+        The last action that each has slept through is done now, with the time at which it was due, so that all is as if
+        the series had not slept.
         """
         for series in self.queue.sleepers():
             missed_ns = series.wake(self.now_ns)
@@ -77,13 +77,13 @@ class Simulation:
                 self.tell(missed_ns, [series])
 
     def skip(self, until_ns):
-        """Go on at ``until_ns`` [ns]: what was foreseen up to then has happened."""
+        """Set the present to ``until_ns`` [ns]; the calls that were foreseen up to then have been made."""
         self.queue.skip(until_ns)
         self.now_ns = until_ns
 
     def series(self, robot_index, frequency, action, only_tells=False, is_heard=None):
-        """Return a :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
+        """Return a new :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None
-        period_ns = max(1, round(min(LAST_NS, 1e9 / frequency)))  # a tiny one comes once
+        period_ns = max(1, round(min(LAST_NS, 1e9 / frequency)))  # a series with a tiny frequency comes once
         return Series(self.queue, robot_index, period_ns, action, only_tells, is_heard)

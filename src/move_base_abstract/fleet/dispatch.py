@@ -1,10 +1,10 @@
-"""A fleet in plain Python whose robots do orders: the scenario's, as they arrive, given out by its dispatcher.
+"""A fleet in plain Python whose robots do the scenario's orders, which its dispatcher gives to them as they arrive.
 
     dispatch = Dispatch(read_scenario('my_warehouse/scenario.yaml'), policy='batch')
     dispatch.run()
     dispatch.fleet.write_log('run.jsonl')
 
-The decisions are those of the node ``dispatcher``: both have one core, :class:`.Dispatcher`.
+The decisions are those of the node ``dispatcher``: both use the same core, :class:`.Dispatcher`.
 """
 from collections import deque
 from dataclasses import replace
@@ -24,19 +24,22 @@ from .fleet import Fleet
 from .member import FleetWarning
 from .user_calls import AFTER_USERS
 
-#: behind all that robots and users do at an instant, before processes
+#: the place of a decision at its instant: after the events of robots and users, before those of processes
 _DECISION = AFTER_USERS - 1
-#: so long time goes on for a charge that others wait for, before it is looked at again
+#: if others wait for a robot that charges, the dispatcher looks again after this time [ns]; time goes on until then
 CHARGE_LOOK_NS = 60 * NS_PER_S
 _MOST_TOLD = 5  # orders in a warning
 
 
 class Dispatch:
-    """A :class:`Fleet` (:attr:`fleet`) of a ``scenario``, and who has its robots do orders.
+    """The :class:`Fleet` (:attr:`fleet`) of a ``scenario``, with a dispatcher that has its robots do orders.
 
-    ``policy``: a name, 'module:Class', or an object with ``choose``; None: what the scenario says. ``seed`` of the
-    orders, None: the scenario's. ``on_event`` and ``options``: as of Fleet. Time of arrivals begins at the fleet's
-    present.
+    ``policy``: a name, 'module:Class', or an object with ``choose``; None: the scenario's policy. ``seed``: the seed of
+    the orders; None: the scenario's. ``on_event`` and ``options``: see Fleet. The orders' times of arrival count from
+    the instant at which this object is made.
+
+    :raises ConfigurationError: if the policy is not one of these, or a robot does not report when its charge passes a
+        level that the dispatcher uses.
     """
 
     def __init__(self, scenario, policy=None, seed=None, on_event=None, **options):
@@ -53,25 +56,25 @@ class Dispatch:
                                Distances(scenario, settings.distances == 'ways'), self._tell)
         self._decides = self._looks = self._goes_on = False
         self._commands = deque()
-        self._failure = None  # what the policy did wrong first, as a text
+        self._failure = None  # the first fault of the policy, as a text
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
         self._decide_soon()
 
     def order(self, order):
-        """Have an :class:`.Order` arrive now, whenever it says that it does; one that cannot be done is refused."""
+        """Have an :class:`.Order` arrive now, whatever its time of arrival is; one that cannot be done is refused."""
         check_kind(order, Order, 'order')
         is_wrong = fault_of(order, self.fleet.scenario.places or {}) is not None
         self.core.arrived(order if is_wrong else _as_message(order), self.fleet.now_ns)
         self._decide_soon()
 
     def run(self, until_ns=None, until=None):
-        """Let all happen, as :meth:`Fleet.run`; return the time [ns].
+        """Run as :meth:`Fleet.run` does; return the time [ns].
 
-        Where nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
+        If nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
 
-        :raises PolicyError: when that is over, if the policy has failed, or has chosen what cannot be done.
+        :raises PolicyError: at the end of the run, if the policy failed, or chose something that cannot be done.
         """
         now_ns = self.fleet.run(until_ns, until)
         if not self.fleet.simulation.queue.is_busy():
@@ -95,12 +98,12 @@ class Dispatch:
         return 'held for ' + ', '.join(held_for) if held_for else 'which waits'
 
     def metrics(self):
-        """Return {name: number} of what has happened so far, as experiments have it of orders and of robots' time.
+        """Return {name: number}: the metrics of orders and of the robots' time so far, as in experiments.
 
-        :raises ConfigurationError: where nothing is recorded (``trace=None``).
+        :raises ConfigurationError: if nothing is recorded (``trace=None``).
         """
         if self.fleet.trace is None:
-            raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
+            raise ConfigurationError('trace: got None, so nothing is known of the past; allowed: a list')
         account = FleetAccount(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
             account.take(*entry)
@@ -128,14 +131,14 @@ class Dispatch:
         self._go_on()
 
     def _go_on(self):
-        """Do the next command at the end of this instant, or decide anew when all have been done."""
+        """Do the next command at the end of this instant; if all commands are done, decide anew if that is needed."""
         if not self._goes_on and (self._commands or self._decides):
             self._goes_on = True
             self.fleet.simulation.queue.schedule(self.fleet.now_ns, _DECISION, self._step)
 
     def _step(self, _due_ns, now_ns):
         self._goes_on = False
-        if self._commands:  # one by one, as messages come: what follows from one at this instant comes before the next
+        if self._commands:  # one by one, like messages: all that one causes at this instant comes before the next
             self._do(self._commands.popleft())
         else:
             self._decide(now_ns)
@@ -173,7 +176,7 @@ class Dispatch:
 
 
 def _as_message(order):
-    """Return an order as it is when it was a message: what headings are behind a quaternion."""
+    """Return an order as it is after being sent as a message: its headings were converted to quaternions and back."""
     def through(pose):
         return Pose2D(pose.x, pose.y, yaw_of_quaternion(quaternion_of_yaw(pose.yaw)))
     return replace(order, stops=tuple(replace(stop, pose=through(stop.pose)) for stop in order.stops))

@@ -1,4 +1,4 @@
-"""What a dispatcher knows of a scenario beforehand: robots where they start, chargers, how far it is between points."""
+"""What a dispatcher knows of a scenario beforehand: the robots at their start, the chargers, and all distances."""
 from __future__ import annotations
 
 import math
@@ -32,7 +32,11 @@ def starts_of(scenario: Scenario) -> List[RobotStart]:
 
 
 def chargers_of(scenario: Scenario) -> List[Charger]:
-    """Return the chargers of a scenario: robots stand at the first place or node of lanes in it, else in its middle."""
+    """Return the chargers of a scenario, each with the pose at which a robot stands to be charged.
+
+    It is the first place in the charger's zone, or, if there is none, the first node of the lanes in it, or, if there
+    is none either, a point inside the zone (:func:`inner_point`).
+    """
     if not any(zone.charger is not None for zone in scenario.zones):
         return []
     points = [(place.pose.x, place.pose.y) for place in (scenario.places or {}).values()]
@@ -47,9 +51,9 @@ def chargers_of(scenario: Scenario) -> List[Charger]:
 
 
 def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> None:
-    """Check that robots tell of the states of charge that decide something, where there are chargers.
+    """Check, if there are chargers, that each robot reports when its charge passes a level that the dispatcher uses.
 
-    :raises ConfigurationError: if one does not.
+    :raises ConfigurationError: if a robot does not.
     """
     if not any(zone.charger is not None for zone in scenario.zones):
         return
@@ -58,13 +62,17 @@ def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> 
         missing = [level for level in settings.levels if battery is not None and level not in battery.levels]
         if missing:
             raise ConfigurationError(
-                "{}: charge: robot '{}' does not tell when its charge passes {}; allowed: with it among its "
-                "battery_thresholds, as the scenario's key dispatcher puts it".format(
+                "{}: charge: robot '{}' does not report when its charge passes {}; allowed: with that among its "
+                "battery_thresholds, to which the scenario's key dispatcher adds it".format(
                     where, spec.name, ', '.join('{:g}'.format(level) for level in missing)))
 
 
 def inner_point(outline: Outline) -> Point:
-    """Return a place (x, y) [m] in an Outline: the middle of its box, or of the first piece of that line."""
+    """Return a point (x, y) [m] inside an Outline.
+
+    It is the middle of the bounding box. If that lies outside, it is the middle of the first piece inside of the
+    horizontal line through it.
+    """
     left, low, right, high = outline.box
     x, y = (left + right) / 2.0, (low + high) / 2.0
     if outline.contains(x, y):
@@ -74,9 +82,9 @@ def inner_point(outline: Outline) -> Point:
 
 
 class Distances:
-    """How far it is for a robot from point to point, in whole millimetres: along its ways, or in a straight line.
+    """The distances from point to point for each robot, in whole millimetres: along its ways, or in a straight line.
 
-    Robots that find their ways on a map count as if they went straight: a dispatcher has no map.
+    For a robot that finds its ways on a map it is the straight line, because a dispatcher has no map.
     """
 
     def __init__(self, scenario: Scenario, along_ways: bool) -> None:
@@ -92,7 +100,7 @@ class Distances:
             self._ways[spec.name] = planners[key]
 
     def __call__(self, robot: str, begin: Point, end: Point) -> Optional[int]:
-        """Return the distance [mm], None where there is no way."""
+        """Return the distance [mm] from ``begin`` to ``end`` (x, y) [m]; None if there is no way."""
         if robot not in self._ways:
             return round(_MM * math.dist(begin, end))
         planner, known, speed = self._ways[robot]

@@ -1,11 +1,12 @@
-"""A fleet in plain Python, without ROS: goals in, :meth:`Fleet.run`, a trace out. Also the oracle of the ROS fleet.
+"""A fleet in plain Python, without ROS: send goals, call :meth:`Fleet.run`, read the trace.
 
     fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 2.0}]}))
     fleet.send('bot', 10.0, 0.0)
     fleet.run()
     fleet.trace[-1]        # TraceEntry(time_ns=6000000000, robot='bot', kind='ended', ...)
 
-The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
+The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds. Tests
+compare the ROS fleet with this one.
 """
 import itertools
 
@@ -38,11 +39,12 @@ class Fleet:
     """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
 
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
-    With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
-    (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
-    what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`). ``on_event(entry)`` is
-    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace. :attr:`warnings` says
-    why goals have no plan, and what else a node's log would say: [:class:`FleetWarning`, ...], empty with no trace.
+    ``on_worked`` is called in the same way when a task at a place ends (:meth:`work`). ``on_event(entry)`` is called
+    with each :class:`TraceEntry`, at the end of its instant and in the order of the trace. With ``trace=None`` nothing
+    is recorded; otherwise :attr:`trace` is a list that begins with the entries of ``trace``. ``occupancy``
+    (OccupancyMap in the global frame) is the map of the robots with ``use_map``. ``planner`` replaces the planner that
+    the settings ask for. :attr:`warnings` has the warnings that a node would log, for example why a goal has no plan:
+    [:class:`FleetWarning`, ...]; it is empty if there is no trace.
     """
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
@@ -50,7 +52,7 @@ class Fleet:
         self.simulation = Simulation(as_instant(start_ns, 'start_ns'))
         self._start_ns = self.simulation.now_ns
         self._trace = None if trace is None else list(trace)
-        self._rows = []  # of the trace, that nobody has read
+        self._rows = []  # the rows of the trace that are not in self._trace yet
         self._write = None if trace is None else self._rows.append
         self._user_calls = UserCalls(self.simulation, on_event, on_end, on_worked)
         self.scenario = scenario
@@ -68,7 +70,7 @@ class Fleet:
 
     @property
     def trace(self):
-        """All that has happened, a list of :class:`TraceEntry` objects, or None; what is new is put into it now."""
+        """All that has happened, a list of :class:`TraceEntry`, or None; each access adds the new entries to it."""
         if self._rows:
             self._trace += as_entries(self._rows)
             self._rows.clear()
@@ -76,12 +78,12 @@ class Fleet:
 
     @property
     def now_ns(self):
-        """The present [ns]."""
+        """The present simulated time [ns]."""
         return self.simulation.now_ns
 
     @property
     def now(self):
-        """The present [s]."""
+        """The present simulated time [s]."""
         return self.simulation.now_ns / NS_PER_S
 
     @property
@@ -102,9 +104,9 @@ class Fleet:
         return '<Fleet of {} robots at {:.3f} s>'.format(len(self._members), self.now)
 
     def add(self, name, **parameters):
-        """Add a robot now; ``parameters`` as of the ``move_base`` node.
+        """Add a robot now; ``parameters`` are those of the ``move_base`` node.
 
-        :raises ConfigurationError: if the name is taken or no ROS name, or a parameter is not allowed.
+        :raises ConfigurationError: if the name is taken or not a ROS name, or a parameter is not allowed.
         """
         if name in self._members:
             raise ConfigurationError("robot '{}' is there already".format(name))
@@ -116,14 +118,14 @@ class Fleet:
         del self._members[name]
 
     def reset(self):
-        """Put all robots back to their start, without goals; time goes on."""
+        """Put all robots back to their start, without goals. Simulated time is not reset."""
         for member in self._members.values():
             member.reset(self.now_ns)
 
     def send(self, name, x, y, yaw=0.0, goal_id='', frame='map'):
-        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. What is wrong with it ends it.
+        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. A goal that cannot be reached is aborted.
 
-        :raises ConfigurationError: for what is no goal: a text for a number, a robot that is not there.
+        :raises ConfigurationError: if there is no such robot, or an argument is of a wrong type.
         """
         if not type(x) is type(y) is type(yaw) is float:
             x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
@@ -137,11 +139,11 @@ class Fleet:
         return goal_id
 
     def cancel(self, name, goal_id=''):
-        """Cancel a robot's goal ``goal_id``, or whatever goal it has."""
+        """Cancel a robot's goal ``goal_id``, or, without an id, whatever goal it has."""
         self._members[name].navigator.cancel(goal_id, 0, self.now_ns)
 
     def work(self, name, task, goal_id=''):
-        """Have a robot, which stands there, do the ``task`` (:class:`arrivals.Task`) now; return the goal's id.
+        """Have a robot, which must stand at the place, do ``task`` (:class:`arrivals.Task`) now; return the goal's id.
 
         :raises ConfigurationError: if the scenario says nothing of places.
         """
@@ -152,43 +154,55 @@ class Fleet:
         return goal_id
 
     def cancel_work(self, name, goal_id=''):
-        """Cancel a robot's task ``goal_id``, or whatever task it has."""
+        """Cancel a robot's task ``goal_id``, or, without an id, whatever task it has."""
         self._members[name].worker.cancel(goal_id, 0, self.now_ns)
 
     def place(self, name, pose):
-        """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
+        """Put a robot at ``pose`` (Pose2D, global frame) at once. If it has a goal, it goes on from there."""
         check_kind(pose, Pose2D, 'pose')
         self._members[name].navigator.travel.place(pose, self.now_ns)
 
     def hold(self, name, reason):
-        """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
+        """Have a robot stand where it is, with its goal active, for ``reason`` (a text), until :meth:`release`."""
         check_kind(reason, str, 'reason')
         self._members[name].navigator.travel.hold(reason, self.now_ns)
 
     def release(self, name, reason):
-        """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
+        """End the hold for ``reason``. If no other reason holds the robot, its way is planned anew and it goes on."""
         self._members[name].navigator.travel.release(reason, self.now_ns)
 
     def fail(self, name, kind=None, repair=None):
-        """Have a robot fail now, as ``failure_kind`` says or in another way, for ``repair`` [s], None: as is drawn.
+        """Have a robot fail now; return whether it has. A robot that has failed already does not fail again.
 
-        Return whether it has: one that has failed already does not. Nothing fails with ``failure_kind: none``.
+        ``kind``: how it fails; None: as its ``failure_kind`` says. ``repair`` [s]: after how long it is repaired; None:
+        as drawn.
+
+        :raises ConfigurationError: if the robot never fails (``failure_kind: none``), or a value is not allowed.
         """
         failing = self._members[name].failing
         check_request(kind, repair, "robot '{}'".format(name))
         return failing.fail(REQUEST, self.now_ns, kind, repair)
 
     def repair(self, name):
-        """Repair a robot now; return whether it had failed."""
+        """Repair a robot now; return whether it had failed.
+
+        :raises ConfigurationError: if the robot never fails (``failure_kind: none``).
+        """
         return self._members[name].failing.repair(self.now_ns)
 
     def set_charge(self, name, state_of_charge):
-        """Have a robot's battery charged by ``state_of_charge`` (0..1) from now on."""
+        """Set the state of charge (0..1) of a robot's battery now.
+
+        :raises ConfigurationError: if the robot has no battery, or the value is not allowed.
+        """
         battery, where = self._members[name].battery, "robot '{}'".format(name)
         battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, where), self.now_ns)
 
     def set_tool(self, name, works):
-        """Have a robot's tool work from now on, or rest: it takes ``tool_power``."""
+        """Switch a robot's tool on or off now. While it is on, it draws ``tool_power`` from the battery.
+
+        :raises ConfigurationError: if the robot has no battery.
+        """
         self._members[name].battery.set_tool(works, self.now_ns)
 
     def condition(self, name):
@@ -196,34 +210,34 @@ class Fleet:
         return self._members[name].condition
 
     def close_zone(self, name, closed=True):
-        """Let no robot into a zone from now on, or with ``closed=False`` let them in again.
+        """Let no robot into a zone from now on, or, with ``closed=False``, let robots in again.
 
         :raises ConfigurationError: if there is no zone of that name.
         """
         self.traffic.close_zone(name, closed)
 
     def set_priority(self, name, priority):
-        """Give a robot another priority where it waits for zones and lanes, from now on.
+        """Give a robot another priority, with which it waits for zones and lanes from now on.
 
-        :raises ConfigurationError: if it is no whole number of 32 bits.
+        :raises ConfigurationError: if it is not a whole number of 32 bits.
         """
         number = checked(priority, 'priority', PRIORITY, "robot '{}'".format(name))
         self._members[name].set_priority(number, self.now_ns)
 
     def set_zone_limit(self, name, max_speed=None):
-        """Have robots drive at most at ``max_speed`` [m/s] in a zone from now on, None: as fast as they are.
+        """Limit the speed of robots in a zone to ``max_speed`` [m/s] from now on; None removes the limit.
 
-        :raises ConfigurationError: if there is no zone of that name, or the speed is none.
+        :raises ConfigurationError: if there is no zone of that name, or the speed is not allowed.
         """
         self.traffic.set_zone_limit(name, max_speed)
 
     @property
     def zones(self):
-        """Who is in the zones, and on the lanes with a capacity, and who waits: [:class:`.AreaState`, ...]."""
+        """The zones, and the lanes with a capacity, with the robots in them and waiting: [:class:`.AreaState`, ...]."""
         return self.traffic.states()
 
     def use_map(self, occupancy):
-        """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
+        """Use another map (OccupancyMap) from now on; routes that it blocks are planned again."""
         self._occupancy = occupancy
         for member in self._members.values():
             member.use_map(occupancy)
@@ -235,7 +249,7 @@ class Fleet:
         return self._members[name].robot.pose_at(self.now_ns)
 
     def scan(self, name):
-        """Return what a robot's laser measures now (:class:`.laser.Scan`), by its ``scan_`` parameters."""
+        """Return the scan that a robot's laser measures now (:class:`.laser.Scan`), by its ``scan_`` parameters."""
         return self._members[name].scan(self.now_ns)
 
     def distance(self, name):
@@ -243,9 +257,9 @@ class Fleet:
         return self._members[name].robot.distance_at(self.now_ns)
 
     def at(self, time_ns, action):
-        """Call ``action(fleet)`` at ``time_ns`` [ns], a whole number.
+        """Call ``action(fleet)`` at the simulated time ``time_ns`` [ns], a whole number.
 
-        :raises TimeError: if that is past, or after the end of simulated time.
+        :raises TimeError: if that time is past, or after the end of simulated time.
         """
         time_ns = as_instant(time_ns, 'time_ns')
         if time_ns < self.now_ns:
@@ -253,11 +267,11 @@ class Fleet:
         self._user_calls.at(time_ns, lambda _due_ns, _now_ns: action(self))
 
     def run(self, until_ns=None, until=None):
-        """Let all happen up to ``until_ns`` [ns] or ``until`` [s], or to the end of all events; return the time [ns].
+        """Run up to ``until_ns`` [ns] or ``until`` [s], or until no events are left; return the time [ns].
 
-        Without either it waits neither for batteries nor for failures that are to come.
+        Without either, the run does not wait for batteries to be charged, nor for failures that are yet to come.
 
-        :raises TimeError: if that is past, or after the end of simulated time.
+        :raises TimeError: if that time is past, or after the end of simulated time.
         """
         if until is not None:
             until_ns = seconds_to_ns(as_float(until, 'until'))
@@ -266,17 +280,17 @@ class Fleet:
         return self.now_ns
 
     def run_for(self, seconds):
-        """Let ``seconds`` of simulated time pass; return the time [ns]."""
+        """Run for ``seconds`` of simulated time; return the time [ns]."""
         return self.run(self.now_ns + seconds_to_ns(as_float(seconds, 'seconds')))
 
     def write_log(self, path):
         """Write :attr:`trace` as an event log (JSON lines), which replay, compare and the report read.
 
-        :raises ConfigurationError: if there is a file that is no event log, or no trace.
-        :raises OutputError: if it cannot be written.
+        :raises ConfigurationError: if the fleet has no trace, or ``path`` is a file that is not an event log.
+        :raises OutputError: if the file cannot be written.
         """
         if self._trace is None:
-            raise ConfigurationError('trace: got None, so that nothing is there to be written; allowed: a list')
+            raise ConfigurationError('trace: got None, so there is nothing to write; allowed: a list')
         write_event_log(path, self.trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))

@@ -1,4 +1,4 @@
-"""One robot of a fleet in plain Python: its parts, and who hears which of its events."""
+"""One robot of a fleet in plain Python: its parts, and the subscriptions to its events."""
 import itertools
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from .robot_rows import tell_start, write
 
 
 class FleetWarning(NamedTuple):
-    """At ``time_ns`` [ns] something was wrong with the goal ``goal_id`` of ``robot``, or, '', with where it is."""
+    """At ``time_ns`` [ns] something was wrong with the goal ``goal_id`` of ``robot``; '': the robot had no goal."""
 
     time_ns: int
     robot: str
@@ -24,7 +24,7 @@ class FleetWarning(NamedTuple):
 
 
 class Member:
-    """One robot of a :class:`Fleet`, which makes it. ``tasks``: its PlaceTaskRunner, None in a world without places."""
+    """One robot of a :class:`Fleet`, which makes it. ``tasks``: its PlaceTaskRunner; None if there are no places."""
 
     def __init__(self, fleet, spec, index, planner, occupancy):
         settings = spec.settings
@@ -42,7 +42,7 @@ class Member:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
         parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self._stream, NoClient(spec.name),
                                  _no_lookup, planner or make_planner(settings, self._map_check), fleet.scenario.zones,
-                                 remembered_legs=1,  # nobody here can ask for the past
+                                 remembered_legs=1,  # this fleet never asks for past poses
                                  encounters=fleet.encounters)
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
@@ -58,7 +58,7 @@ class Member:
 
     @property
     def worker(self):
-        """Who does its tasks (PlaceTaskRunner). :raises ConfigurationError: in a world without places."""
+        """The robot's PlaceTaskRunner, which does its tasks. :raises ConfigurationError: if there are no places."""
         if self.tasks is None:
             raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
                                      'empty one'.format(self.robot.name))
@@ -66,7 +66,7 @@ class Member:
 
     @property
     def failing(self):
-        """Its Failing. :raises ConfigurationError: for a robot that never fails."""
+        """The robot's Failing. :raises ConfigurationError: if the robot never fails."""
         if self.condition.failing is None:
             raise ConfigurationError("robot '{}': failure_kind: got none; allowed, for a robot that is to fail: "
                                      '{}'.format(self.robot.name, ', '.join(KINDS)))
@@ -74,7 +74,7 @@ class Member:
 
     @property
     def battery(self):
-        """Its Battery. :raises ConfigurationError: for a robot without one."""
+        """The robot's Battery. :raises ConfigurationError: if the robot has none."""
         if self.condition.battery is None:
             raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
                 self.robot.name))
@@ -85,12 +85,12 @@ class Member:
         self._fleet._note(FleetWarning(*event[:2], active.goal_id if active is not None else '', event.text))
 
     def set_priority(self, priority, now_ns):
-        """Have it wait with another priority; it means nothing where there is nothing to wait for."""
+        """Give the robot another priority; without zones and lanes to wait for, this changes nothing."""
         if self._traveller is not None:
             self._traveller.set_priority(priority, now_ns)
 
     def reset(self, now_ns):
-        """Bring it back to its start, without goals."""
+        """Put the robot back to its start, without goals."""
         if self.tasks is not None:
             self.tasks.shut_down(ROBOT_RESET, now_ns)
         self.navigator.reset(ROBOT_RESET, now_ns)
@@ -101,7 +101,7 @@ class Member:
         self.navigator.travel.tell_stands(now_ns)
 
     def remove(self, now_ns):
-        """Take it out of the fleet: its goal and its tasks end."""
+        """Take the robot out of the fleet: its goal and its tasks end."""
         if self.tasks is not None:
             self.tasks.shut_down(ROBOT_REMOVED, now_ns)
         self.condition.close()
@@ -112,12 +112,12 @@ class Member:
         self._fleet.surroundings.remove(self.robot)
 
     def use_map(self, occupancy):
-        """Have goals judged by another map (OccupancyMap)."""
+        """Check goals against another map (OccupancyMap)."""
         if self._map_check is not None:
             self._map_check.use(occupancy)
 
     def scan(self, now_ns):
-        """Return the Scan of its laser."""
+        """Return the Scan that the robot's laser measures at ``now_ns`` [ns]."""
         if self._laser is None:
             self._laser = Laser(self._settings.laser, self._settings.values['seed'], self.robot.name)
         occupancy = None if self._map_check is None else self._map_check.occupancy
@@ -125,7 +125,7 @@ class Member:
 
 
 class Members(dict):
-    """The robots of a fleet by name, in the order of their indices; one that is not there is an error that says so."""
+    """The robots of a fleet by name, in the order of their indices; an unknown name raises ConfigurationError."""
 
     def __missing__(self, name):
         raise ConfigurationError("robot '{}' is unknown; there are: {}".format(

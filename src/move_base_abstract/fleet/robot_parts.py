@@ -1,4 +1,4 @@
-"""One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
+"""Makes one robot with all its parts, both for the nodes and for the plain Python fleet."""
 from typing import NamedTuple
 
 from ..common.errors import ConfigurationError
@@ -22,7 +22,7 @@ from ..motion.route import CornerLaw
 
 
 class RobotParts(NamedTuple):
-    """The robot, its frames, the book of its goals, who works on them, and its condition."""
+    """The robot, its frames, the ledger of its goals, the navigator that works on them, and the robot's condition."""
 
     robot: Robot
     frames: RobotFrames
@@ -35,10 +35,10 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
                      remembered_legs=64, encounters=None):
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
-    ``stream`` (Stream of :mod:`.events`) is told what happens, ``client`` (GoalClient) the rest;
-    ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames; ``planner`` is in the place of that of
-    :func:`make_planner` without a map; ``remembered_legs``: as of Robot; ``encounters``: the Encounters in which it
-    takes part, None: it meets nobody. Feedback is not switched on: see Navigator.feedback.
+    ``stream`` (Stream of :mod:`.events`) gets the robot's events, ``client`` (GoalClient) all other answers.
+    ``lookup(frame_id, stamp_ns)`` finds foreign frames, see RobotFrames. ``planner``: None: that of
+    :func:`make_planner` without a map. ``remembered_legs``: see Robot. ``encounters``: the Encounters in which the
+    robot takes part; None: it meets nobody. Feedback is not switched on: see Navigator.feedback.
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
@@ -74,9 +74,9 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
 
 
 def make_planner(settings, map_check=None):
-    """Return the planner that ``settings`` (RobotSettings) ask for; ``map_check`` (MapCheck) judges by a map.
+    """Return the planner that ``settings`` (RobotSettings) ask for; ``map_check`` (MapCheck): the map, or None.
 
-    :raises ConfigurationError: where ways are to be planned on a map and there is none.
+    :raises ConfigurationError: if ways are to be planned on a map and there is none.
     """
     routes = settings.values['routes']
     if routes == 'none':
@@ -84,9 +84,9 @@ def make_planner(settings, map_check=None):
     if routes == 'matrix':
         return MatrixPlanner(settings.network, settings.bounds, map_check)
     if routes == 'lanes':
-        from ..maps.lane_planner import LanePlanner, LaneWays  # only who plans pays for numpy
+        from ..maps.lane_planner import LanePlanner, LaneWays  # imports numpy, which only planning needs
         return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
     if map_check is None:
-        raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")
-    from ..maps.grid_planner import GridPlanner  # likewise, for numpy
+        raise ConfigurationError("routes: got 'grid' for a robot without a map; allowed: with a map only")
+    from ..maps.grid_planner import GridPlanner  # imports numpy, too
     return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)

@@ -17,10 +17,10 @@ _PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 
 
 def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
-    """Have ``take`` get the rows of what is written down, in the place of ``name`` in the order.
+    """Call ``take`` with each row of the events of ``stream``, at the place of the subscriber ``name`` in its order.
 
-    ``with_motion``: also by which limits, in which phases and in which manner the robot travels, so that its legs can
-    be computed again from the rows, and how full its battery is when it begins and ends to charge.
+    ``with_motion``: also with the rows of the limits, phases and manner of the robot's travel, so that its legs can be
+    computed again from the rows, and of its state of charge when a charge begins and ends.
     """
     def hear(event: Any) -> None:
         take(event.row())
@@ -40,7 +40,10 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
 
 
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:
-    """Tell of a robot that is there from ``now_ns`` [ns] on; ``durations``: Durations or the like, or None."""
+    """Tell ``stream`` the first events of a robot that exists from ``now_ns`` [ns] on: how it travels, and where it is.
+
+    ``durations``: its GoalDurations or GoalAttempts, or None.
+    """
     stream.tell(motion_of(robot, now_ns))
     if robot.phases is not None:
         stream.tell(Phased(now_ns, robot.name, robot.phases))

@@ -1,4 +1,4 @@
-"""Calls of a fleet's user: for events and endings, at the end of their instant."""
+"""Calls of the functions that a fleet's user has given: for events and endings, at the end of their instant."""
 import warnings
 from functools import partial
 
@@ -7,24 +7,24 @@ from ..motion.recorded_range import WARNING
 from ..runs.trace import as_entries
 from .robot_rows import write
 
-#: what a user schedules comes after the robots' own events of the same instant
+#: above all robot indices, so that a user's calls come after the robots' events of the same instant
 _USER_INDEX = 2 ** 31 - 1
-#: behind these: processes
+#: above that, for the events of processes, which come last
 AFTER_USERS = _USER_INDEX + 2
 
 
 class UserCalls:
-    """Of one fleet: ``on_event(entry)``, ``on_end`` and ``on_worked`` as of :class:`.Fleet`, each may be None."""
+    """The calls of one fleet's user: ``on_event``, ``on_end``, ``on_worked`` of :class:`.Fleet`; each may be None."""
 
     def __init__(self, simulation, on_event, on_end, on_worked):
         self._simulation = simulation
         self._on_event = on_event
         self._listeners = [(kind, listener) for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
                            if listener is not None]
-        self._has_warned = False  # of goals outside of what was recorded
+        self._has_warned = False  # that a goal lies outside of what its calibration was fitted to
 
     def subscribe(self, stream, with_motion):
-        """Have the user told of what a robot's ``stream`` (Stream) tells: events, then endings."""
+        """Call the user's functions for the events of a robot's ``stream`` (Stream): ``on_event`` before the others."""
         if self._on_event is not None:
             write(stream, 'users', self._tell_event, with_motion)
         stream.subscribe('shown', {Beyond: self._warn_of_beyond})
@@ -32,20 +32,20 @@ class UserCalls:
             stream.subscribe('users', {kind: partial(self._tell_end, listener)})
 
     def at(self, time_ns, call):
-        """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which is not past."""
+        """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which must not be past."""
         self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
 
     def tell(self, row):
-        """Tell of a row that is of no robot's stream."""
+        """Call the user's ``on_event`` for a row that belongs to no robot's stream."""
         if self._on_event is not None:
             self._tell_event(row)
 
     def _tell_event(self, row):
-        """Tell of a row of the trace: when what it belongs to is over, at the end of this instant."""
+        """Call ``on_event`` for a row of the trace, at the end of its instant, when all that belongs to it is over."""
         self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
 
     def _tell_end(self, listener, event):
-        """Tell ``listener`` of the end of a goal or a task, likewise."""
+        """Call ``listener`` for the end of a goal or a task, at the end of its instant."""
         now_ns = self._simulation.now_ns
         self.at(event.time_ns if event.time_ns > now_ns else now_ns, partial(_call, listener, event, self._simulation))
 

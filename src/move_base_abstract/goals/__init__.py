@@ -1,4 +1,4 @@
-"""The life of a goal: the book of goals, the navigator that works on them, recovery and endings."""
+"""The life of a goal: the ledger of goals, the navigator that works on them, recovery and endings."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

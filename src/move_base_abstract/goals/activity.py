@@ -1,4 +1,4 @@
-"""What a robot is doing, in a word or two, for people."""
+"""What a robot is doing, in a word or two, for people to read."""
 
 import math
 
@@ -8,9 +8,9 @@ _LONGEST = 40  # characters
 def activity(navigator, condition, tasks=None):
     """Return what the robot of ``navigator`` (Navigator) does, in a word or two.
 
-    One of failed, held, travelling, working, waiting, charging, idle, and how it has failed, or for what it is held.
-    ``condition``: its Condition; ``tasks``: its PlaceTaskRunner, if it has one. Where several hold the first of them is
-    told. Of one with a battery its charge follows, in whole percent.
+    If the robot has failed, its battery is empty, or it is held, the text says so. Otherwise it is the first that holds
+    of travelling, working, waiting, charging, idle. If the robot has a battery, its charge follows in whole percent.
+    ``condition``: the robot's Condition; ``tasks``: its PlaceTaskRunner, or None.
     """
     doing = _doing(navigator, condition, tasks)
     if condition.battery is None:
@@ -32,5 +32,5 @@ def _doing(navigator, condition, tasks):
 
 
 def shortened(text):
-    """Return a text of at most 40 characters."""
+    """Return ``text``, cut to 40 characters if it is longer."""
     return text if len(text) <= _LONGEST else text[:_LONGEST - 3] + '...'

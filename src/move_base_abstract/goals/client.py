@@ -1,4 +1,4 @@
-"""The client of a robot's goals or tasks, as far as it is answered apart from the stream of events."""
+"""The client of a robot's goals or tasks: the answers that do not come by the stream of events."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Callable, Optional, Protocol
@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 class Client(Protocol):
-    """What a GoalLedger asks for: see there."""
+    """What a GoalLedger needs of a client: a status and ids of goals."""
 
     def publish_status(self) -> object:
-        """Tell the states of all goals."""
+        """Publish the states of all goals."""
         ...
 
     def new_id(self, now_ns: int) -> str:
@@ -21,31 +21,32 @@ class Client(Protocol):
 
 
 class GoalClient(Client, Protocol):
-    """The client of a robot's goals, who may want to know where it is on its way."""
+    """The client of a robot's goals, which gets feedback with the robot's pose on its way."""
 
     @property
     def is_feedback_heard(self) -> Optional[Callable[[], int]]:
-        """A function: who would hear it, as of :class:`Series`; None: it is told anyhow."""
+        """A function that returns who hears the feedback, see ``is_heard`` of :class:`Series`; None: always send it."""
         ...
 
     def feedback(self, record: GoalRecord, pose: Pose2D, stamp_ns: int, is_last: bool) -> Optional[int]:
-        """Tell that the robot is at ``pose`` (global frame); return for how long to be silent [ns], if at all.
+        """Send feedback: at ``stamp_ns`` [ns] the robot is at ``pose`` (global frame).
 
-        ``is_last``: it has reached the goal, of which nobody may be left in the dark.
+        Return for how long [ns] no feedback is needed, or None. ``is_last``: the robot has reached the goal; this
+        feedback must not be left out.
         """
         ...
 
 
 class TaskClient(Client, Protocol):
-    """The client of a robot's tasks, who may want to know how much is done."""
+    """The client of a robot's tasks, which gets their progress."""
 
     @property
     def is_progress_heard(self) -> Optional[Callable[[], int]]:
-        """A function: who would hear it, as of :class:`Series`; None: it is told anyhow."""
+        """A function that returns who hears the progress, see ``is_heard`` of :class:`Series`; None: always send it."""
         ...
 
     def progress(self, record: GoalRecord, elapsed_ns: int, duration_ns: int, now_ns: int) -> object:
-        """Tell how much of the task is done."""
+        """Send at ``now_ns`` [ns] that ``elapsed_ns`` of the task's ``duration_ns`` [ns] are done."""
         ...
 
 
@@ -59,14 +60,14 @@ class NoClient:
         self._prefix = prefix
 
     def publish_status(self) -> None:
-        """Tell nobody."""
+        """Do nothing."""
 
     def new_id(self, now_ns: int) -> str:
-        """Return an id for a goal without one."""
+        """Return an id for a goal that came without one at ``now_ns`` [ns]."""
         return '{}-{}'.format(self._prefix, now_ns)
 
     def feedback(self, _record: GoalRecord, _pose: Pose2D, _stamp_ns: int, _is_last: bool) -> None:
-        """Tell nobody."""
+        """Do nothing."""
 
     def progress(self, _record: GoalRecord, _elapsed_ns: int, _duration_ns: int, _now_ns: int) -> None:
-        """Tell nobody."""
+        """Do nothing."""

@@ -1,7 +1,8 @@
-"""What happens to one robot, as values. Subscribe to the robot's :class:`Stream` to hear of it.
+"""The events of one robot, as values. Subscribe to the robot's :class:`Stream` to get them.
 
-Named tuples, made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the name of the robot.
-Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.TraceEntry`); see PLAIN_ROWS for others.
+They are named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the
+name of the robot. Poses are in the global frame [m, rad]. ``row()`` returns the event's row in the trace
+(:class:`.trace.TraceEntry`); PLAIN_ROWS names the events whose fields are the row.
 """
 from __future__ import annotations
 
@@ -19,32 +20,32 @@ if TYPE_CHECKING:
     from ..motion.robot import Robot
     from .outcome import GoalState
 
-#: who hears of an event, in this order: it is written down before anybody acts on it, shown before it has consequences
+#: the subscribers, in the order in which they get an event: it is logged and shown before anything acts on it
 ORDER = (
-    'trace',  # of the plain fleet, and the event log
-    'users',  # calls at the end of the instant
-    'shown',  # poses, the wheels' speed, recovery; and what is wrong, in the node's log
-    'clients',  # of goals and of tasks
+    'trace',  # the trace of the plain fleet, and the event log
+    'users',  # the user's calls, which come at the end of the instant
+    'shown',  # poses, the wheels' speed, recovery, and warnings in the node's log
+    'clients',  # the clients of goals and of tasks
     'plan',  # the topics with plans
-    'battery',  # which feeds work
-    'tasks',  # at places, which end when the robot moves or fails
+    'battery',  # from which the work of tasks draws power
+    'tasks',  # tasks at places, which end when the robot moves or fails
     'condition',  # /diagnostics, battery_state
     'markers',
-    'failures',  # which come with the time for which there is a goal
-    'encounters',  # for which a robot stands only while it has the goal on whose way it was
-    'traffic',  # last: what it does moves robots
+    'failures',  # they count the time during which the robot has a goal
+    'encounters',  # a robot stands for one only while it has the same goal
+    'traffic',  # last, because traffic moves robots
 )
 
 Row = Tuple[Any, ...]
 
 
 def robot_stream() -> Stream:
-    """Return the stream of one robot."""
+    """Return a new stream for the events of one robot."""
     return Stream(ORDER)
 
 
 class Departed(NamedTuple):
-    """The robot starts for ``goal``, by ``corners`` [(x, y)]; ``manner``: as of PacedLeg, where it has one."""
+    """The robot departs for ``goal`` by ``corners`` [(x, y), m]; ``manner``: see PacedLeg, empty if there is none."""
 
     time_ns: int
     robot: str
@@ -53,17 +54,17 @@ class Departed(NamedTuple):
     manner: Tuple[float, ...] = ()
 
     def row(self) -> Row:
-        """Return its row; one of a way that has corners has a :meth:`route` behind it."""
+        """Return its row; if the way has corners, the row of :meth:`route` follows it."""
         time_ns, robot, goal, _, _ = self
         return time_ns, robot, 'departed', goal.x, goal.y, goal.yaw
 
     def route(self) -> Row:
-        """Return the row of its corners."""
+        """Return the row with the corners."""
         return (self.time_ns, self.robot, 'route', *chain.from_iterable(self.corners))
 
 
 class Stands(NamedTuple):
-    """The robot has arrived at ``pose``, was stopped there, or was placed there."""
+    """The robot stands at ``pose``: it has arrived, was stopped or was placed there."""
 
     time_ns: int
     robot: str
@@ -76,7 +77,7 @@ class Stands(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """A goal has ended; ``stamp_ns`` [ns] is that of its id."""
+    """A goal has ended; ``stamp_ns`` [ns] is the stamp of its id."""
 
     time_ns: int
     robot: str
@@ -91,7 +92,7 @@ class Ended(NamedTuple):
 
 
 class Aimed(NamedTuple):
-    """``goal`` is what the robot works on from now on, sent with ``height`` [m] and ``quaternion`` (x, y, z, w)."""
+    """The robot works on ``goal`` from now on; it was sent with ``height`` [m] and ``quaternion`` (x, y, z, w)."""
 
     time_ns: int
     robot: str
@@ -101,35 +102,35 @@ class Aimed(NamedTuple):
 
 
 class GoalChanged(NamedTuple):
-    """The robot has got a goal, or has none any more."""
+    """The robot has got a goal, or its goal has ended."""
 
     time_ns: int
     robot: str
 
 
 class Abandoned(NamedTuple):
-    """The robot no longer goes to its target: its goal has ended, or another goal has replaced it."""
+    """The robot has given up its target: its goal has ended, or another goal has replaced it."""
 
     time_ns: int
     robot: str
 
 
 class BrokenOff(NamedTuple):
-    """An error interrupted the robot's work. It stands, without a goal. Nothing may be left half done."""
+    """An unexpected error ended the robot's work. It stands, without a goal. Subscribers undo what is half done."""
 
     time_ns: int
     robot: str
 
 
 class WheelsStopped(NamedTuple):
-    """move_base would now send a zero velocity."""
+    """The robot's wheels are told to stop: move_base would send a zero velocity now."""
 
     time_ns: int
     robot: str
 
 
 class Recovery(NamedTuple):
-    """Recovery behaviour ``index`` of ``behaviors`` begins."""
+    """The recovery behaviour ``behaviors[index]`` (RecoveryBehavior) begins, with the robot at ``pose``."""
 
     time_ns: int
     robot: str
@@ -139,7 +140,7 @@ class Recovery(NamedTuple):
 
 
 class Warned(NamedTuple):
-    """Something is wrong with a goal, or where the robot is."""
+    """Something is wrong with a goal or with the robot's position; ``text`` says what."""
 
     time_ns: int
     robot: str
@@ -147,7 +148,7 @@ class Warned(NamedTuple):
 
 
 class Held(NamedTuple):
-    """The robot is held for ``reasons``, in the order in which they came; none: it is released."""
+    """The robot is held for ``reasons``, in the order in which they came. Without reasons, it has been released."""
 
     time_ns: int
     robot: str
@@ -159,7 +160,7 @@ class Held(NamedTuple):
 
 
 class Failed(NamedTuple):
-    """The robot has failed: ``kind`` and ``cause`` as of :mod:`.failures`."""
+    """The robot has failed; :mod:`.failures` lists each ``kind`` and ``cause``."""
 
     time_ns: int
     robot: str
@@ -175,9 +176,9 @@ class Repaired(NamedTuple):
 
 
 class Lapse(NamedTuple):
-    """The robot ``begins`` or ends to report a wrong pose or none: ``kind`` and ``cause`` as in :mod:`.lapse`.
+    """The robot ``begins`` to report a wrong pose or none, or no longer does.
 
-    ``by``: of a jump that begins, how far it goes (x, y [m], yaw [rad]).
+    ``kind`` and ``cause``: see :mod:`.lapse`. ``by``: if a jump begins, its size (x, y [m], yaw [rad]).
     """
 
     time_ns: int
@@ -193,12 +194,15 @@ class Lapse(NamedTuple):
                 *self.by)
 
 
-#: what a ChargePassed is about, and what has changed a charge
+#: values of ``what`` in a ChargePassed (the first five), and of ``since`` in a ChargeRead (the last three)
 FULL, EMPTY, ABOVE, BELOW, SET, USED, CHARGED = 'full', 'empty', 'above', 'below', 'set', 'used', 'charged'
 
 
 class ChargePassed(NamedTuple):
-    """The state of charge has passed ``level`` (0..1), or has been ``SET`` to it."""
+    """The state of charge has passed ``level`` (0..1), or has been set to it.
+
+    ``what``: FULL, EMPTY, ABOVE, BELOW or SET.
+    """
 
     time_ns: int
     robot: str
@@ -207,7 +211,7 @@ class ChargePassed(NamedTuple):
 
 
 class Charging(NamedTuple):
-    """The robot is charged at the charger of this name from now on, or no more."""
+    """The robot ``begins`` to be charged at the charger of this name, or no longer is."""
 
     time_ns: int
     robot: str
@@ -220,7 +224,10 @@ class Charging(NamedTuple):
 
 
 class ChargeRead(NamedTuple):
-    """The state of charge (0..1) of a battery of ``energy`` [J]; ``since`` the last one it was USED, CHARGED or SET."""
+    """The state of charge (0..1) of a battery that holds ``energy`` [J] when full.
+
+    ``since``: what has changed it since the last ChargeRead: USED, CHARGED or SET.
+    """
 
     time_ns: int
     robot: str
@@ -234,7 +241,7 @@ class ChargeRead(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """The robot is there; ``range`` (RecordedRange) is what its calibration was fitted to."""
+    """The robot exists from now on; its calibration was fitted to legs in ``range`` (RecordedRange)."""
 
     time_ns: int
     robot: str
@@ -246,7 +253,10 @@ class Recorded(NamedTuple):
 
 
 class Beyond(NamedTuple):
-    """The robot's goal lies outside of what was recorded: ``found`` as of RecordedRange, and the same in ``words``."""
+    """The robot's goal lies outside of the range of its calibration.
+
+    ``found``: in which respects, see RecordedRange.beyond; ``words``: the same for people to read.
+    """
 
     time_ns: int
     robot: str
@@ -259,7 +269,7 @@ class Beyond(NamedTuple):
 
 
 class Meets(NamedTuple):
-    """The robot takes part in encounters from now on, with who comes within ``radius`` [m]."""
+    """The robot takes part in encounters from now on, with robots that come within ``radius`` [m]."""
 
     time_ns: int
     robot: str
@@ -267,7 +277,10 @@ class Meets(NamedTuple):
 
 
 class Encounter(NamedTuple):
-    """The robot meets ``other``: how, how near they will come [m], for how long it has to stand [s]."""
+    """The robot meets the robot ``other``.
+
+    ``kind``: how they meet; ``nearest`` [m]: how near they will come; ``seconds`` [s]: for how long this robot stands.
+    """
 
     time_ns: int
     robot: str
@@ -287,7 +300,7 @@ class TaskWaits(NamedTuple):
 
 
 class TaskWaited(NamedTuple):
-    """A task waits no more."""
+    """A task no longer waits for room at ``place``."""
 
     time_ns: int
     robot: str
@@ -296,7 +309,7 @@ class TaskWaited(NamedTuple):
 
 
 class WorksAt(NamedTuple):
-    """A task has got one of the ``capacity`` places there are at ``place``, and work on it begins."""
+    """A task has got room at ``place``, which has room for ``capacity`` tasks, and work on it begins."""
 
     time_ns: int
     robot: str
@@ -306,7 +319,7 @@ class WorksAt(NamedTuple):
 
 
 class TaskBegan(NamedTuple):
-    """Work on a task begins, which will take ``duration_ns`` [ns]."""
+    """Work on a task begins; it will take ``duration_ns`` [ns]."""
 
     time_ns: int
     robot: str
@@ -315,7 +328,7 @@ class TaskBegan(NamedTuple):
 
 
 class TaskEnded(NamedTuple):
-    """A task has ended; ``stamp_ns`` [ns] is that of its id."""
+    """A task has ended; ``stamp_ns`` [ns] is the stamp of its id."""
 
     time_ns: int
     robot: str
@@ -330,7 +343,7 @@ class TaskEnded(NamedTuple):
 
 
 class LoadChanged(NamedTuple):
-    """From now on the robot's work draws so much [W] from its battery, besides what it needs itself."""
+    """From now on the robot's work draws ``watts`` [W] from its battery, besides what the robot itself needs."""
 
     time_ns: int
     robot: str
@@ -338,7 +351,7 @@ class LoadChanged(NamedTuple):
 
 
 class MotionSet(NamedTuple):
-    """The robot is there, at ``pose``, or has got other limits or tolerances, by which it travels from now on."""
+    """From now on the robot travels by these limits and tolerances: it has been made, at ``pose``, or they changed."""
 
     time_ns: int
     robot: str
@@ -347,7 +360,7 @@ class MotionSet(NamedTuple):
     tolerances: Tolerances
 
     def row(self) -> Row:
-        """Return its row, in which 0 is what has no limit."""
+        """Return its row, in which 0 stands for no limit."""
         pose, limits, tolerances = self.pose, self.limits, self.tolerances
         return (self.time_ns, self.robot, 'motion', pose.x, pose.y, pose.yaw, limits.max_speed,
                 *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
@@ -355,24 +368,24 @@ class MotionSet(NamedTuple):
 
 
 class Phased(NamedTuple):
-    """The robot is there, and begins and ends its legs in these ``phases``."""
+    """The robot exists from now on, and begins and ends its legs in these ``phases``."""
 
     time_ns: int
     robot: str
     phases: MotionPhases
 
     def row(self) -> Row:
-        """Return its row, the numbers of MotionPhases in their order."""
+        """Return its row: the numbers of MotionPhases in their order."""
         start_turn, *others = vars(self.phases).values()
         return (self.time_ns, self.robot, 'phases', *start_turn, *others)
 
 
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:
-    """Return the event that ``robot`` travels as it does from ``now_ns`` [ns] on."""
+    """Return the event that ``robot`` travels from ``now_ns`` [ns] on by the limits and tolerances that it has."""
     return MotionSet(now_ns, robot.name, robot.pose_at(now_ns), robot.limits, robot.tolerances)
 
 
-#: of the events whose fields are their rows, the kinds of these rows
+#: the events whose fields are their rows, with the kinds of these rows
 PLAIN_ROWS = {
     Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Meets: 'meets', Encounter: 'encounter',
     TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', WorksAt: 'works_at', TaskBegan: 'task_began'}

@@ -1,8 +1,8 @@
-"""The feedback of a robot on its way to a goal, at a rate in simulated time."""
+"""The feedback that a robot sends on its way to a goal, at a rate in simulated time."""
 
 
 class GoalFeedback:
-    """Tells ``client`` (GoalClient) where ``robot`` is while ``ledger`` has an active goal."""
+    """Sends the pose of ``robot`` to ``client`` (GoalClient) while ``ledger`` has an active goal."""
 
     def __init__(self, robot, simulation, ledger, client):
         self._robot = robot
@@ -13,7 +13,7 @@ class GoalFeedback:
         self.frequency = 0.0  # Hz, simulated; 0: never
 
     def set_frequency(self, frequency):
-        """Tell it ``frequency`` times a simulated second from now on; 0: never."""
+        """Send feedback ``frequency`` times per simulated second from now on; 0: never."""
         self.stop()
         self.frequency = frequency
         self._series = self._simulation.series(self._robot.index, frequency, self._tell,
@@ -22,17 +22,17 @@ class GoalFeedback:
             self.start(self._simulation.now_ns)
 
     def start(self, now_ns):
-        """Begin with a goal at ``now_ns`` [ns]."""
+        """Begin to send feedback for a goal at ``now_ns`` [ns]."""
         if self._series is not None:
             self._series.start(now_ns)
 
     def stop(self):
-        """The goal has ended."""
+        """Stop sending feedback, because the goal has ended."""
         if self._series is not None:
             self._series.stop()
 
     def tell_last(self, now_ns):
-        """The robot is at its goal at ``now_ns`` [ns], of which nobody may be left in the dark."""
+        """Send the last feedback of a goal, which the robot has reached at ``now_ns`` [ns]; it is never left out."""
         telling = self._robot.telling
         if self._series is not None and not telling.is_mute:
             self._client.feedback(self._ledger.active, telling.pose_at(now_ns), now_ns, True)

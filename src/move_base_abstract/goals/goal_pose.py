@@ -1,10 +1,10 @@
-"""What goals are to a navigator."""
+"""Goals as a navigator gets them."""
 from enum import Enum
 from typing import NamedTuple, Tuple
 
 
 class BadFramePolicy(Enum):
-    """What happens to a goal in an unknown frame: it ends at once, or is retried until it is cancelled (upstream)."""
+    """What happens to a goal in an unknown frame: it ends at once, or, as in move_base, is retried until cancelled."""
 
     ABORT = 'abort'
     WAIT = 'wait'
@@ -13,7 +13,7 @@ class BadFramePolicy(Enum):
 class GoalPose(NamedTuple):
     """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now].
 
-    ``height``: its z [m]. Robots move in the plane; it is only shown.
+    ``height``: its z [m], which is only shown, because robots move in the plane.
     """
 
     frame_id: str

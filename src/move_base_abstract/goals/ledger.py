@@ -1,7 +1,7 @@
 """The book-keeping of an action server with one goal at a time, without ROS.
 
-The rules are those of actionlib's action server and simple action server, as clients of move_base know them: one
-active goal, the newest wins, cancels by id, by time or of all. What differs is said where it does.
+The rules are those of actionlib's action server and simple action server, as clients of move_base know them: one goal
+is active, the newest goal wins, and a cancel names an id, a time or all goals. A comment says where a rule differs.
 """
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ _REMEMBERED_CANCELS = 1000
 
 @dataclass
 class GoalRecord:
-    """One goal: its id, the stamp of the id [ns], its state and text, and since when it has ended [ns] or None."""
+    """One goal: its id, the stamp of the id [ns], its state and text, and the instant [ns] of its end, or None."""
 
     goal_id: str
     stamp_ns: int
@@ -27,8 +27,8 @@ class GoalLedger:
     """Decides what happens to goals and cancel requests.
 
     ``publish_status()`` is called after each transition, ``publish_result(record, stamp_ns)`` after each ending, before
-    the status that shows it. ``new_id(now_ns)`` names goals that come without an id. A goal that has ended stays on
-    the list for ``keep_ns`` [ns], the last accepted one until the next has come.
+    the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A goal that has ended
+    stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
     """
 
     def __init__(self, publish_status, publish_result, new_id, keep_ns=5_000_000_000):
@@ -41,10 +41,10 @@ class GoalLedger:
         #: the record of the goal that is being worked on, or None
         self.active = None
         self._last_cancel_ns = 0
-        # A cancel may overtake its goal on another socket. Upstream forgets it after some seconds of ROS time, which
-        # at a high speed is no time at all; here it is remembered by number, not by age.
+        # A cancel may overtake its goal on another socket. actionlib forgets such a cancel after some seconds of ROS
+        # time, which is very short at a high speed. Here the last 1000 are remembered, whatever their age.
         self._early_cancels = OrderedDict()
-        #: whether it says nothing for now
+        #: whether nothing is published for now
         self.is_silent = False
         self._untold = []
 
@@ -55,13 +55,13 @@ class GoalLedger:
                 if record is current or record.ended_ns is None or record.ended_ns >= since_ns]
 
     def receive(self, goal_id, stamp_ns, now_ns):
-        """Take a goal in and return its record if it is to be worked on now, else None.
+        """Take a goal in; return its record if it is accepted, which ends the goal that was active; None otherwise.
 
-        The goal that was active is ended by this. ``stamp_ns`` [ns] 0 and an empty ``goal_id`` mean: not given.
+        A ``stamp_ns`` [ns] of 0 and an empty ``goal_id`` mean that it is not given.
         """
         records, current, since_ns = [], self._current, now_ns - self._keep_ns
         for record in self._records:
-            if record is current or record.ended_ns is None or record.ended_ns >= since_ns:  # as of records()
+            if record is current or record.ended_ns is None or record.ended_ns >= since_ns:  # as in records()
                 if goal_id and record.goal_id == goal_id:
                     self._take_again(record, now_ns)
                     return None
@@ -83,7 +83,7 @@ class GoalLedger:
         return record
 
     def _take_again(self, record, now_ns):
-        """The list holds the goal already; one that was cancelled before it came is recalled."""
+        """Take in a goal whose id is on the list already; if it was cancelled before it came, it is recalled."""
         if record.state is GoalState.RECALLING:
             self._early_cancels.pop(record.goal_id, None)
             self._end(record, Outcome(GoalState.RECALLED), now_ns)
@@ -94,7 +94,7 @@ class GoalLedger:
         try:
             if self.active is not None:
                 self._end(self.active, REPLACED, now_ns)
-        finally:  # a goal that is neither active nor at its end would be lost
+        finally:  # also after an error, since a goal that is neither active nor ended would be lost
             if self._current is not None and self._current.ended_ns is not None:
                 self._current.ended_ns = now_ns
             self._current = self.active = record
@@ -119,10 +119,10 @@ class GoalLedger:
             self._publish_status()
 
     def cancel(self, goal_id, stamp_ns, now_ns):
-        """Take a cancel request in; return whether it is for the active goal, which then shows as PREEMPTING.
+        """Take a cancel request in; return whether it cancels the active goal, which then becomes PREEMPTING.
 
-        No id and no stamp: all goals. An id: that goal. A stamp [ns]: also all whose stamp is not later. An id that is
-        not on the list is remembered for a goal that has yet to come, and listed as RECALLING.
+        Without id and stamp it cancels all goals; with an id, that goal; with a stamp [ns], also all goals whose stamp
+        is not later. An id that is not on the list is listed as RECALLING and remembered for a goal yet to come.
         """
         hits_active = False
         found = False
@@ -147,7 +147,7 @@ class GoalLedger:
         self.is_silent = True
 
     def answer_again(self, now_ns):
-        """Publish at ``now_ns`` [ns] what has ended while it was silent, and go on as ever."""
+        """End the silence: publish at ``now_ns`` [ns] the results of the goals that have ended meanwhile."""
         if not self.is_silent:
             return
         self.is_silent = False
@@ -158,16 +158,17 @@ class GoalLedger:
         self._publish_status()
 
     def clear(self):
-        """Forget all goals and cancels, ended or not, without a word to anybody."""
+        """Forget all goals and cancels, ended or not; publish nothing."""
         self._records = []
         self._current = self.active = None
         self._last_cancel_ns = 0
         self._early_cancels.clear()
 
     def restart(self, now_ns):
-        """Go on with a clock that has started anew at ``now_ns`` [ns]; no goal is active.
+        """Go on with a clock that has started anew at ``now_ns`` [ns]; no goal is active then.
 
-        What has ended stays on the list as if it had ended now. New goals are compared with no stamp of the old clock.
+        Goals that have ended stay on the list as if they had ended now. The stamps of new goals are not compared with
+        stamps of the old clock.
         """
         for record in self._records:
             record.ended_ns = now_ns

@@ -1,7 +1,7 @@
 """What move_base does with a goal, without ROS: check it, find its place, plan, travel, end it.
 
-Threading contract: all methods are called under one lock, by whoever holds the present, with ``now_ns`` [ns] not
-before the simulation's present.
+Threading contract: all methods are called under the simulation's one lock, with a ``now_ns`` [ns] that is not before
+the simulation's present.
 """
 from collections import deque
 
@@ -20,14 +20,14 @@ from .travel import Travel
 
 __all__ = ['BadFramePolicy', 'GoalPose', 'Navigator']
 
-_RETRY_NS = NS_PER_S // 20  # where a frame that is not known is waited for
-_UNHEARD = 50  # goals and cancels that wait for a silent robot; actionlib's default of a server's queue
+_RETRY_NS = NS_PER_S // 20  # after which an unknown frame is looked up again
+_UNHEARD = 50  # goals and cancels kept for a silent robot; actionlib's default for the queue of a server
 
 
 class Navigator:
-    """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book.
+    """Works on one robot's goals, whose states are in ``ledger`` (:class:`GoalLedger`).
 
-    What happens is told to ``stream`` (Stream, see :mod:`.events`), where the robot is on its way to ``client``.
+    Events go to ``stream`` (Stream, see :mod:`.events`), feedback on the way goes to ``client`` (GoalClient).
     """
 
     def __init__(self, robot, simulation, ledger, frames, stream, client, planner=StraightLinePlanner(),
@@ -35,24 +35,24 @@ class Navigator:
         self.robot = robot
         self.planner = planner
         self._agenda = Agenda(simulation.queue, robot.index)
-        #: how it gets to the goal, and what holds it up (Travel)
+        #: the robot's travel to the goal, and its holds (Travel)
         self.travel = Travel(self, robot, planner, self._agenda, stream, durations)
         self._bad_frame_policy = bad_frame_policy
         self._recovery_policy = recovery_policy
-        self._durations = durations  # GoalDurations, None: all goes by the law alone
+        self._durations = durations  # GoalDurations; None: durations follow from the law of motion alone
         self._simulation = simulation
         self._ledger = ledger
         self._frames = frames
         self._tell, self._hearers = stream.tell, stream.hearers
-        #: how often it is told where the robot is (GoalFeedback)
+        #: the feedback with the robot's pose on its way (GoalFeedback)
         self.feedback = GoalFeedback(robot, simulation, ledger, client)
         self._starts_from_idle = True
         self._refusals = {}
         self._unheard = deque(maxlen=_UNHEARD)
-        self.goal_number = 0  # how many goals it has begun to work on
+        self.goal_number = 0  # the number of goals that the robot has begun to work on
 
     def set_recovery_policy(self, policy):
-        """Give up by ``policy`` (RecoveryPolicy), from the next goal on that cannot be reached."""
+        """Use ``policy`` (RecoveryPolicy) for the next goal that cannot be reached, and for all after it."""
         self._recovery_policy = policy
 
     @property
@@ -62,7 +62,7 @@ class Navigator:
 
     @guarded
     def receive(self, goal_id, stamp_ns, goal, now_ns):
-        """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
+        """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
         if self._ledger.is_silent:
             self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
             return
@@ -93,7 +93,10 @@ class Navigator:
         self._find_place(goal, now_ns)
 
     def _find_place(self, goal, now_ns):
-        """Bring the goal into the global frame, and go there if that is possible; wait if its stamp has yet to come."""
+        """Transform the goal to the global frame and go there if possible.
+
+        If the goal's stamp lies in the future and its frame moves, wait until then.
+        """
         if self.planner.lacking:
             self._bad_place(goal, self.planner.lacking, now_ns)
             return
@@ -122,12 +125,12 @@ class Navigator:
         self._try_at(now_ns + _RETRY_NS, goal, now_ns)
 
     def _try_at(self, due_ns, goal, now_ns):
-        """Look for the goal's place (again) at ``due_ns`` [ns]."""
+        """Look up the goal's place at ``due_ns`` [ns]."""
         if self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
             self._agenda.at(due_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
 
     def _can_wait_for(self, due_ns, what, now_ns):
-        """Return whether simulated time comes as far as ``due_ns`` [ns]; if not, the goal has ended."""
+        """Return whether simulated time can reach ``due_ns`` [ns]; if not, end the goal."""
         try:
             check_reachable(due_ns, what)
         except ValueError as error:
@@ -136,14 +139,14 @@ class Navigator:
         return True
 
     def arrive(self, due_ns, _now_ns):
-        """The robot is where its goal is, at ``due_ns`` [ns]."""
+        """End the goal, which the robot has reached at ``due_ns`` [ns]."""
         self.travel.halt(due_ns)
         if self.feedback.frequency:
             self.feedback.tell_last(due_ns)
         self.end(REACHED, due_ns)
 
     def give_up(self, now_ns):
-        """There is no way: end the active goal, when all that move_base would try is over."""
+        """End the active goal, to which there is no way, after all the time for which move_base would try."""
         behaviors = self._recovery_policy.behaviors
         begins, end_ns = self._recovery_policy.schedule(now_ns)
         if not self._can_wait_for(end_ns, 'the robot would give up', now_ns):
@@ -158,7 +161,7 @@ class Navigator:
 
     @guarded
     def cancel(self, goal_id, stamp_ns, now_ns):
-        """Take a cancel request in; the robot stops at its exact pose of this instant."""
+        """Take a cancel request in; if it is for the active goal, the robot stops at its exact pose of this instant."""
         if self._ledger.is_silent:
             self._unheard.append(lambda at_ns: self.cancel(goal_id, stamp_ns, at_ns))
             return
@@ -168,21 +171,24 @@ class Navigator:
 
     @guarded
     def disable(self, reason, outcome, now_ns):
-        """End the active goal with ``outcome``, and each that comes, for ``reason`` (a text), until :meth:`enable`."""
+        """End the active goal, and each new one, with ``outcome``, until :meth:`enable` with the same ``reason``."""
         self._refusals[reason] = outcome
         self.shut_down(outcome, now_ns)
 
     def enable(self, reason):
-        """End what :meth:`disable` began for ``reason``; one that is not there changes nothing."""
+        """End what :meth:`disable` began for ``reason``; an unknown reason changes nothing."""
         self._refusals.pop(reason, None)
 
     def go_silent(self):
-        """Say nothing of goals any more, and hear neither goals nor cancels, until :meth:`answer_again`."""
+        """Publish nothing about goals, and take in neither goals nor cancels, until :meth:`answer_again`."""
         self._ledger.go_silent()
 
     @guarded
     def answer_again(self, now_ns):
-        """Say which goals have ended meanwhile, and take in what came, in its order (of more than 50 the latest)."""
+        """End the silence: publish the goals that have ended meanwhile; take in the goals and cancels that came.
+
+        They are taken in in the order in which they came; of more than 50, only the last 50.
+        """
         self._ledger.answer_again(now_ns)
         unheard = list(self._unheard)
         self._unheard.clear()
@@ -197,23 +203,23 @@ class Navigator:
             self.end(outcome, now_ns)
 
     def close(self, outcome, now_ns):
-        """As :meth:`shut_down`, for good: a robot that was silent says so too, and of what it has not heard nothing."""
+        """Shut down for good: as :meth:`shut_down`, but also end a silence and drop what was not taken in during it."""
         self._unheard.clear()
         self.shut_down(outcome, now_ns)
         self._ledger.answer_again(now_ns)
 
     @guarded
     def reset(self, outcome, now_ns):
-        """End the active goal, if any, with ``outcome``; nothing keeps the robot from its goals any more."""
+        """End the active goal, if any, with ``outcome``, and every hold, silence and refusal of goals."""
         self.close(outcome, now_ns)
         self._refusals.clear()
         self.travel.forget_holds(now_ns)
 
     @guarded
     def restart(self, before_ns, now_ns):
-        """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
+        """Go on with a clock that has started anew at ``now_ns`` [ns]; the old one had reached ``before_ns`` [ns].
 
-        The goal under way is aborted; the robot stands where it was.
+        The active goal is aborted; the robot stands where it was.
         """
         self.robot.restart(before_ns, now_ns)
         if self.is_active:
@@ -222,7 +228,7 @@ class Navigator:
         self.travel.tell_stands(now_ns)
 
     def end(self, outcome, stamp_ns):
-        """End the active goal with ``outcome`` at ``stamp_ns`` [ns]; the robot stands already."""
+        """End the active goal with ``outcome`` at ``stamp_ns`` [ns]; the robot must stand already."""
         self._forget_goal(stamp_ns)
         if self.feedback.frequency:
             self.feedback.stop()
@@ -233,7 +239,7 @@ class Navigator:
             self._tell(GoalChanged(stamp_ns, self.robot.name))
 
     def break_off(self, error):
-        """Whatever the robot was about has ended in the exception ``error``: its goal, if any, ends with its text."""
+        """Clean up after the exception ``error``: stop the robot, and end its goal, if any, with the error's text."""
         now_ns, robot = self._simulation.now_ns, self.robot
         attempt_each(self._simulation, robot.name, error, (
             (self._forget_goal, now_ns), (robot.halt, now_ns), (self.travel.tell_stands, now_ns), (self.feedback.stop,),

@@ -1,4 +1,4 @@
-"""How a goal ends: one ending per goal, decided as a value here and said to the client in one place."""
+"""How a goal ends: the states of goals, and all endings with the texts that clients get."""
 from dataclasses import dataclass
 from enum import Enum
 
@@ -32,7 +32,7 @@ TEXT_BEFORE_LAST_CANCEL = ('This goal handle was canceled by the action server b
 
 @dataclass(frozen=True)
 class Outcome:
-    """An ending: the state it leaves the goal in, the text for the client, and whether the wheels are told to stop."""
+    """An ending: the goal's final state, the text for the client, and whether the wheels are told to stop."""
 
     state: GoalState
     text: str = ''

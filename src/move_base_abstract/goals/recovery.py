@@ -1,4 +1,4 @@
-"""How long move_base tries before it gives a goal up, and what it announces meanwhile."""
+"""How long move_base tries before it gives a goal up, and which recovery behaviours it announces meanwhile."""
 import math
 from dataclasses import dataclass
 from typing import Tuple
@@ -16,12 +16,12 @@ class RecoveryBehavior:
     seconds: float = 0.0
 
 
-#: One turn in place at move_base's fastest in-place rotation, 1 rad/s.
+#: the time [s] of one turn in place at move_base's fastest in-place rotation, 1 rad/s
 ROTATION_SECONDS = 2.0 * math.pi / _ROTATION_RATE
 
 DEFAULT_BEHAVIORS = (RecoveryBehavior('conservative_reset'), RecoveryBehavior('rotate_recovery', ROTATION_SECONDS),
                      RecoveryBehavior('aggressive_reset'), RecoveryBehavior('rotate_recovery', ROTATION_SECONDS))
-#: move_base's own with ``clearing_rotation_allowed: false``
+#: the behaviours of move_base with ``clearing_rotation_allowed: false``
 BEHAVIORS_WITHOUT_ROTATION = tuple(behavior for behavior in DEFAULT_BEHAVIORS if behavior.name != 'rotate_recovery')
 
 
@@ -29,7 +29,7 @@ BEHAVIORS_WITHOUT_ROTATION = tuple(behavior for behavior in DEFAULT_BEHAVIORS if
 class RecoveryPolicy:
     """When to give up: ``patience`` [s] of planning, then each of ``behaviors`` followed by as much planning again.
 
-    ``fast`` leaves all of it out: a goal that cannot be reached ends at once.
+    With ``fast``, all of this is left out: a goal that cannot be reached ends at once.
     """
 
     fast: bool = True
@@ -37,7 +37,7 @@ class RecoveryPolicy:
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
 
     def schedule(self, start_ns):
-        """Return ([(instant [ns], behaviour index)...], the instant of giving up [ns]) for a try from ``start_ns``."""
+        """Return ([(begin [ns], index of behaviour), ...], when to give up [ns]) for a try from ``start_ns`` [ns]."""
         if self.fast:
             return [], start_ns
         patience_ns = seconds_to_ns(self.patience)

@@ -1,4 +1,4 @@
-"""What happens to one robot in traffic, as values: as of :mod:`.events`."""
+"""The events of one robot in traffic, as values; see :mod:`.events`."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, Tuple
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 class Entered(NamedTuple):
-    """The robot has got a place in an area."""
+    """The robot has got a place in ``area``."""
 
     time_ns: int
     robot: str
@@ -16,7 +16,10 @@ class Entered(NamedTuple):
 
 
 class Places(NamedTuple):
-    """The area has room for so many robots; told once, of the first robot that gets a place there, before that."""
+    """``area`` has room for ``capacity`` robots.
+
+    This event comes once for each area, with the first robot that gets a place there, just before its Entered.
+    """
 
     time_ns: int
     robot: str
@@ -25,7 +28,7 @@ class Places(NamedTuple):
 
 
 class ZoneLimit(NamedTuple):
-    """The ``zone`` has another ``max_speed`` [m/s], 0: none; told once, of the first robot by name."""
+    """The limit of ``zone`` is ``max_speed`` [m/s] from now on, 0: none; one event, with the first robot by name."""
 
     time_ns: int
     robot: str
@@ -34,7 +37,7 @@ class ZoneLimit(NamedTuple):
 
 
 class Paced(NamedTuple):
-    """The robot goes on by the limit that ``zone`` has now, from rest, before which it is told that it stands."""
+    """The robot stops and goes on from rest, because the limit of ``zone`` on its way is now ``max_speed`` [m/s]."""
 
     time_ns: int
     robot: str
@@ -43,7 +46,7 @@ class Paced(NamedTuple):
 
 
 class Prioritized(NamedTuple):
-    """The robot has this priority from now on."""
+    """The robot has this ``priority`` from now on."""
 
     time_ns: int
     robot: str
@@ -51,7 +54,7 @@ class Prioritized(NamedTuple):
 
 
 class Left(NamedTuple):
-    """The robot has given its place in an area back."""
+    """The robot has given back its place in ``area``."""
 
     time_ns: int
     robot: str
@@ -59,7 +62,7 @@ class Left(NamedTuple):
 
 
 class Deadlock(NamedTuple):
-    """The robot has closed a circle of waiting: ``circle`` is (robot, area, ...)."""
+    """The robot has closed a circle of waiting robots: ``circle`` is (robot, area, robot, area, ...)."""
 
     time_ns: int
     robot: str
@@ -71,7 +74,7 @@ class Deadlock(NamedTuple):
 
 
 class GaveWay(NamedTuple):
-    """The robot drives back out of ``areas``, in which others of a circle of waiting want a place."""
+    """The robot drives back out of ``areas``, in which other robots of a circle of waiting want a place."""
 
     time_ns: int
     robot: str
@@ -82,6 +85,6 @@ class GaveWay(NamedTuple):
         return (self.time_ns, self.robot, 'gave_way', *self.areas)
 
 
-#: as of :data:`.events.PLAIN_ROWS`
+#: see :data:`.events.PLAIN_ROWS`
 PLAIN_ROWS = {Places: 'places', Entered: 'entered', Left: 'left', ZoneLimit: 'zone_limit', Paced: 'paced',
               Prioritized: 'priority'}

@@ -1,6 +1,6 @@
 """How a robot travels to its goal: it departs, is held, goes on, is placed elsewhere, and stands.
 
-Threading contract: as of :mod:`.navigator`.
+Threading contract: that of :mod:`.navigator`.
 """
 import math
 
@@ -11,10 +11,10 @@ from .outcome import NO_CONTROL, aborted
 
 
 class Travel:
-    """One robot's travelling to the target that its ``navigator`` (Navigator) has found; what comes of it, that ends.
+    """One robot's travel to the target that its ``navigator`` (Navigator) has found. The navigator ends the goal.
 
-    ``agenda`` (Agenda): what both have ahead for the goal; ``durations``: GoalDurations, None: all goes by the law
-    alone.
+    ``agenda`` (Agenda): the future events of the goal, of both. ``durations``: GoalDurations; None: durations follow
+    from the law of motion alone.
     """
 
     def __init__(self, navigator, robot, planner, agenda, stream, durations):
@@ -25,34 +25,34 @@ class Travel:
         self._tell = stream.tell
         self._durations = durations
         self._gate = None
-        #: limited(start, corners, goal): the way with the speed limits that there are on it, None: there are none
+        #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
         self.limited = None
         #: the pose in the global frame that the robot works on, or None
         self.target = None
-        #: the reasons for which the robot is held, texts in the order in which they came; none: it may travel
+        #: the reasons for which the robot is held, as texts in the order in which they came; empty: it may travel
         self.held_for = ()
         self._waits_for_release = False
 
     def set_gate(self, gate):
         """Ask ``gate`` at each departure whether the robot may go.
 
-        ``departs(leg, now_ns)`` returns the reason (a text) for which it is held at once, or None; ``settle(now_ns)``
-        is called when the one or the other has come to pass.
+        ``departs(leg, now_ns)`` returns the reason (a text) for which the robot is held at once, or None. Afterwards,
+        when the robot has been held or is on its way, ``settle(now_ns)`` is called.
         """
         self._gate = gate
 
     def aim(self, target):
-        """Have the robot work on ``target`` (Pose2D, global frame), None: on nothing any more."""
+        """Set the robot's target (Pose2D, global frame); None: it has none any more."""
         self.target = target
         self._waits_for_release = False
 
     def _go_on(self, now_ns):
-        """Go on to the target from where the robot stands; to give up takes as long as for a new goal."""
+        """Go on to the target from where the robot stands; if there is no way, it gives up as for a new goal."""
         self.go(() if self._planner.goes_straight else self._planner.corners(
             self._robot.pose_at(now_ns), self.target), now_ns)
 
     def go(self, corners, now_ns, aside=None):
-        """Go to the target by ``corners``; None: there is no way. ``aside``: to this pose first, and on from there."""
+        """Go to the target by ``corners``; None: there is no way. With ``aside`` (Pose2D), go there first."""
         if corners is None:
             self._fail_to_plan(now_ns)
             return
@@ -78,10 +78,10 @@ class Travel:
             gate.settle(now_ns)
 
     def go_aside(self, reason, way, now_ns):
-        """Instead of being held for ``reason`` alone, drive by ``way`` (.corners, .goal) from where it stands.
+        """End the hold for ``reason``, and drive by ``way`` (.corners, .goal) from where the robot stands.
 
-        From its end, or wherever it is stopped before, the robot goes on to its target by a way that is new. It does
-        not fail on it: that is judged by the ways to the target.
+        From the end of that way, or from where it is stopped before, the robot goes on to its target by a new way. On
+        ``way`` the robot does not fail: failures are drawn for ways to the target only.
         """
         self._waits_for_release = False
         self._change_holds(tuple(one for one in self.held_for if one != reason), now_ns)
@@ -112,8 +112,8 @@ class Travel:
     def hold(self, reason, now_ns):
         """Have the robot stand at its exact pose of this instant for ``reason`` (a text), until :meth:`release`.
 
-        Its goal stays active, and a new one is taken in, planned and waits. What is no travel goes on: a goal's frame
-        is looked for, a goal without a way is given up. A reason that is there already changes nothing.
+        Its goal stays active. A new goal is taken in and planned, and waits. Only travel is held: a goal's frame is
+        still looked up, and a goal without a way is given up. A reason that holds the robot already changes nothing.
         """
         if reason not in self.held_for:
             self._hold(reason, now_ns)
@@ -130,9 +130,9 @@ class Travel:
 
     @guarded
     def release(self, reason, now_ns):
-        """End what :meth:`hold` began for ``reason``; without any left the robot goes on, by a way that is new.
+        """End the hold for ``reason``. If no reason is left, the robot goes on by a new way.
 
-        A reason that is not there changes nothing.
+        A reason that does not hold the robot changes nothing.
         """
         if reason not in self.held_for:
             return
@@ -142,7 +142,7 @@ class Travel:
             self._go_on(now_ns)
 
     def change_way(self, now_ns, corners=None):
-        """Leave the way under way; go on from where it is, from rest, by ``corners``, None: by a way that is new."""
+        """Stop the driving robot and go on from there, from rest, by ``corners``; None: by a new way."""
         if self._durations is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()
@@ -153,7 +153,7 @@ class Travel:
             self.go(corners, now_ns)
 
     def forget_holds(self, now_ns):
-        """Hold the robot, which has no goal, for nothing any more."""
+        """End all holds of the robot, which has no goal."""
         if self.held_for:
             self._change_holds((), now_ns)
 
@@ -163,9 +163,9 @@ class Travel:
 
     @guarded
     def place(self, pose, now_ns):
-        """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there.
+        """Put the robot at ``pose`` (Pose2D, global frame). If it was driving, it goes on to its goal from there.
 
-        One that is held stays so, and goes on from there when it is released.
+        A robot that is held stays held, and goes on from there when it is released.
         """
         driving = self._robot.leg is not None
         self._robot.place(pose, now_ns)
@@ -176,10 +176,11 @@ class Travel:
 
     @guarded
     def map_changed(self, now_ns):
-        """Another map counts from now on: a way that it cuts is planned again, from rest; so is one that there was not.
+        """Plan again after a change of the map.
 
-        One that waits for its release is planned then.
-        Where no way has corners a map counts for the goals that come after it only.
+        A way that the new map blocks is planned again, from rest; so is the way to a target to which there was none. If
+        the robot is held, its way is planned when it is released. If all ways are straight, nothing is planned again:
+        the map then matters only for goals that come later.
         """
         planner = self._planner
         if planner.goes_straight or self.target is None or planner.lacking or self._waits_for_release:
@@ -196,19 +197,19 @@ class Travel:
             self._go_on(now_ns)
 
     def halt(self, now_ns):
-        """Have the robot stand, if it drives, and tell where."""
+        """Stop the robot, if it drives, and send the event that it stands."""
         if self._robot.leg is not None:
             self._tell(Stands(now_ns, self._robot.name, self._robot.stop(now_ns)))
 
     def tell_stands(self, now_ns):
-        """Tell where the robot stands, for who has put it there."""
+        """Send the event that the robot stands at its present pose, after it was put there."""
         self._tell(Stands(now_ns, self._robot.name, self._robot.pose_at(now_ns)))
 
     def break_off(self, error):
-        """As of the navigator."""
+        """Clean up after an unexpected error: see :meth:`Navigator.break_off`."""
         self._navigator.break_off(error)
 
 
 def _beyond(pose, distance):
-    """Return the Pose2D that is ``distance`` [m] ahead of ``pose``: who stops so far short of it ends there."""
+    """Return the Pose2D ``distance`` [m] ahead of ``pose``; a robot that stops that far short of it is at ``pose``."""
     return Pose2D(pose.x + distance * math.cos(pose.yaw), pose.y + distance * math.sin(pose.yaw), pose.yaw)

@@ -1,1 +1,1 @@
-"""The parts of a lockstep participant that need no ROS: the protocol, and whose turn it is."""
+"""The parts of a lockstep participant that need no ROS: the protocol, and the turns of its threads."""

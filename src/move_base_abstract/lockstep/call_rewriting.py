@@ -1,36 +1,36 @@
-"""Has a program's own code hand on what it asks the machine by names that cannot be replaced: those that are made in C.
+"""Rewrites a program's own code where it asks the machine by names that cannot be replaced, because they are made in C.
 
-``datetime.now`` is a part of a type in C, ``id`` a word of the language. So where the program's text has such a name,
-what it stands for is handed to :data:`ASK`, which may return something else. Knows Python's text only.
+For example, ``datetime.now`` is a part of a type made in C, and ``id`` is a builtin. So where the program's text has
+such a name, its value is handed to :data:`ASK`, which may return something else. This module only knows Python's text.
 """
 from __future__ import annotations
 
 import ast
 from typing import Any, Sequence, Union
 
-#: the names of what is called, to be found among the builtins: ``ASK(what)`` -> what, ``HASHED(value)`` -> value,
-#: ``FILE_TIME(value)`` -> value
+#: names of the functions that the rewritten code calls, which must be builtins; each gets a value and returns it, or
+#: another one in its place
 ASK, HASHED, FILE_TIME = '__lockstep_ask__', '__lockstep_hashed__', '__lockstep_file_time__'
-#: attributes whose values are handed on
+#: attributes whose values are handed to ASK
 ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'get_ident'))
-#: those of what os.stat and its like return: when a file was written, looked at, changed
+#: attributes of the results of os.stat and the like: when a file was written, read or changed
 FILE_TIMES = frozenset(('st_{}time{}'.format(which, unit) for which in 'mac' for unit in ('', '_ns')))
 #: functions that return an address
 _ADDRESSES = ('id', 'get_ident')
-#: these, and the one that may
+#: functions whose names are handed to ASK: these, and hash, which may return an address
 _HANDED = (*_ADDRESSES, 'hash')
-#: methods to which an address may be given: nothing of it shows but whether it is the same
+#: methods that may get an address as it is: they only compare it with others
 _KEYED = frozenset(('add', 'discard', 'remove', 'get', 'pop', 'setdefault'))
 
 
 def ask(tree: ast.Module) -> ast.Module:
-    """Have a module's ``tree`` (of :func:`ast.parse`) call :data:`ASK` and :data:`HASHED`; return it."""
+    """Make a module's ``tree`` (of :func:`ast.parse`) call :data:`ASK`, HASHED and FILE_TIME; return it."""
     changed: ast.Module = _Asking().visit(tree)
     return ast.fix_missing_locations(changed)
 
 
 class _Asking(ast.NodeTransformer):
-    # The methods have ast's names.
+    # The names of the methods are those of ast.NodeTransformer.
 
     def visit_Attribute(self, node: ast.Attribute) -> Union[ast.Attribute, ast.Call]:  # noqa: N802
         self.generic_visit(node)
@@ -58,7 +58,7 @@ class _Asking(ast.NodeTransformer):
         return self._visit_but(node, [node.left] + node.comparators)
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:  # noqa: N802
-        # Before Python 3.9 an index stands in a node of its own.
+        # Before Python 3.9 an index is in a node of its own.
         return self._visit_but(node, [getattr(node.slice, 'value', node.slice), node.slice])
 
     def visit_Dict(self, node: ast.Dict) -> ast.AST:  # noqa: N802
@@ -68,7 +68,7 @@ class _Asking(ast.NodeTransformer):
         return self._visit_but(node, [node.key])
 
     def _visit_but(self, node: ast.AST, places: Sequence[Any]) -> ast.AST:
-        """Visit a node; calls of ``id`` in these places of it stay as they are."""
+        """Visit a node; calls of ``id`` and ``get_ident`` in these ``places`` of it stay as they are."""
         kept = [(call, call.func) for call in places if _is_of_id(call)]
         self.generic_visit(node)
         for call, function in kept:
@@ -77,7 +77,7 @@ class _Asking(ast.NodeTransformer):
 
 
 def _is_present_of_numpy(node: ast.Call) -> bool:
-    """Whether it is ``numpy.datetime64('now')``."""
+    """Return whether a call is ``numpy.datetime64('now')`` or ``('today')``."""
     return getattr(node.func, 'attr', '') == 'datetime64' and bool(node.args) and getattr(
         node.args[0], 'value', None) in ('now', 'today')
 

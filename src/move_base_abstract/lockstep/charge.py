@@ -1,7 +1,7 @@
-"""The simulated time of a participant's computations: none, a fixed time, a measured time, or a recorded time.
+"""The simulated time that a participant's computations take: none, a fixed, a measured, or a recorded time.
 
-A computation is a round in which the participant sends something; the messages leave when it is over, and what comes
-in the meantime waits.
+A computation is a round in which the participant sends something. Its messages leave at its end, and the mail that
+comes in the meantime waits.
 """
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock)
 
 
 class NoCharge:
-    """Computations take no simulated time. Repeatable."""
+    """Computations take no simulated time. Runs are repeatable."""
 
     is_repeatable = True
 
     def begin(self) -> None:
-        """A round begins."""
+        """Note that a round begins."""
 
     def cost_ns(self, _now_ns: int) -> int:
-        """Return what the computation that ends now costs [ns]."""
+        """Return the simulated time [ns] that the computation that ends now takes."""
         return 0
 
     def close(self) -> None:
-        """Write out what there is to write."""
+        """Finish the record, if there is one."""
 
 
 class FixedCharge(NoCharge):
-    """Each computation takes the same time. Repeatable."""
+    """Each computation takes the same time. Runs are repeatable."""
 
     def __init__(self, cost_ns: int) -> None:
         self._cost_ns = cost_ns
@@ -50,7 +50,10 @@ class FixedCharge(NoCharge):
 
 
 class MeasuredCharge(NoCharge):
-    """Each computation takes what a clock of the machine says, which is recorded. Not repeatable, but see replay."""
+    """Each computation takes the time that a clock of the machine measures.
+
+    Such a run is not repeatable by itself. If ``path`` is not '', the times are recorded there for ReplayCharge.
+    """
 
     is_repeatable = False
 
@@ -61,11 +64,11 @@ class MeasuredCharge(NoCharge):
         self._record = _create(path) if path else None
 
     def begin(self) -> None:
-        """A round begins: note when."""
+        """Note when a round begins."""
         self._begin_ns = self._clock_ns()
 
     def cost_ns(self, now_ns: int) -> int:
-        """Return how long this round has taken [ns], and record it."""
+        """Return the time that this round has taken [ns], and record it."""
         cost_ns: int = self._clock_ns() - self._begin_ns
         if self._record is not None:
             self._record.write(json.dumps({'time_ns': now_ns, 'cost_ns': cost_ns}) + '\n')
@@ -82,7 +85,7 @@ class MeasuredCharge(NoCharge):
 
 
 class ReplayCharge(NoCharge):
-    """Each computation takes what an earlier run recorded. Repeatable."""
+    """Each computation takes the time that an earlier run recorded. Runs are repeatable."""
 
     def __init__(self, path: str) -> None:
         self._path = path
@@ -91,8 +94,8 @@ class ReplayCharge(NoCharge):
     def cost_ns(self, now_ns: int) -> int:
         """Return the recorded time [ns].
 
-        :raises ConfigurationError: if the record has no more, or is of another instant: this is not the run that was
-            recorded.
+        :raises ConfigurationError: if the record has no more times, or the next one is of another instant, so that this
+            is not the run that was recorded.
         """
         number, time_ns, cost_ns = next(self._costs, (0, None, 0))
         if time_ns != now_ns:
@@ -105,7 +108,7 @@ class ReplayCharge(NoCharge):
 def make_charge(text: Optional[Union[float, str]], wall_ns: Callable[..., Any], cpu_ns: Callable[..., Any]) -> Any:
     """Return the charge that ``text`` describes; ``wall_ns()`` and ``cpu_ns()`` are the machine's clocks [ns].
 
-    :raises ConfigurationError: if it describes none, or its file cannot be read or written.
+    :raises ConfigurationError: if ``text`` is not allowed, or its file cannot be read or written.
     """
     kind, detail = check_charge(text)
     if kind == 'none':
@@ -118,9 +121,9 @@ def make_charge(text: Optional[Union[float, str]], wall_ns: Callable[..., Any], 
 
 
 def check_charge(text: Optional[Union[float, str]]) -> Tuple[str, str]:
-    """Return the kind of the charge that ``text`` describes, and what stands behind the colon; no file is opened.
+    """Return the kind of the charge that ``text`` describes, and the part after the colon; no file is opened.
 
-    :raises ConfigurationError: if it describes none.
+    :raises ConfigurationError: if ``text`` is not allowed.
     """
     kind, _, detail = str(text or 'none').partition(':')
     allowed = {'none': not detail, 'fixed': _is_time(detail), 'measured': True, 'measured_cpu': True,
@@ -138,7 +141,7 @@ def _is_time(text: str) -> bool:
 
 
 def _create(path: str) -> Optional[IO[str]]:
-    """Open the file that the record is called while it grows; neither it nor the record may be somebody else's."""
+    """Open the record under its name while it grows, PATH.part; neither may be a file that is not a record."""
     try:
         check_file(path, _is_record)
         return create_file(path + PART, _is_record)
@@ -147,7 +150,7 @@ def _create(path: str) -> Optional[IO[str]]:
 
 
 def _is_record(line: bytes) -> bool:
-    """Whether the first line of a file (bytes) is that of a record."""
+    """Return whether the first line of a file (bytes) is that of a record."""
     try:
         entry = json.loads(line)
     except (ValueError, RecursionError):
@@ -160,7 +163,7 @@ def _error(text: str) -> ConfigurationError:
 
 
 def _whole(value: Any) -> int:
-    """Return a time [ns] as an int, as the protocol holds it."""
+    """Return a time [ns] as an int of 64 bits, as in the protocol."""
     whole = int(value)
     if not -2 ** 63 <= whole < 2 ** 63:
         raise ValueError('got {}; allowed: a whole number of 64 bits'.format(shown(whole)))

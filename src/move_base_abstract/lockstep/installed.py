@@ -1,6 +1,6 @@
-"""Which files belong to an installed distribution, wherever it lies: ``pip install --target`` makes such folders.
+"""Finds out whether a file belongs to an installed distribution, in any folder, as ``pip install --target`` makes them.
 
-An installer leaves a folder ``NAME.dist-info`` beside what it installs, with a list of the files (RECORD). No ROS.
+An installer leaves a folder ``NAME.dist-info`` beside the files that it installs, with a list of them (RECORD).
 """
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, FrozenSet, Set
 if TYPE_CHECKING:
     pass
 
-_SHARED = {'', '.', '..', 'bin'}  # folders that are nobody's alone
-_LARGEST = 16 * 1024 * 1024  # bytes of a list that are looked at
+_SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
+_LARGEST = 16 * 1024 * 1024  # of bytes that are read of a list
 
 
 def is_installed(path: str) -> bool:
-    """Return whether a file or a folder has been installed as a part of a distribution."""
+    """Return whether the file or folder ``path`` was installed as a part of a distribution."""
     folder, name = os.path.split(path.rstrip(os.sep))
     while name:
         if name in _tops(folder):
@@ -28,7 +28,7 @@ def is_installed(path: str) -> bool:
 
 @lru_cache(maxsize=None)
 def _tops(folder: str) -> FrozenSet[str]:
-    """Return the names of files and folders in ``folder`` that distributions beside them list as theirs."""
+    """Return the names of files and folders in ``folder`` that are listed by the distributions in it."""
     try:
         infos = sorted(name for name in os.listdir(folder) if name.endswith('.dist-info'))
     except OSError:

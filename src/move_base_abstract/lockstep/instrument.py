@@ -1,26 +1,26 @@
-"""Finds loops of a program that may wait by looking at variables, and has them say what their turns do.
+"""Finds loops of a program that may wait by looking at variables, and makes them report what each of their turns does.
 
-``while len(frontiers) < 1: pass`` calls nothing of ROS: nobody would know that it waits. So a loop that can go round
-without computing calls :data:`LOOK` in each turn, with its kind and its line, and :data:`ACT` before what does more
-than look. That is told by the text:
+``while len(frontiers) < 1: pass`` calls nothing of ROS, so lockstep would not know that it waits. So a loop that can go
+round without computing calls :data:`LOOK` in each turn, with its kind and its line, and :data:`ACT` before statements
+that do more than look. The text of the program decides:
 
-- Tests, and calls of what is known to tell something and to change nothing, look.
+- Tests look. So do calls of functions that are known to return something and to change nothing.
 - Other calls may compute, or look: ``while not self.ready(): pass``.
-- What stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or stores in a name that goes
-  into itself (``node = node.parent``), computes. If nothing that it stores is what would end the loop, somebody else
-  is to end it (``while not self.stop: n += 1``), or never does.
+- A statement computes if it stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or
+  stores in a name from which the value is made (``node = node.parent``). If the end of a loop depends on nothing that
+  the loop stores, another thread must end it (``while not self.stop: n += 1``), or it never ends.
 
-Knows Python's text only: no ROS, no threads, no clock.
+This module only knows Python's text: no ROS, no threads, no clock.
 """
 from __future__ import annotations
 
 import ast
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
-#: kinds of loops: turns may do nothing but look; the same, and they look at the time; each turn calls what may compute;
-#: each turn computes, but not what would end the loop
+#: kinds of loops: its turns may only look (WAITS), and look at the time, too (TIMES); each turn calls something that
+#: may compute (CALLS); each turn computes, but nothing on which the loop's end depends (COMPUTES)
 WAITS, TIMES, CALLS, COMPUTES = 0, 1, 2, 3
-#: the names of what loops call, to be found among the builtins: ``LOOK(kind, line)``, ``ACT(computes)``
+#: names of the functions that loops call, which must be builtins: ``LOOK(kind, line)``, ``ACT(computes)``
 LOOK, ACT = '__lockstep_look__', '__lockstep_act__'
 
 _FUNCTIONS = frozenset((
@@ -33,7 +33,8 @@ _METHODS = frozenset((
     'get_state', 'is_active', 'is_alive', 'is_new_goal_available', 'is_preempt_requested', 'is_set', 'is_shutdown',
     'isSet', 'items', 'keys', 'locked', 'qsize', 'running', 'sched_yield', 'startswith', 'to_nsec', 'to_sec',
     'total_seconds', 'values'))
-_WAITS = frozenset(('get', 'join', 'wait', 'wait_for_result', 'wait_for_server'))  # for 0 s
+#: methods that only look if their time-out is 0 s
+_WAITS = frozenset(('get', 'join', 'wait', 'wait_for_result', 'wait_for_server'))
 _NOT_OF_ROSPY = frozenset(('Publisher', 'Subscriber', 'Service', 'ServiceProxy', 'Timer', 'set_param', 'delete_param',
                            'init_node', 'signal_shutdown', 'on_shutdown'))
 _TIMES = frozenset(('now', 'get_time', 'get_rostime'))
@@ -44,7 +45,7 @@ _COMPUTING = (ast.Await, ast.Yield, ast.YieldFrom)
 
 
 def instrument(tree: ast.Module) -> ast.Module:
-    """Have the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK`; return it."""
+    """Make the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK` and ACT; return it."""
     for node in list(ast.walk(tree)):
         if isinstance(node, ast.While):
             _Loop(node).instrument()
@@ -52,12 +53,12 @@ def instrument(tree: ast.Module) -> ast.Module:
 
 
 def kind_of(loop: ast.While) -> Optional[int]:
-    """Return what kind of waiting a ``while`` loop is, or None: each turn computes what may end it."""
+    """Return the kind of a waiting ``while`` loop; None if each turn computes something that may end the loop."""
     return _Loop(loop).kind
 
 
 class _Loop:
-    """What the turns of a loop may do. ``kind`` as of :func:`kind_of`."""
+    """One loop, with what its turns may do. ``kind``: see :func:`kind_of`."""
 
     def __init__(self, loop: ast.While) -> None:
         self._loop = loop
@@ -80,7 +81,7 @@ class _Loop:
         self._loop.body.insert(0, _call(LOOK, [self.kind, self._loop.lineno], self._loop))
 
     def _block(self, block: List[Any]) -> bool:
-        """Look at statements that come one after the other; return whether a turn may pass them without computing."""
+        """Check statements that follow one another; return whether a turn may pass them without computing."""
         for number, statement in enumerate(block):
             if not self._statement(block, statement):
                 self._acts.append((block, statement, True))
@@ -94,14 +95,14 @@ class _Loop:
         if any(_yields(head) for head in heads) or not (is_compound or self._is_plain(node)):
             return False
         if isinstance(node, (ast.Return, ast.Raise)):
-            return True  # there is no next turn
-        calls_unknown = [self._calls_unknown(head) for head in heads]  # of all: they are looked through for times
+            return True  # no turn follows
+        calls_unknown = [self._calls_unknown(head) for head in heads]  # for all heads, because this sets _times, too
         if any(calls_unknown):
             self._acts.append((block, node, False))
         return not is_compound or self._passes(node)
 
     def _is_plain(self, node: Any) -> bool:
-        """Return whether a statement without others in it stores nothing that matters."""
+        """Return whether a statement without others in it stores nothing by which it would compute."""
         if not isinstance(node, _ASSIGNMENTS):
             return isinstance(node, _SIMPLE)
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
@@ -109,24 +110,24 @@ class _Loop:
         return not any(name is None or _goes_into(self._flow, name, name) for name in names)
 
     def _passes(self, node: Any) -> bool:
-        """Return whether a turn may pass a statement with others in it; look at all of them."""
+        """Return whether a turn may pass a statement with others in it without computing; check all of them."""
         body, orelse = self._block(node.body), self._block(getattr(node, 'orelse', []))
         if isinstance(node, ast.Try):
             handled = [self._block(handler.body) for handler in node.handlers]
             return self._block(node.finalbody) and (body and orelse or any(handled))
         if isinstance(node, ast.If):
             return body or orelse
-        return body or not isinstance(node, ast.With)  # a loop may have no turn
+        return body or not isinstance(node, ast.With)  # an inner loop may have no turn
 
     def _calls_unknown(self, node: Any) -> bool:
-        """Return whether an expression calls what may compute."""
+        """Return whether an expression calls a function that may compute; note whether it looks at the time."""
         calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
         self._times = self._times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
         return not all(_is_known(call) for call in calls)
 
 
 def _is_ended_by_others(loop: ast.While) -> bool:
-    """Whether nothing that a loop stores, or calls a method of, is what its ends depend on."""
+    """Return whether a loop's ends depend on nothing that it stores, calls a method of, or hands to a call."""
     ends = [loop.test] + [part.test for part in _parts(loop.body) if isinstance(part, ast.If) and any(
         isinstance(inner, (ast.Break, ast.Return, ast.Raise)) for inner in _parts(part.body))]
     read = set().union(*map(_read, ends))
@@ -142,7 +143,7 @@ def _is_ended_by_others(loop: ast.While) -> bool:
 
 
 def _parts(block: Iterable[ast.AST]) -> Iterator[Any]:
-    """Yield all parts of statements, but not those of functions in them."""
+    """Yield all parts of statements, but not the parts of functions and classes in them."""
     for node in block:
         yield node
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
@@ -150,7 +151,7 @@ def _parts(block: Iterable[ast.AST]) -> Iterator[Any]:
 
 
 def _read(node: Any) -> Set[str]:
-    """Return the names, dotted ones whole, that an expression reads."""
+    """Return the names that an expression reads; dotted names are not split."""
     name = _whole_name(node)
     return {name} if name else set().union(*map(_read, ast.iter_child_nodes(node)))
 
@@ -164,7 +165,7 @@ def _overlap(one: str, other: str) -> bool:
 
 
 def _heads(node: Any) -> List[Any]:
-    """Return the expressions of a statement with others in it that are its own."""
+    """Return the expressions that belong to a statement with others in it, for example its test."""
     heads = [getattr(node, name) for name in ('test', 'iter') if hasattr(node, name)]
     return heads + [item.context_expr for item in getattr(node, 'items', ())]
 
@@ -187,7 +188,7 @@ def _names(target: Any) -> List[Optional[str]]:
 
 
 def _flow(loop: ast.While) -> Dict[str, Set[str]]:
-    """Return {name that the loop stores: names that go into it}."""
+    """Return {name that the loop stores: names from which its value is made}."""
     flow: Dict[str, Set[str]] = {}
     targets: List[Any]
     for node in ast.walk(loop):
@@ -204,7 +205,7 @@ def _flow(loop: ast.While) -> Dict[str, Set[str]]:
 
 
 def _goes_into(flow: Dict[str, Set[str]], name: str, target: str) -> bool:
-    """Return whether what ``name`` says goes into ``target``, over any number of names."""
+    """Return whether the value of ``target`` is made from that of ``name``, directly or by way of other names."""
     seen, todo = set(), [target]
     while todo:
         for other in flow.get(todo.pop(), ()):
@@ -217,7 +218,7 @@ def _goes_into(flow: Dict[str, Set[str]], name: str, target: str) -> bool:
 
 
 def _is_known(call: ast.Call) -> bool:
-    """Return whether a call tells something, and changes nothing."""
+    """Return whether a call is known to return something and to change nothing."""
     name = dotted(call.func)
     if len(name) == 1:
         return name[0] in _FUNCTIONS
@@ -228,13 +229,13 @@ def _is_known(call: ast.Call) -> bool:
 
 
 def _has_no_length(call: Any) -> bool:
-    """Whether a call of what may wait only looks: ``event.wait(0)``, ``queue.get(block=False)``."""
+    """Return whether a call that could wait only looks: ``event.wait(0)``, ``queue.get(block=False)``."""
     given = call.args[:1] + [keyword.value for keyword in call.keywords if keyword.arg in ('timeout', 'block')]
     return any(isinstance(one, ast.Constant) and one.value is not None and not one.value for one in given)
 
 
 def dotted(node: Any) -> Tuple[str, ...]:
-    """Return the parts of a dotted name, or () if it is something else."""
+    """Return the parts of a dotted name, or () if ``node`` is something else."""
     if isinstance(node, ast.Name):
         return (node.id,)
     if isinstance(node, ast.Attribute):

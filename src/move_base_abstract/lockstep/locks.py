@@ -1,8 +1,8 @@
-"""Locks that give the turn away: as Python's, but an application thread that waits for another lets the others go on.
+"""Locks like Python's, but an application thread that waits for another one gives the turn away, so that others go on.
 
-``threading.Condition``, ``Event``, ``Semaphore``, ``Barrier`` and ``queue.Queue`` are made of these two, and ask
-:func:`clock` what is left of a time-out. Time-outs of application threads are simulated time. Threads that are not the
-application's wait as ever, and are waited for with simulated time standing still.
+``threading.Condition``, ``Event``, ``Semaphore``, ``Barrier`` and ``queue.Queue`` are made of these two locks, and ask
+:func:`clock` for the rest of a time-out. Time-outs of application threads are in simulated time. All other threads wait
+as usual. If an application thread waits for one of them, simulated time stands still.
 """
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ _LAST_WAIT = 1.0  # s, wall
 
 
 class _NoScheduler:
-    """Before the process takes part, every thread runs freely."""
+    """Stands in for the scheduler before the process takes part, when every thread runs freely."""
 
     turn_ident = 0
     is_closed = True
 
     @staticmethod
     def is_mine() -> bool:
-        """No thread has a turn."""
+        """Return False: no thread has the turn."""
         return False
 
 
 class Process:
-    """Whom the locks of this process ask: its scheduler, once it takes part."""
+    """Holds the scheduler that the locks of this process ask; before the process takes part, a stand-in."""
 
     scheduler: Any = _NoScheduler()  # a Scheduler
 
 
 def clock(machine_clock: Callable[[], float]) -> Callable[[], float]:
-    """Return a function that tells application threads simulated time [s], and others what ``machine_clock()`` says."""
+    """Return a function that returns simulated time [s] to application threads, and ``machine_clock()`` to others."""
     def now() -> float:
         scheduler = Process.scheduler
         return scheduler.now_ns * 1e-9 if scheduler.is_mine() else machine_clock()
@@ -49,7 +49,7 @@ def clock(machine_clock: Callable[[], float]) -> Callable[[], float]:
 
 
 def _wake_ns(timeout: float) -> int:
-    """Return when ``timeout`` [s] is over, or NEVER; what is left of one must not be lost in rounding."""
+    """Return when ``timeout`` [s] is over [ns], or NEVER; a positive time-out lasts at least 1 ns, despite rounding."""
     if timeout < 0 or timeout >= TIMEOUT_MAX:
         return NEVER
     now_ns: int = Process.scheduler.now_ns
@@ -57,7 +57,7 @@ def _wake_ns(timeout: float) -> int:
 
 
 class CooperativeLock:
-    """A lock as Python's own; an application thread that waits for another one lets the others go on."""
+    """A lock like Python's own, but an application thread that waits for another one gives the turn away."""
 
     __slots__ = ('_lock', '_waiting', '_is_applications', '__weakref__')
 
@@ -67,14 +67,14 @@ class CooperativeLock:
         self._is_applications = False
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """As threading.Lock.acquire; the time-out is simulated in application threads."""
+        """Acquire as threading.Lock does; in application threads the time-out is in simulated time."""
         if self._lock.acquire(False):
             self._is_applications = Process.scheduler.turn_ident == get_ident()
             return True
         if not blocking or timeout != -1 and timeout < 0:
             return self._lock.acquire(blocking, timeout)  # False, or the error that Python raises
         if not (self._is_applications and Process.scheduler.is_mine()):
-            # Held by a thread that runs freely and will let go by itself.
+            # It is held by a thread that runs freely and will release it by itself.
             is_taken = self._lock.acquire(True, timeout)
             self._is_applications = is_taken and Process.scheduler.is_mine()
             return is_taken
@@ -103,7 +103,7 @@ class CooperativeLock:
         return True
 
     def _wait_in_the_end(self, timeout: float) -> bool:
-        """Lockstep is over, and the node about to end: wait for a holder that goes on now, but for no other."""
+        """Wait after the end of lockstep, when the node is about to end: at most 1 s of wall time for the holder."""
         if self._lock.acquire(True, _LAST_WAIT if timeout < 0 else min(timeout, _LAST_WAIT)):
             return True
         if timeout < 0:
@@ -111,7 +111,7 @@ class CooperativeLock:
         return False
 
     def release(self, *_error: Any) -> None:
-        """As threading.Lock.release."""
+        """Release as threading.Lock does."""
         self._is_applications = False
         self._lock.release()
         if self._waiting:
@@ -130,19 +130,19 @@ class CooperativeLock:
             Process.scheduler.wake(self._waiting.popleft())
 
     def locked(self) -> bool:
-        """As threading.Lock.locked."""
+        """Return whether the lock is held."""
         return self._lock.locked()
 
     def _at_fork_reinit(self) -> None:
         self._lock = _make_lock()
         self._waiting = None
 
-    # Python's old names of the same.
+    # Python's old names of these methods.
     acquire_lock, release_lock, locked_lock = acquire, release, locked
 
 
 class CooperativeRLock:
-    """A lock that its owner may take again, made of a :class:`CooperativeLock`."""
+    """A lock like threading.RLock, which its owner may take again, made of a :class:`CooperativeLock`."""
 
     __slots__ = ('_block', '_owner', '_count', '__weakref__')
 
@@ -152,13 +152,13 @@ class CooperativeRLock:
         self._count = 0
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        """As threading.RLock.acquire."""
+        """Acquire as threading.RLock does; in application threads the time-out is in simulated time."""
         me = get_ident()
         if self._owner == me:
             self._count += 1
             return True
         block = self._block
-        if block._lock.acquire(False):  # what the block's own acquire begins with: rospy takes these locks all the time
+        if block._lock.acquire(False):  # as block.acquire begins, but faster: rospy takes these locks all the time
             block._is_applications = Process.scheduler.turn_ident == me
         elif not block.acquire(blocking, timeout):
             return False
@@ -169,7 +169,7 @@ class CooperativeRLock:
     __enter__ = acquire
 
     def release(self, *_error: Any) -> None:
-        """As threading.RLock.release."""
+        """Release as threading.RLock does."""
         if self._owner != get_ident():
             raise RuntimeError('cannot release un-acquired lock')
         self._count -= 1
@@ -179,7 +179,7 @@ class CooperativeRLock:
 
     __exit__ = release
 
-    # What threading.Condition asks for.
+    # The methods that threading.Condition needs.
 
     def _is_owned(self) -> bool:
         return self._owner == get_ident()
@@ -197,11 +197,11 @@ class CooperativeRLock:
         self._block._at_fork_reinit()
         self._owner, self._count = None, 0
 
-    # What newer Pythons ask for: multiprocessing from 3.13 on, anybody from 3.14 on.
+    # The methods that newer Pythons need: for multiprocessing from 3.13 on, for all from 3.14 on.
 
     def _recursion_count(self) -> int:
         return self._count if self._owner == get_ident() else 0
 
     def locked(self) -> bool:
-        """As threading.RLock.locked."""
+        """Return whether any thread holds the lock."""
         return self._owner is not None

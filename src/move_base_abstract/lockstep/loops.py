@@ -1,4 +1,4 @@
-"""Loops that wait by looking, without sleeping: what is counted, and when they give the turn away."""
+"""Loops that wait by looking, without sleeping: their looks and turns are counted, until they give the turn away."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, List, Tuple
@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any, Callable, List, Tuple
 if TYPE_CHECKING:
     from .task import Task
 
-#: so many looks in a row, without a wait, are a loop that waits for something by looking
+#: a thread that looks so many times in a row, without a wait, is taken for a loop that waits by looking
 LOOKS = 1000
-#: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
+#: simulated time [ns] that passes at such a loop if nothing else happens: if it looks at the time, and otherwise
 TIME_STEP_NS = 1000000
 STEP_NS = 10000000
 
 
 def holds(condition: Callable[[], object]) -> bool:
-    """Whether a thread's condition holds, or fails: then that thread is to look at it, so that the error is its own."""
+    """Return whether a thread's condition holds, or raises an error, so that the thread gets the error itself."""
     try:
         return bool(condition())
     except Exception:
@@ -22,7 +22,7 @@ def holds(condition: Callable[[], object]) -> bool:
 
 
 class Looking:
-    """A part of the scheduler: its threads' looks and turns of loops."""
+    """A part of the scheduler: it counts the looks of its threads, and their turns of loops."""
 
     now_ns: int
     _happened: int
@@ -31,11 +31,12 @@ class Looking:
     _wait: Callable[..., Any]
 
     def look(self, step_ns: int, weight: int = 1) -> None:
-        """The calling thread looks at something that may change, without waiting for it.
+        """Note that the calling thread looks at something that may change, without waiting for it.
 
-        After :data:`LOOKS` looks in a row, of this ``weight``, it is taken for a loop that waits by looking.
+        It counts as ``weight`` looks. After :data:`LOOKS` looks in a row, the thread is taken for a loop that waits by
+        looking, and gives the turn away as in :meth:`look_away`.
 
-        :raises TurnLost: as :meth:`wait`.
+        :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
         task = self.current()
         task.looks += weight
@@ -43,21 +44,23 @@ class Looking:
             self.look_away(step_ns)
 
     def turn(self) -> Task:
-        """The calling thread goes once more round a loop that may wait by looking; return its task, which counts."""
+        """Count another turn of the calling thread in a loop that may wait by looking; return the thread's task."""
         task: Task = self.current()
         task.turns += 1
         task.idle_turns += 1
         return task
 
     def look_away(self, step_ns: int) -> None:
-        """Give the turn away until something else has happened in this process, or until ``step_ns`` [ns] later.
+        """Give the turn away until something else has happened in this process, or ``step_ns`` [ns] have passed.
 
-        The calling thread waits by looking: what merely looks, too, is nothing that happens. Looks and turns are
-        counted anew: the next one after what it has waited for is the first.
+        The calling thread waits by looking. Looks of other such threads do not count as something that happens. The
+        counts of looks and turns begin anew.
+
+        :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
         task = self.current()
         if not task.is_looking:
-            self._happened += 1  # what it did before it began to look
+            self._happened += 1  # it did something before it began to look
         task.is_looking = True
         task.looks = task.turns = task.idle_turns = 0
         seen, wake_ns = self._happened, self.now_ns + step_ns

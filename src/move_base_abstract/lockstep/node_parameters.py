@@ -1,4 +1,4 @@
-"""The private parameters of every node that takes part: the one table from which checks and pages come."""
+"""The private parameters of every node that takes part. Checks and pages use this table."""
 from __future__ import annotations
 
 from ..common.parameter_table import Parameter, boolean, integer, text
@@ -7,7 +7,7 @@ from .wire import MAX_RANK
 RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
                  'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK),
                  'Place of the node among messages of one instant, lowest first; robots have 0.')
-#: they are read where the node joins, and where its clock is made
+#: these parameters are read when the node joins, and when its clock is made
 TABLE = (
     RANK,
     Parameter('lockstep_charge', 'none', text, "'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', "

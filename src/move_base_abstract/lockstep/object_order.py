@@ -1,19 +1,19 @@
-"""Has a program's classes and sets say where the order of a set may come from addresses of objects.
+"""Rewrites a program's classes and uses of sets, because the order of a set may come from addresses of objects.
 
-Python hashes an object by its address where its class says nothing else, and a set is gone through in the order of
-hashes: another one in each run. So the bases of each class are handed to :data:`BASES`, which may add one that hashes
-otherwise; and whatever is gone through, printed, popped or unpacked in an order that may be a set's is handed to
-:data:`ORDER`. Knows Python's text only.
+Python hashes an object by its address if its class says nothing else, and goes through a set in the order of hashes,
+which differs from run to run. So the bases of each class are handed to :data:`BASES`, which may add one that hashes
+differently. And each value that is iterated over, printed, popped or unpacked, and so may be a set, is handed to
+:data:`ORDER`. This module only knows Python's text.
 """
 from __future__ import annotations
 
 import ast
 from typing import Any
 
-#: the names of what is called, to be found among the builtins: ``BASES(*bases)`` -> bases, ``ORDER(value)`` -> value
+#: names of the functions that are called, which must be builtins: ``BASES(*bases)`` -> bases, ``ORDER(value)`` -> value
 BASES, ORDER = '__lockstep_bases__', '__lockstep_order__'
 
-#: functions and methods whose result depends on the order of what they are given
+#: functions and methods whose result depends on the order of their argument
 _ORDERED = frozenset((
     'Counter', 'DataFrame', 'DiGraph', 'Graph', 'Index', 'OrderedDict', 'Series', 'accumulate', 'add_edges_from',
     'add_nodes_from', 'array', 'as_completed', 'asarray', 'batched', 'chain', 'choice', 'choices', 'combinations',
@@ -23,19 +23,19 @@ _ORDERED = frozenset((
     'min', 'nlargest', 'nsmallest', 'pairwise', 'permutations', 'print', 'product', 'reduce', 'repr', 'sample',
     'shuffle', 'stack', 'starmap', 'str', 'subgraph', 'sum', 'takewhile', 'tee', 'tuple', 'vstack', 'writelines',
     'writerows', 'zip', 'zip_longest'))
-#: those for which a generator's order does not matter; a sum of floats depends on it, in its last digit
+#: functions for which a generator's order does not matter; a sum of floats depends on it in its last digit
 _UNORDERED = frozenset(('all', 'any', 'frozenset', 'fsum', 'len', 'set', 'sorted'))
 _METACLASSES = frozenset(('ABCMeta', 'type'))
 
 
 def follow_order(tree: ast.Module) -> ast.Module:
-    """Have a module's ``tree`` (of :func:`ast.parse`) call :data:`BASES` and :data:`ORDER`; return it."""
+    """Make a module's ``tree`` (of :func:`ast.parse`) call :data:`BASES` and :data:`ORDER`; return it."""
     changed: ast.Module = _Order().visit(tree)
     return ast.fix_missing_locations(changed)
 
 
 class _Order(ast.NodeTransformer):
-    # The methods have ast's names.
+    # The names of the methods are those of ast.NodeTransformer.
 
     def visit_ClassDef(self, node: ast.ClassDef) -> ast.ClassDef:  # noqa: N802
         self.generic_visit(node)
@@ -60,7 +60,7 @@ class _Order(ast.NodeTransformer):
         return self._visit_unordered(node)
 
     def _visit_unordered(self, node: ast.SetComp) -> ast.SetComp:
-        """Visit a comprehension of which the order does not matter: all but what it goes through."""
+        """Visit a comprehension whose order does not matter, except for the values that it iterates over."""
         self.generic_visit(node)
         for generator in node.generators:
             generator.iter = _unseen(generator.iter)
@@ -118,12 +118,12 @@ class _Order(ast.NodeTransformer):
 
 
 def _has_key(node: ast.Call) -> bool:
-    """Whether a call sorts by a key: of equal keys that one comes first which came first."""
+    """Return whether a call sorts by a key, so that values with equal keys stay in the order in which they came."""
     return any(keyword.arg == 'key' for keyword in node.keywords)
 
 
 def _is_unordered(name: str, node: ast.Call) -> bool:
-    """Whether a call is handed one generator whose order does not matter."""
+    """Return whether a call's only argument is a generator whose order does not matter."""
     if len(node.args) != 1 or not isinstance(node.args[0], ast.GeneratorExp) or _has_key(node):
         return False
     counts = name == 'sum' and isinstance(node.args[0].elt, (ast.Constant, ast.Compare))
@@ -135,7 +135,7 @@ def _is_slice(target: ast.expr) -> bool:
 
 
 def _seen(node: Any) -> Any:
-    """Return an expression whose value is handed on by ORDER; those that are no set stay as they are."""
+    """Return a call of ORDER with this expression; an expression that cannot be a set stays as it is."""
     if isinstance(node, (ast.Starred, ast.Constant, ast.List, ast.Tuple, ast.Dict, ast.ListComp, ast.DictComp,
                          ast.GeneratorExp, ast.JoinedStr, ast.Lambda)):
         return node
@@ -150,5 +150,5 @@ def _unseen(node: ast.expr) -> ast.expr:
 
 
 def _last(node: ast.AST) -> str:
-    """Return the last part of a name, '' of anything else."""
+    """Return the last part of a name, '' for anything else."""
     return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ''

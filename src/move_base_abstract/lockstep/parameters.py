@@ -1,25 +1,25 @@
-"""Parameters that a participant has set in its turn, as it sees them itself before the ROS master has them.
+"""Parameters that a participant has set in its turn: it sees them itself before the ROS master has them.
 
-Names are absolute; a parameter that is a dict contains those below it. What is here follows the ROS master's own rules
-(rosmaster.paramserver); a test compares them. Nothing here knows ROS.
+Names are absolute; a parameter that is a dict contains those below it. The rules are those of the ROS master
+(rosmaster.paramserver); a test compares them. This module knows no ROS.
 """
 from __future__ import annotations
 
 from collections import deque
 from typing import Any, Callable, Deque, List, Optional
 
-#: there is no such parameter
+#: stands for the value of a parameter that does not exist
 MISSING = object()
 _DELETED = object()
 
 
 def parts_of(name: str) -> List[str]:
-    """Return the words of an absolute name; none for the root."""
+    """Return the parts of an absolute name between its slashes; [] for the root."""
     return [part for part in name.split('/') if part]
 
 
 class PendingParameters:
-    """What was set and deleted and has not been told yet, in this order."""
+    """The changes of parameters that the ROS master does not have yet, in their order."""
 
     def __init__(self) -> None:
         self._changes: Deque[Any] = deque()
@@ -28,24 +28,24 @@ class PendingParameters:
         return bool(self._changes)
 
     def set(self, name: str, value: Any) -> None:
-        """A parameter is set to ``value``, which is not changed afterwards."""
+        """Add the change that a parameter is set to ``value``, which must not be modified afterwards."""
         self._changes.append((parts_of(name), value))
 
     def delete(self, name: Any) -> None:
-        """A parameter is deleted."""
+        """Add the change that a parameter is deleted."""
         self._changes.append((parts_of(name), _DELETED))
 
     def first_is_told(self) -> None:
-        """The ROS master has the first of them, or is about to have it before anybody asks."""
+        """Drop the first change, because the ROS master has it, or will have it before anybody asks."""
         self._changes.popleft()
 
     def concern(self, name: str) -> bool:
-        """Return whether any of them changes what ``name`` is."""
+        """Return whether any of the changes affects the value of ``name``."""
         parts = parts_of(name)
         return any(_is_below(parts, changed) or _is_below(changed, parts) for changed, _ in self._changes)
 
     def seen(self, name: str, current: object) -> Any:
-        """Return what ``name`` is after them; ``current`` is what it was before them. Either may be MISSING."""
+        """Return the value of ``name`` after the changes; ``current``: the value before. Either may be MISSING."""
         parts = parts_of(name)
         tree = {} if current is MISSING else _copied(current) if not parts else {}
         if parts and current is not MISSING:
@@ -60,7 +60,7 @@ class PendingParameters:
         return _get(tree, parts)
 
     def names(self, names: List[Any]) -> List[Any]:
-        """Return the names of all parameters after them; ``names``: before."""
+        """Return the names of all parameters after the changes; ``names``: those before."""
         there = [parts_of(name) for name in names]
         for changed, value in self._changes:
             there = [parts for parts in there if not _is_below(parts, changed)]
@@ -71,7 +71,10 @@ class PendingParameters:
 
 
 def search(namespace: str, key: str, has: Callable[..., Any]) -> Optional[str]:
-    """Return the name that the ROS master finds for ``key`` from ``namespace`` upwards, or None; ``has(name)``."""
+    """Return the name that the ROS master finds for ``key`` from ``namespace`` upwards, or None.
+
+    ``has(name)`` returns whether a parameter exists.
+    """
     if key.startswith('/'):
         return key if has(key) else None
     first = parts_of(key)[0]
@@ -83,7 +86,7 @@ def search(namespace: str, key: str, has: Callable[..., Any]) -> Optional[str]:
 
 
 def in_order(value: Any) -> Any:
-    """Return the value with its dicts in the order of their keys."""
+    """Return the value with all its dicts in the order of their keys."""
     if isinstance(value, dict):
         return {key: in_order(value[key]) for key in sorted(value)}
     return [in_order(item) for item in value] if isinstance(value, list) else value
@@ -100,7 +103,7 @@ def _copied(value: Any) -> Any:
 
 
 def _leaves(value: Any) -> Any:
-    """Return the words of what is no dict."""
+    """Return the paths, as lists of parts, of all values in ``value`` that are not dicts."""
     if not isinstance(value, dict):
         return [[]]
     return [[key] + below for key, item in value.items() for below in _leaves(item)]

@@ -1,23 +1,24 @@
-"""Who is there, of what the ROS master knows: the same in each run, whoever registered first, or is slow to go.
+"""Selects and sorts the ROS master's registrations for participants, so that they are the same in each run.
 
-The ROS master answers in the order of registration, and has everybody in its books: nodes of the run, nodes that have
-left it, and whoever looks on. Nothing here knows ROS or asks anybody.
+The ROS master answers in the order of registration, and knows all nodes: participants, nodes that have left the run,
+and onlookers. So its answer would depend on which node registered first, and on which is slow to leave. This module
+knows no ROS and asks no node.
 """
 from __future__ import annotations
 
 from typing import Any, FrozenSet, List, Optional, Set
 
-#: those that each system has, from before the run on
+#: nodes that each system has, already before the run
 KNOWN = ('/rosout', '/time_master')
-_OF_EACH_NODE = '/rosout'  # its publication
+_OF_EACH_NODE = '/rosout'  # the topic that each node publishes
 _SERVICES_OF_EACH_NODE = ('/get_loggers', '/set_logger_level')
 
 
 class Registrations:
-    """What participants are shown of ``state``, the ROS master's publishers, subscribers and services.
+    """The part of ``state``, the ROS master's publishers, subscribers and services, that participants see.
 
-    ``present``: the names of the participants; ``gone``: of those that were. Of the others those are shown that offer
-    something beside what each node has, a topic or a service; who only looks on is not.
+    ``present``: the names of the participants; ``gone``: the names of nodes that were participants. Another node is
+    seen only if it offers a topic or a service besides those that each node has; a node that only listens is not seen.
     """
 
     def __init__(self, state: List[List[List[Any]]], present: List[str], gone: List[str]) -> None:
@@ -33,30 +34,30 @@ class Registrations:
         self._services = _of(services, self._shown)
 
     def state(self) -> List[List[List[Any]]]:
-        """Return publishers, subscribers and services: names and nodes in the order of their bytes."""
+        """Return [publishers, subscribers, services], each [[name, [node, ...]], ...], sorted by names and nodes."""
         return [self._publishers, self._subscribers, self._services]
 
     def topics(self, pairs: List[List[str]]) -> List[List[str]]:
-        """Return those [topic, type] of ``pairs`` that somebody publishes or a participant hears, in order."""
+        """Return, sorted, the [topic, type] in ``pairs`` that a node seen publishes or a participant subscribes to."""
         there = {name for name, _ in self._publishers + self._subscribers}
         return sorted(pair for pair in pairs if pair[0] in there)
 
     def published(self, pairs: List[List[str]]) -> List[List[str]]:
-        """Return those [topic, type] of ``pairs`` that somebody publishes, in order."""
+        """Return, sorted, the [topic, type] in ``pairs`` that a node seen publishes."""
         there = {name for name, _ in self._publishers}
         return sorted(pair for pair in pairs if pair[0] in there)
 
     def has_gone(self, node: str) -> bool:
-        """Return whether a node took part, and does so no more."""
+        """Return whether a node was a participant and no longer is."""
         return node in self._gone
 
     def only_gone_serve(self, service: str, state: List[List[List[Any]]]) -> bool:
-        """Return whether all that the ROS master has for a service are nodes that took part."""
+        """Return whether a service is registered, in ``state``, only by nodes that no longer take part."""
         nodes = [node for name, nodes in state[2] if name == service for node in nodes]
         return bool(nodes) and self._gone.issuperset(nodes)
 
     def strangers(self, topics: Optional[Set[str]] = None) -> List[str]:
-        """Return the nodes shown that take no part, in order; ``topics``: only those that publish any of these."""
+        """Return, sorted, the nodes seen that take no part; ``topics``: only those that publish one of these."""
         groups = self._publishers + self._services if topics is None else [
             entry for entry in self._publishers if entry[0] in topics]
         return sorted({node for _, nodes in groups for node in nodes} - self._present - set(KNOWN))

@@ -1,7 +1,7 @@
-"""Options of a run that stand in an experiment's file as well as on the command lines of lockstep_launch and verify.
+"""Options of a run that an experiment's file and the command lines of lockstep_launch and verify have in common.
 
-Who adds one adds a field here: all three read it by that, the time master gets its ``parameter``, the schema and the
-table in docs/experiments.md say what it ``says``.
+To add an option, add a field here. Then all three read it, the time master gets its ``parameter``, and the schema and
+the table in docs/experiments.md have the text that it ``says``.
 """
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..common.errors import ConfigurationError
 from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
 from . import property_names, stored_topics
 
-OF_NODES = ('launch', 'command')  # what has nodes, of an experiment's systems
-FAIL, ALLOW = 'fail', 'allow'  # what a crash does to a run: it fails, or it is told only
+OF_NODES = ('launch', 'command')  # the systems of an experiment that have nodes
+FAIL, ALLOW = 'fail', 'allow'  # a crash makes the run fail, or it is only reported
 
 
 def _stored_topic(where: str, value: Any) -> str:

@@ -1,16 +1,16 @@
 """The turns of a participant's threads: one application thread runs at a time, the next one follows in a stated order.
 
-A thread of the application that runs has the *turn*. At a known wait it gives the turn away; when nobody can go on,
-the round is over, the report goes to the time master, and whoever waited last reads the next grant. Within a grant:
-messages in the order of the grant, then threads that these woke in the order in which they were woken, then the event
-source, then sleepers in the order of their times (of equal times: who began to sleep first).
+The application thread that runs has the *turn*. At a known wait it gives the turn away. If no thread can go on, the
+round is over: the thread that waited last sends the report to the time master and reads the next grant. Within a grant,
+messages come in the order of the grant, then the threads that they woke in the order in which they were woken, then the
+event source, then sleepers in the order of their times (with equal times, the one that began to sleep first).
 
-Messages are handled by worker threads that have nothing else on their stack. One that is stopped in the middle of a
-callback is a thread like any other, and another worker takes over; so a callback may sleep or call services.
+Messages are handled by worker threads that have nothing else on their stack. A worker that waits in the middle of a
+callback is a thread like any other, and another worker takes over. So a callback may sleep or call services.
 
-Nothing here knows ROS or sockets: ``channel.exchange()`` reports, waits for the next grant and returns what is to be
-done in it; then ``channel.is_at_rest`` says whether nobody else has anything left to do at this instant. A channel that
-can go on by itself has ``goes_on_to(due_ns)``: in the place of an exchange from which nothing but time would come.
+This module knows no ROS and no sockets. ``channel.exchange()`` reports, waits for the next grant and returns its
+actions. Then ``channel.is_at_rest`` says whether no participant has anything left to do at this instant. A channel that
+can go on by itself has ``goes_on_to(due_ns)``, which replaces an exchange from which nothing but time would come.
 """
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class TurnLost(Exception):
 class Scheduler(Looking):
     """Gives the turn to the threads of the process, one after another."""
 
-    #: called in each thread of the application, with whether it begins to be one or ends to; for all of the process
+    #: for all schedulers of the process: called in each application thread, with True when it begins, False at its end
     thread_changes: Optional[Callable[[bool], object]] = None
 
     def __init__(self, channel: Any) -> None:
         self._channel = channel
-        self.now_ns = 0  # [ns], of the present grant; the channel's to set
-        self.shown_ns = [0]  # the same, for who looks at it where it lies; the channel's, too
+        self.now_ns = 0  # [ns], the instant of the present grant; the channel sets it
+        self.shown_ns = [0]  # the same, for code that reads it in memory; the channel sets it, too
         self._source: Any = None
         self._is_source_busy = False
         self._goes_on_to: Any = None
@@ -63,18 +63,18 @@ class Scheduler(Looking):
         self._happened = 0
 
     def set_source(self, source: Any) -> None:
-        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
+        """Set the event source that grants drive: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self._source = source
         self._goes_on_to = getattr(self._channel, 'goes_on_to', None)
 
-    # --- who is who -------------------------------------------------------------------------------------------------
+    # --- threads and their tasks ------------------------------------------------------------------------------------
 
     def is_mine(self) -> bool:
         """Return whether the calling thread has the turn."""
         return self.turn_ident == get_ident() and not self.is_closed
 
     def adopt_caller(self, name: str) -> None:
-        """Make the calling thread one of the application's, with the turn; for the first one only."""
+        """Make the calling thread the first one of the application, with the turn."""
         task = Task(name)
         self._enter(task)
         self.turn_ident = task.ident
@@ -92,20 +92,20 @@ class Scheduler(Looking):
     # --- threads of the application ---------------------------------------------------------------------------------
 
     def spawn(self, name: str) -> Task:
-        """Return a task for a thread that is about to start; it is ready, behind those that are so already."""
+        """Return a task for a thread that is about to start; it is ready, after those that are ready already."""
         task = Task(name)
         self._ready.append(task)
         return task
 
     def begin(self, task: Task) -> None:
-        """First word of a new thread: wait for the first turn."""
+        """Wait for the first turn; a new application thread calls this first."""
         self._enter(task)
         task.parking.acquire()
         if not self.is_closed:
             self.turn_ident = task.ident
 
     def finish(self) -> None:
-        """Last word of a thread: pass the turn on."""
+        """Pass the turn on; an application thread calls this last."""
         task = self._tasks.pop(get_ident(), None)
         if task is None:
             return
@@ -121,8 +121,8 @@ class Scheduler(Looking):
     def wait(self, wake_ns: int = NEVER, waits_for: str = '', kind: Optional[str] = OWED) -> bool:
         """Give the turn away until :meth:`wake` or ``wake_ns`` [ns]; return False if time was up.
 
-        ``kind``: what a wait without end is for (:mod:`.open_waits`), which the time master names when nothing is left
-        to happen; None: it is no matter.
+        ``waits_for``: what the thread waits for, in words. ``kind``: the kind of a wait without end
+        (:mod:`.open_waits`), which counts when nothing is left to happen; None: it does not count.
 
         :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
@@ -154,9 +154,9 @@ class Scheduler(Looking):
 
     def wait_until(self, condition: Callable[..., Any], wake_ns: int = NEVER, waits_for: str = '',
                    kind: str = OWED) -> bool:
-        """Give the turn away until ``condition()`` holds or ``wake_ns`` [ns] has come; return what it says then.
+        """Give the turn away until ``condition()`` holds or ``wake_ns`` [ns] has come; return whether it holds.
 
-        It is looked at whenever something has happened in this process.
+        The condition is checked whenever something has happened in this process.
         """
         task = self._tasks[get_ident()]
         while not condition():
@@ -171,7 +171,7 @@ class Scheduler(Looking):
         return True
 
     def acts(self) -> bool:
-        """The calling thread does something that others may see; return whether it has the turn."""
+        """Note that the calling thread does something that others may see; return whether it has the turn."""
         ident = get_ident()
         if self.turn_ident != ident or self.is_closed:
             return False
@@ -180,18 +180,18 @@ class Scheduler(Looking):
         return True
 
     def wait_round(self) -> None:
-        """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
+        """Give the turn away until the time master grants another round, which is asked for at this instant."""
         self._next_round.append(self.current())
         self.wait(kind=None)
 
     def rest(self) -> None:
-        """Give the turn away until nobody who takes part has anything left to do at this instant."""
+        """Give the turn away until no participant has anything left to do at this instant."""
         self._resting.append(self.current())
         self.wait(kind=None)
 
     @property
     def is_resting(self) -> bool:
-        """Whether a thread waits for that."""
+        """Whether a thread waits in :meth:`rest`."""
         return bool(self._resting)
 
     def wake(self, task: Task) -> None:
@@ -201,27 +201,27 @@ class Scheduler(Looking):
             self._ready.append(task)
 
     def from_outside(self, action: Callable[[], object]) -> None:
-        """Have ``action()`` called by a worker in the next round; from any thread."""
+        """Have ``action()`` called by a worker in the next round; any thread may call this."""
         with self._outside_lock:
             self._outside.append(action)
         self._channel.knock()
 
     @property
     def has_outside(self) -> bool:
-        """Whether something from outside has not entered yet; for any thread."""
+        """Whether an action of :meth:`from_outside` is still to be called; any thread may ask."""
         return bool(self._outside)
 
     @property
     def open_waits(self) -> List[Task]:
-        """The tasks that wait without end for something that is not time."""
+        """The tasks that wait without end and have a kind, see :meth:`wait`."""
         return self._open
 
     def next_ns(self) -> int:
-        """Return the earliest instant at which somebody wants to go on [ns], or NEVER."""
+        """Return the earliest instant [ns] at which a thread or the event source wants to go on, or NEVER."""
         return min(self.next_besides_source_ns(), self._source_due_ns())
 
     def next_besides_source_ns(self) -> int:
-        """Return the same of all but the source of events."""
+        """Return the earliest instant [ns] at which a thread wants to go on, without the event source, or NEVER."""
         if self._next_round:
             return self.now_ns
         sleepers = self._sleepers
@@ -231,13 +231,13 @@ class Scheduler(Looking):
 
     @property
     def can_foresee(self) -> bool:
-        """Whether the source of events is all that has something to do by itself, and is at rest."""
+        """Whether nothing but the event source can have something to do by itself, and the source is at rest."""
         return not (self._is_source_busy or self._outside or self._next_round)
 
     # --- passing the turn -------------------------------------------------------------------------------------------
 
     def _run(self, task: Task) -> None:
-        """Let others go on, until ``task``, the caller's, is made ready and its turn has come."""
+        """Let others go on until the caller's ``task`` is ready and its turn has come."""
         while True:
             if self._mail:
                 self._park(task, self._worker())
@@ -252,7 +252,7 @@ class Scheduler(Looking):
                 self._begin_round()
 
     def _next_ready(self) -> Optional[Task]:
-        """Return the next task that can go on at this instant; None if there is none, or mail comes first."""
+        """Return the next task that can go on at this instant; None if there is none, or if mail comes first."""
         if self._ready:
             return self._ready.popleft()
         for condition, task in self._conditions:
@@ -260,7 +260,7 @@ class Scheduler(Looking):
                 task.is_waiting = False
                 return task
         if self._source_due_ns() <= self.now_ns:
-            # By a worker: an event may have to wait, and the calling thread may be in the middle of a wait.
+            # A worker runs it: an event may have to wait, and the calling thread may be in the middle of a wait.
             self._mail.append(self._run_source)
             return None
         return self._next_sleeper()
@@ -287,7 +287,7 @@ class Scheduler(Looking):
         return None
 
     def _begin_round(self) -> None:
-        """Nobody can go on: report, and take the next grant in."""
+        """Report and take the next grant in, because no thread can go on."""
         if self.is_closed:
             raise TurnLost()
         self._mail.extend(self._channel.exchange())
@@ -304,7 +304,7 @@ class Scheduler(Looking):
         """Give the turn to ``other`` and wait for it to come back."""
         if self.is_closed:
             release(other)
-            raise TurnLost()  # close() lets each thread go once, and this one may have gone already
+            raise TurnLost()  # close() releases each thread once, and may have released this one already
         self.turn_ident = other.ident
         release(other)
         task.parking.acquire()
@@ -322,7 +322,7 @@ class Scheduler(Looking):
         return task
 
     def start_thread(self, start: Callable[..., Any], thread: threading.Thread) -> None:
-        """Call ``start(thread)``; while it starts, Python itself waits for it, which is no wait of the application."""
+        """Call ``start(thread)``. Python itself waits meanwhile, which does not count as a wait of the application."""
         if not self.is_mine():
             start(thread)
             return
@@ -339,7 +339,7 @@ class Scheduler(Looking):
         release(worker)
 
     def _work(self, task: Task) -> None:
-        """The life of a worker: handle messages while it has the turn, and pass it on."""
+        """Run a worker: handle messages while it has the turn, then pass the turn on."""
         task.parking.acquire()
         self._enter(task)
         try:
@@ -376,18 +376,18 @@ class Scheduler(Looking):
         return self.now_ns < due_ns < self.next_besides_source_ns() and self._goes_on_to(due_ns)
 
     def abandon(self) -> None:
-        """Take no more part in this process, in which no other thread is left: one that was forked."""
+        """Take no longer part; for a process that was forked, in which no other thread is left."""
         self.is_closed, self.turn_ident = True, 0
 
     def close(self) -> None:
-        """Let go of all threads: from now on they run as they like."""
+        """Release all threads: from now on they run freely."""
         self.is_closed, self.turn_ident = True, 0
         for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
             release(task)
 
 
 def _handle(action: Callable[[], object]) -> None:
-    """Call what is delivered; what it raises is shown, and the worker goes on with what comes next."""
+    """Call an action of the mail; an error in it is shown, and the worker goes on with the next action."""
     try:
         action()
     except TurnLost:

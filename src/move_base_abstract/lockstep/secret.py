@@ -16,10 +16,10 @@ LONGEST = 1024  # bytes
 
 
 def run_secret(text: Any, path: Any) -> bytes:
-    """Return the secret as bytes, b'' if there is none: of the parameter ``text``, or of the file ``path``.
+    """Return the secret as bytes, from the parameter ``text`` or from the file ``path``; b'' if there is none.
 
-    :raises ConfigurationError: if both are given, or the file is missing, empty or too long, or not only its owner, who
-        runs this process, may read it.
+    :raises ConfigurationError: if both are given; if the file is missing, empty or too long; if another user owns it or
+        may read or write it.
     """
     for key, value in (('lockstep_secret', text), ('lockstep_secret_file', path)):
         if not isinstance(value, str):

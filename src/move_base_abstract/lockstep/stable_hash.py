@@ -1,4 +1,4 @@
-"""Objects that are hashed by number instead of address, so that sets of them have the same order in every run."""
+"""Hashes objects by a number instead of their address, so that sets of them have the same order in every run."""
 from __future__ import annotations
 
 import abc
@@ -14,11 +14,11 @@ _METHODS = (types.MethodType, types.BuiltinMethodType, types.MethodWrapperType)
 
 
 class Numbered:
-    """A base of the program's classes: an object's hash is its number, from the first time that it is asked for.
+    """A base of the program's classes: an object's hash is its number, which it gets when its hash is first needed.
 
-    Numbers count up, so they repeat where the program does. Equality is not touched, and neither are classes that say
-    how they are compared or hashed. Where Python shows an object by its address, it is shown by its number. What a
-    number needs is kept apart from the object, until that is gone.
+    Numbers count up, so they are the same in each run of a repeatable program. Equality does not change, and classes
+    that define how they are compared or hashed stay as they are. Python's text for an object shows its number instead
+    of its address. The numbers are kept apart from the objects, as long as these exist.
     """
 
     __slots__ = ()
@@ -37,7 +37,7 @@ class _Number(weakref.ref):  # type: ignore[type-arg]
     number: int
 
 
-_numbers: Dict[int, _Number] = {}  # id of an object: its number
+_numbers: Dict[int, _Number] = {}  # {id of an object: its number}
 
 
 def _number(one: Numbered) -> int:
@@ -45,14 +45,14 @@ def _number(one: Numbered) -> int:
         entry = _Number(one, _forget)
     except TypeError:
         number: int = _HASHED_BY_ADDRESS(one)
-        return number  # its class has __slots__, and no room for a weak reference
+        return number  # its class has __slots__ without room for a weak reference
     entry.key, entry.number = id(one), _Count.next()
     _numbers[entry.key] = entry
     return entry.number
 
 
 def _forget(entry: _Number) -> None:
-    if _numbers is not None:  # at the end of Python
+    if _numbers is not None:  # it is None at the end of Python
         _numbers.pop(entry.key, None)
 
 
@@ -66,10 +66,10 @@ class _Count:
 
 
 def bases_of(*bases: Any) -> Tuple[Any, ...]:
-    """Return the bases of a class of the program: :class:`Numbered` among them if it would be hashed by address.
+    """Return the bases of a class of the program, with :class:`Numbered` if its objects would be hashed by address.
 
-    It comes last, but before ``object``. Classes with a metaclass of their own stay as they are, and so do exceptions
-    and metaclasses.
+    Numbered comes last, but before ``object``. Classes with a metaclass of their own stay as they are, and so do
+    exceptions and metaclasses.
     """
     kinds = [base for base in bases if isinstance(base, type)]
     is_plain = len(kinds) == len(bases) and all(
@@ -81,7 +81,7 @@ def bases_of(*bases: Any) -> Tuple[Any, ...]:
 
 
 def is_hashed_by_address(one: Any) -> bool:
-    """Return whether an object's hash differs from run to run."""
+    """Return whether an object's hash may differ from run to run."""
     kind: Any = type(one)
     by: Any = kind.__hash__
     if by is Numbered.__hash__:
@@ -89,7 +89,7 @@ def is_hashed_by_address(one: Any) -> bool:
     if by in (tuple.__hash__, frozenset.__hash__):
         return any(is_hashed_by_address(part) for part in one)
     if by is float.__hash__:
-        return one != one and sys.version_info >= (3, 10)  # not a number
+        return one != one and sys.version_info >= (3, 10)  # NaN
     if isinstance(one, weakref.ref):
         return one() is None or is_hashed_by_address(one())
     return by is _HASHED_BY_ADDRESS or kind in _METHODS or any(
@@ -98,7 +98,7 @@ def is_hashed_by_address(one: Any) -> bool:
 
 @lru_cache(maxsize=None)
 def _hashed_fields(kind: Any) -> Tuple[str, ...]:
-    """Return the names of the fields of which a dataclass has made the hash of its objects; () of anything else."""
+    """Return the fields from which a dataclass makes the hash of its objects; () for any other class."""
     params = getattr(kind, '__dataclass_params__', None)
     code = getattr(kind.__hash__, '__code__', None)
     is_made = params is not None and code is not None and code.co_filename == '<string>'

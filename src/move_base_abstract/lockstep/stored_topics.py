@@ -1,4 +1,4 @@
-"""Topics that a user has declared as only stored by nodes: 'TOPIC', or 'NODE=TOPIC' for one node."""
+"""Topics whose messages nodes only store, as a user has declared: 'TOPIC', or 'NODE=TOPIC' for one node."""
 from __future__ import annotations
 
 import re
@@ -11,9 +11,9 @@ _NAME = re.compile('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*')
 
 
 def checked(text: Optional[Union[int, str]]) -> str:
-    """Return an entry with resolved names: those without a leading slash are below the root.
+    """Return an entry with resolved names: a name without a leading slash is below the root.
 
-    :raises ConfigurationError: if it is none.
+    :raises ConfigurationError: if ``text`` is not such an entry.
     """
     parts = text.split('=') if isinstance(text, str) else []
     if not 1 <= len(parts) <= 2 or not all(_NAME.fullmatch(part) for part in parts):

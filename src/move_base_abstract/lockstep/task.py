@@ -1,15 +1,15 @@
-"""A thread of a participant, as the scheduler sees it."""
+"""A thread of a participant as the scheduler sees it."""
 from __future__ import annotations
 
 import threading
 from typing import Any, Tuple
 
-# The machine's own locks: those that the application gets are made of waits in the scheduler.
+# Python's own locks. The application gets other locks, whose waits are waits in the scheduler.
 _make_lock = threading._allocate_lock  # type: ignore[attr-defined]
 
 
 class Task:
-    """What one thread waits for, and how it is let go."""
+    """The state of one thread: what it waits for, and the lock that is released to let it go on."""
 
     __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'kind',
                  'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
@@ -24,17 +24,17 @@ class Task:
         self.wake_token = 0
         self.timed_out = False
         self.waits_for = ''
-        self.kind: Any = None  # of a wait without end: see open_waits
+        self.kind: Any = None  # the kind of a wait without end, see open_waits
         self.is_finished = False
         self.is_worker = is_worker
-        self.looks = 0  # since it has waited, sent, or looked away
+        self.looks = 0  # the number of looks since it has waited, sent, or looked away
         self.is_looking: int = False
-        self.turns = 0  # of loops; since it has computed, too
-        self.idle_turns = 0  # since it has also called what may compute
+        self.turns = 0  # the number of turns of loops since then, or since it has computed
+        self.idle_turns = 0  # the same, or since it has called a function that may compute
 
 
 def release(task: Task) -> None:
-    """Let a parked thread go. One may be let go twice: by who has the turn, and by the end of lockstep."""
+    """Let a parked thread go on. That may happen twice: by the thread that has the turn, and at the end of lockstep."""
     try:
         task.parking.release()
     except RuntimeError:
@@ -42,5 +42,5 @@ def release(task: Task) -> None:
 
 
 def is_current(entry: Tuple[int, int, int, Task]) -> bool:
-    """Whether a sleeper still sleeps, and in the same wait."""
+    """Return whether a sleeper still sleeps in the same wait."""
     return entry[3].is_waiting and entry[3].wake_token == entry[2]

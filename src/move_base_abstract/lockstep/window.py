@@ -1,4 +1,4 @@
-"""A window of simulated time through which a participant goes alone: its input, and its end."""
+"""A window of simulated time through which a participant goes by itself: its mail, and its end."""
 from __future__ import annotations
 
 from collections import deque
@@ -6,18 +6,18 @@ from typing import Any, Deque, List, Tuple
 
 from . import wire
 
-# More turns at one instant are the time master's: it knows a loop without delay.
+# After so many turns at one instant the time master decides, because it can detect a loop without delay.
 _MOST_REPEATS = 100
-# After these the time master is to be told first: what it makes of them is seen in the next turn.
+# A turn with one of these items is reported first, because what the time master makes of it matters in the next turn.
 _TOLD_FIRST = (wire.REST, wire.PARAMETER)
 
 
-#: what a grant carries, its kind first
+#: an item of a grant, its kind first
 Item = Tuple[Any, ...]
 
 
 class Window:
-    """The latest grant's, if it gives one (it does where the time master has a lookahead)."""
+    """The window of the latest grant, if it has one; it has if the time master has a lookahead."""
 
     def __init__(self) -> None:
         self.is_open = False
@@ -26,10 +26,10 @@ class Window:
         self._told_at_ns = 0
         self._arrivals: Deque[Tuple[int, List[Item]]] = deque()
         self._walked: List[bytes] = []
-        self.walks_to_ns: Any = None  # the instant of the turn that is next, None: the next grant's
+        self.walks_to_ns: Any = None  # when the next turn in the window is [ns]; None: a grant begins it
 
     def take(self, items: List[Item], now_ns: int) -> List[Item]:
-        """Return those of a grant's items that are for ``now_ns`` [ns], and keep what arrives later in its window."""
+        """Return the items of a grant that are for ``now_ns`` [ns], and keep those that arrive later in its window."""
         self.is_open = bool(items) and items[0][0] == wire.WINDOW
         if not self.is_open:
             return items
@@ -47,14 +47,14 @@ class Window:
 
     @property
     def first_arrival_ns(self) -> int:
-        """When what was kept first arrives [ns], or NEVER."""
+        """When the first of the kept items arrives [ns], or NEVER."""
         return self._arrivals[0][0] if self._arrivals else wire.NEVER
 
     def walk(self, wish_ns: int, now_ns: int, done: List[bytes]) -> bool:
-        """Have the next turn be one of the window, if there is one; return whether there is.
+        """Go to the next turn in the window, if there is one; return whether there is.
 
-        ``wish_ns``: when the program wants to go on; ``done``: the items (bytes) of the turn at ``now_ns``, which are
-        moved from there.
+        ``wish_ns`` [ns]: when the program wants to go on. ``done``: the items (bytes) of the turn at ``now_ns`` [ns];
+        they are kept here, and the list is emptied.
         """
         if any(item[0] in _TOLD_FIRST for item in done):
             return False
@@ -71,17 +71,17 @@ class Window:
         return True
 
     def take_walked(self, done: List[bytes]) -> List[bytes]:
-        """Return the items of all turns since the grant; ``done``: those of the last one, moved from there."""
+        """Return the items of all turns since the grant; ``done``: those of the last turn; the list is emptied."""
         items = self._walked + done
         self._walked = []
         done.clear()
         return items
 
     def next_turn(self) -> Tuple[int, List[Item]]:
-        """Return (time [ns], items) of that turn, as of a grant."""
+        """Return (time [ns], items) of the next turn in the window, as if a grant had brought them."""
         now_ns, self.walks_to_ns = self.walks_to_ns, None
         return now_ns, self.arrived(now_ns)
 
     def arrived(self, now_ns: int) -> List[Item]:
-        """Return what was kept for ``now_ns`` [ns], as a list of items."""
+        """Return the list of items that were kept for ``now_ns`` [ns]."""
         return self._arrivals.popleft()[1] if self.first_arrival_ns <= now_ns else []

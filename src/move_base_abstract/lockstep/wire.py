@@ -1,8 +1,8 @@
 """The bytes between a participant and the time master: frames, report items out, grant items in.
 
-Made of the table in :mod:`.wire_format`; docs/lockstep_protocol.md describes it. All numbers are little endian; a frame
-is its length (u32), its type (u8) and its body. A function that makes an item or a body takes the fields' values in
-the table's order.
+All functions are made from the table in :mod:`.wire_format`, which docs/lockstep_protocol.md describes. All numbers are
+little endian. A frame has its length (u32), its type (u8) and its body. A function that makes an item or a body takes
+the values of the fields in the order of the table.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _numbers(layouts: Any, names: Any) -> Any:
 
 HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY')
 WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
-# Of items, those that somebody asks for: the first byte of an item.
+# The kinds, the first byte, of those items that other modules use.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 REST, PARAMETER = _numbers(ITEMS, 'REST PARAMETER')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
@@ -54,7 +54,7 @@ def frame(kind: int, body: bytes = b'') -> bytes:
 
 
 def _names_and_kinds(fields: Tuple[str, ...]) -> List[Tuple[str, str]]:
-    """Return (name, type) of each field; items, which are appended, are left out."""
+    """Return (name, type) of each field, except for the items, which are appended."""
     pairs = [field.split()[:2] for field in fields]
     return [(name, kind) for kind, name in pairs if kind not in ('ReportItem', 'GrantItem')]
 
@@ -66,12 +66,12 @@ def _kinds(layout: Layout) -> List[str]:
 # --- writing --------------------------------------------------------------------------------------------------------
 
 def text(value: Any) -> bytes:
-    """Return a text as bytes."""
+    """Return a text as bytes, its length before them."""
     return payload(value.encode('utf-8'))
 
 
 def payload(data: bytes) -> bytes:
-    """Return bytes with their length before them."""
+    """Return bytes with their length (u32) before them."""
     return _U32.pack(len(data)) + data
 
 
@@ -80,9 +80,9 @@ def _texts(values: List[str]) -> bytes:
 
 
 def _writer(name: str, fields: Tuple[str, ...], head: Tuple[Tuple[str, int], ...] = ()) -> Callable[..., Any]:
-    """Return the function of the fields' values that returns their bytes, after ``head``: ((code, number), ...).
+    """Return a function that takes the fields' values and returns their bytes, after ``head``: ((code, number), ...).
 
-    Its source is made here, as collections.namedtuple does it: it is called for each message, with no loop in it.
+    Its source is made here, as in collections.namedtuple, so that it has no loop: it is called for each message.
     """
     kinds = _names_and_kinds(fields)
     lines, terms, names = [], [], {'text': text, '_texts': _texts}
@@ -112,7 +112,7 @@ def _writer(name: str, fields: Tuple[str, ...], head: Tuple[Tuple[str, int], ...
 
 
 def _item(name: Any) -> Any:
-    """Return the function that makes an item of a report."""
+    """Return the function that makes the item ``name`` of a report."""
     layout = ITEMS[name]
     return _writer(name.lower(), layout.fields, (('B', layout.number),))
 
@@ -129,16 +129,16 @@ parameter, asks = _item('PARAMETER'), _item('ASKS')
 _hello = _writer('hello', FRAMES['HELLO'].fields)
 _busy = _writer('busy', FRAMES['BUSY'].fields)
 _report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)
-_REPORT_HEAD = len(_report(0, 0, 0, False, 0, 0)) - 4  # bytes behind the length
+_REPORT_HEAD = len(_report(0, 0, 0, False, 0, 0)) - 4  # the bytes after the length
 
 
 def hello(name: str, uri: str, rank: int, rank_declared: bool, incarnation: int, secret: bytes = b'') -> bytes:
-    """Return the frame by which a participant presents itself; ``secret`` (bytes) is the run's, if it has one."""
+    """Return the frame by which a participant presents itself; ``secret``: that of the run, b'' if it has none."""
     return frame(HELLO, _hello(PROTOCOL, name, uri, rank, rank_declared, incarnation, secret))
 
 
 def report(round_number: int, is_leaving: bool, next_ns: int, open_waits: int, items: List[bytes]) -> bytes:
-    """Return a report; ``items`` is a list of bytes, ``next_ns`` [ns] may be NEVER."""
+    """Return the frame of a report; ``next_ns`` [ns] may be NEVER, ``open_waits`` is a number of threads."""
     body = b''.join(items)
     head: bytes = _report(len(body) + _REPORT_HEAD, REPORT, round_number, is_leaving, next_ns, open_waits)
     return head + body
@@ -150,19 +150,19 @@ def leave(reason: str) -> bytes:
 
 
 def stopping(reason: str) -> bytes:
-    """Return the frame by which a participant says that it was told to end, before it leaves."""
+    """Return the frame by which a participant that was told to end says so before it leaves."""
     return frame(STOPPING, text(reason))
 
 
 def busy(round_number: int, where: str) -> bytes:
-    """Return the frame by which a participant says where it is, while its work on a grant takes long."""
+    """Return the frame by which a participant says what it is doing, if its work on a grant takes long."""
     return frame(BUSY, _busy(round_number, where))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
 
 def read_text(body: bytes, at: int) -> Tuple[str, int]:
-    """Return (text, position after it)."""
+    """Return (text, position after it) of the text at position ``at``."""
     data, at = _read_bytes(body, at)
     return data.decode('utf-8'), at
 
@@ -198,13 +198,13 @@ _READERS.update((kind, _reader_of_one(code)) for kind, code in _CODES.items())
 
 
 def _reader(kinds: List[str], head: str = '') -> Callable[..., Any]:
-    """Return a function (body, at) -> (tuple of the fields' values, position after them); ``head`` as of a writer."""
+    """Return a function (body, at) -> (tuple of the fields' values, position after them); ``head``: codes before."""
     codes = '<' + head + ''.join(_CODES.get(kind, '') for kind in kinds)
     layout = struct.Struct(codes + ('I' if kinds[-1:] == ['bytes'] else ''))
     unpack_from, size = layout.unpack_from, layout.size
     if all(kind in _CODES for kind in kinds):
         return lambda body, at: (unpack_from(body, at), at + size)
-    if kinds[-1] == 'bytes' and all(kind in _CODES for kind in kinds[:-1]):  # what comes often
+    if kinds[-1] == 'bytes' and all(kind in _CODES for kind in kinds[:-1]):  # the frequent case
 
         def read(body: bytes, at: int) -> Tuple[Tuple[Union[bytes, int], ...], int]:
             values = unpack_from(body, at)
@@ -229,21 +229,21 @@ _READ_FRAME = {layout.number: _reader(_kinds(layout)) for layout in wire_format.
 
 
 def read_frame(kind: int, body: bytes) -> Tuple[Any, ...]:
-    """Return the values of the fields of a frame from the time master, as a tuple; of a grant, those before its items.
+    """Return the values of a frame's fields as a tuple, for a frame of the time master; for a grant, without its items.
 
-    :raises WireError: if it is no such frame.
+    :raises WireError: if the bytes are not a frame of this kind.
     """
     try:
         values: Tuple[Any, ...] = _READ_FRAME[kind](body, 0)[0]
         return values
     except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
-        raise WireError('a frame of type {} and {} bytes is none: {!r}'.format(kind, len(body), error)) from None
+        raise WireError('a frame of type {} and {} bytes cannot be read: {!r}'.format(kind, len(body), error)) from None
 
 
 def read_grant(body: bytes) -> Tuple[int, int, int, List[Tuple[Any, ...]]]:
     """Return (round, time [ns], microstep, list of items) of a grant; an item is a tuple that begins with its kind.
 
-    :raises WireError: if it is none.
+    :raises WireError: if the bytes are not a grant.
     """
     at = 0
     try:
@@ -253,7 +253,7 @@ def read_grant(body: bytes) -> Tuple[int, int, int, List[Tuple[Any, ...]]]:
             item, at = _READ_ITEM[body[at]](body, at)
             items.append(item)
     except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
-        raise WireError('a grant of {} bytes has something else at byte {}: {!r}'.format(
+        raise WireError('a grant of {} bytes cannot be read from byte {} on: {!r}'.format(
             len(body), at, error)) from None
     if at != end:
         raise WireError('a grant of {} bytes ends within an item'.format(end))

@@ -1,13 +1,13 @@
-"""The wire format of lockstep: the one table of which both sides are made. Data only.
+"""The wire format of lockstep: the table from which both sides are made. This module has data only.
 
-docs/lockstep_protocol.md explains it. Python's :mod:`.wire` reads it when it is imported. For C++ the build makes a
-header of it (``src/lockstep/wire/make_wire_format.py``), with a structure for each frame and item. Numbers of
-the frames of one direction, of items and of the values of a choice follow on each other.
+docs/lockstep_protocol.md explains the format. Python's :mod:`.wire` reads this table when it is imported. For C++, the
+build makes a header from it (``src/lockstep/wire/make_wire_format.py``), with a structure for each frame and item. The
+numbers of the frames of one direction, of the items, and of the values of a choice have no gaps.
 
-A field is ``'TYPE name'`` or ``'TYPE name = DEFAULT'``. Types: ``u32``, ``u64``, ``i32``; ``flag``, a byte that is 0
-or 1; ``instant``, an i64 [ns] that is not negative, NEVER = never; ``text``, a u32 length and as many bytes of UTF-8;
-``bytes``, the same of any bytes; ``texts``, a u32 number and as many texts; the name of a choice, a byte;
-``ReportItem`` and ``GrantItem``, items to the end of the frame.
+A field is ``'TYPE name'`` or ``'TYPE name = DEFAULT'``. The types are ``u32``, ``u64``, ``i32``; ``flag``, a byte that
+is 0 or 1; ``instant``, an i64 [ns] that is not negative, with NEVER for never; ``text``, a u32 length and as many bytes
+of UTF-8; ``bytes``, the same with any bytes; ``texts``, a u32 number and as many texts; the name of a choice, a byte;
+``ReportItem`` and ``GrantItem``, items up to the end of the frame.
 """
 from collections import namedtuple
 
@@ -16,50 +16,51 @@ Layout = namedtuple('Layout', 'number name fields')
 
 PROTOCOL = 8
 NEVER = 2 ** 63 - 1
-#: of a frame without its length field [bytes]; what is longer is refused before it is stored
+#: the largest frame, without its length field [bytes]; a longer one is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
-#: the same before HELLO, when anybody may be at the other end
+#: the same for HELLO, before which any program may be at the other end
 LARGEST_HELLO = 4096
 
-# Before WELCOME says anything: a participant waits for the time master as long as ROS is there.
+# Before WELCOME, a participant waits for the time master as long as ROS runs.
 CONNECT_RETRY_MS = 50  # wall
-CONNECT_REMINDER_MS = 10000  # wall; it says so that often
+CONNECT_REMINDER_MS = 10000  # wall; the interval of its messages that it waits
 
-#: what a byte may say: name of the choice, (number, name) of its values
+#: the choices, each a byte: {name of the choice: ((number, name of the value), ...)}
 CHOICES = {
     'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS'),
                  (6, 'READS'), (7, 'WRITES')),
-    # what has any effect on a subscriber: no message, one that says something new, all; all, but not before it does
-    # something anyway (LATER): it only puts them by; all, but it looks at them at its own wake-ups only (UNREAD)
+    # Which messages have any effect on a subscriber: none (NOTHING); those that say something new (NEWS); all (ALL);
+    # all, but not before it does something anyway, because it only stores them (LATER); all, but it looks at them only
+    # at its own wake-ups (UNREAD).
     'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
-    # ERROR: the bytes are the server's text. OK: the response. NO_SERVER: no member serves it.
-    # SERVER_GONE: it left, died or stopped serving before it answered.
+    # ERROR: the bytes are the server's text. OK: they are the response. NO_SERVER: no member has this service.
+    # SERVER_GONE: the server left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
 }
 
 PARTICIPANT_FRAMES = (
     Layout(1, 'HELLO', ('u32 protocol = PROTOCOL', 'text name', 'text node_uri', 'i32 rank', 'flag rank_declared',
                         'u64 incarnation',
-                        'bytes secret')),  # of the run; empty: none
+                        'bytes secret')),  # the secret of the run; empty: none
     Layout(2, 'REPORT', ('u64 round',
-                         'flag leaving',  # this report is the last
+                         'flag leaving',  # whether this report is the last
                          'instant next_ns = NEVER',  # simulated; not after the present: once more at this instant
-                         'u32 open',  # application threads that wait without end
+                         'u32 open',  # the number of application threads that wait without end
                          'ReportItem items')),  # in the order in which they were done
     Layout(3, 'KNOCK', ()),
     Layout(4, 'LEAVE', ('text reason',)),
-    Layout(5, 'STOPPING', ('text reason',)),  # it is told to end, at some moment of the wall clock, and about to leave
-    # Its work on a grant takes long: what the thread that has the turn is doing, the innermost function last.
+    Layout(5, 'STOPPING', ('text reason',)),  # it was told to end, at some moment of the wall clock, and will leave
+    # The work on a grant takes long. where: what the thread that has the turn is doing, the innermost function last.
     Layout(6, 'BUSY', ('u64 round', 'text where')),
 )
 
 MASTER_FRAMES = (
     Layout(16, 'WELCOME', ('u32 own_id',
-                           'i32 rank',  # the one declared, or that of all who declare none
-                           'instant leave_limit_ns',  # wall; for how long, at its end, it waits until all is taken
-                           'instant busy_limit_ns',  # wall; who works longer on a grant says where; NEVER: nobody
-                           'texts excluded_topics',  # that do not go through the time master
-                           'flag radio')),  # there is one between hosts: it asks for MOTION
+                           'i32 rank',  # the declared one, or that of all participants that declare none
+                           'instant leave_limit_ns',  # wall; how long it waits, at its end, until all is taken
+                           'instant busy_limit_ns',  # wall; if it works longer on a grant, it sends BUSY; NEVER: never
+                           'texts excluded_topics',  # topics that do not go through the time master
+                           'flag radio')),  # whether there is a radio between hosts, so that MOTION is sent
     Layout(17, 'MEMBER', ('u32 id', 'text name', 'text node_uri')),
     Layout(18, 'GONE', ('u32 id',)),
     Layout(19, 'GRANT', ('u64 round',
@@ -67,11 +68,11 @@ MASTER_FRAMES = (
                          'u32 microstep',
                          'GrantItem items')),  # in the order in which they are to be handled
     Layout(20, 'END', ('text reason',
-                       'flag as_wished')),  # the run is over, as its settings say; else the participant has lost it
+                       'flag as_wished')),  # the run is over as its settings say; otherwise the participant has lost it
 )
 
-#: what a report contains; `topic` and `service` are the participant's own numbers, one for each name, `sub` is the
-#: index of the robot within a fleet (0 for others)
+#: the items of a report; `topic` and `service` are the participant's own numbers, one for each name; `sub` is the index
+#: of the robot within a fleet (0 for other nodes)
 REPORT_ITEMS = (
     Layout(1, 'ADVERTISE', ('u32 topic', 'u32 sub', 'text name', 'text type', 'text md5', 'flag latched',
                             'text definition')),
@@ -96,22 +97,22 @@ REPORT_ITEMS = (
                        'text values')),  # a JSON array
     Layout(11, 'NOTE', ('NoteKind what', 'text text')),
     Layout(12, 'WATCH', ('text service',)),  # its name
-    Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent, or done
-    Layout(14, 'REST', ()),  # grant me again, once, when nobody has anything left to do at this instant
-    Layout(15, 'HEARS', ('u32 topic',  # that it subscribes to
+    Layout(13, 'AT', ('instant time_ns',)),  # simulated; the instant of the turn to which the items that follow belong
+    Layout(14, 'REST', ()),  # asks for another grant, once, when no participant has anything left to do at this instant
+    Layout(15, 'HEARS', ('u32 topic',  # a topic to which it subscribes
                          'Hearing what')),
-    Layout(16, 'BACKGROUND', ()),  # my wake-up is for those only who take no part: time does not go on for it alone
-    Layout(17, 'PARAMETER', ('text name',  # of ROS, resolved; set, or deleted, when the round is over
+    Layout(16, 'BACKGROUND', ()),  # the wake-up is only for nodes that take no part: time does not go on for it alone
+    Layout(17, 'PARAMETER', ('text name',  # a resolved name of ROS; it is set or deleted at the end of the round
                              'flag is_set',
-                             'text value')),  # as XML-RPC says it, <value>...</value>; empty where it is deleted
-    Layout(18, 'ASKS', ('text name',)),  # I have asked for this parameter, or for what is below it
-    Layout(19, 'IDLE', ('u32 count',)),  # so many of my threads wait without end for work that may come
-    Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on what is unread is a reason for a grant
-    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name; only where WELCOME says that there is a radio
+                             'text value')),  # as in XML-RPC, <value>...</value>; empty if it is deleted
+    Layout(18, 'ASKS', ('text name',)),  # the participant has asked for this parameter, or for one below it
+    Layout(19, 'IDLE', ('u32 count',)),  # the number of its threads that wait without end for work that may come
+    Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on unread messages are a reason for a grant
+    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name; only if WELCOME says that there is a radio
                           'bytes pieces')),  # how it moves from now on
 )
 
-#: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant
+#: the items of a grant; `topic` and `service` are the numbers of the participant that gets the grant
 GRANT_ITEMS = (
     Layout(1, 'PUBLISHER', ('u32 topic',
                             'u32 sender',  # its id
@@ -127,13 +128,13 @@ GRANT_ITEMS = (
                           'bytes request')),
     Layout(7, 'ANSWER', ('u32 number', 'CallStatus status', 'bytes bytes')),
     Layout(8, 'FOUND', ('text service',)),  # its name
-    Layout(9, 'HAPPENED', ('u32 count',)),  # so many of the turns that the latest report told beforehand
+    Layout(9, 'HAPPENED', ('u32 count',)),  # how many of the turns that the latest report told beforehand have happened
     Layout(10, 'HEARD', ('u32 topic',
                          'u32 receiver',  # its id
                          'Hearing what')),
-    Layout(11, 'WINDOW', ('instant end_ns',  # simulated; what comes before it is this participant's own affair
-                          'instant lookahead_ns')),  # simulated; what is sent takes so long
-    Layout(12, 'ARRIVES', ('instant time_ns',)),  # simulated, in the window; what follows arrives then
-    Layout(13, 'CAME', ('instant time_ns',)),  # simulated; what follows came then, and was unread
-    Layout(14, 'CHANGED', ()),  # a parameter that it asks for has been set or deleted since its latest grant
+    Layout(11, 'WINDOW', ('instant end_ns',  # simulated; up to it this participant goes on by itself
+                          'instant lookahead_ns')),  # simulated; the time that each message takes
+    Layout(12, 'ARRIVES', ('instant time_ns',)),  # simulated, in the window; the items that follow arrive then
+    Layout(13, 'CAME', ('instant time_ns',)),  # simulated; the items that follow came then, and were unread
+    Layout(14, 'CHANGED', ()),  # a parameter for which it has asked was set or deleted since its latest grant
 )

@@ -1,4 +1,4 @@
-"""The results of a run: its event log, and where two logs differ."""
+"""The results of a run: its event log, the first difference of two logs, and what the log says of robots and orders."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,4 +1,4 @@
-"""The event logs of the event-driven clock: read them, and find the first difference of two.
+"""Reads the event logs of the event-driven clock, and finds the first difference of two.
 
 A log is text, one record per line, as JSON lines or as CSV:
 
@@ -6,9 +6,9 @@ A log is text, one record per line, as JSON lines or as CSV:
     {"time_ns":1500000000,"robot":"robot_0","kind":"arrived","values":[1.5,0.0]}
     {"end":{"events":1,"repeatable":true,"not_repeatable_because":[],"degraded_because":[],"reason":"SIGTERM"}}
 
-In CSV the first and the last record are the same JSON after '# ', the second line names the columns and the values of
-an event are a JSON array in one field. A log that has no end record is that of a run which did not end properly; the
-time master calls such a file NAME.part. Only events are compared, by value: a JSON log may be compared with a CSV log.
+In CSV the first and the last record are the same JSON after '# '. The second line names the columns, and the values of
+an event are a JSON array in one field. If a log has no end record, the run did not end properly; the time master calls
+such a file NAME.part. Only events are compared, by value, so a JSON log may be compared with a CSV log.
 """
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ CSV_COLUMNS = ['time_ns', 'robot', 'kind', 'values']
 
 
 class EventLogError(SimulatorError):
-    """A file that is not an event log, or a damaged one; the text names file and line."""
+    """A file is not an event log, or is damaged. The text names the file and the line."""
 
 
 class Event(NamedTuple):
-    """One event, and where it is written."""
+    """One event, with its line in the file."""
 
     time_ns: int
     robot: str
@@ -58,17 +58,17 @@ class Event(NamedTuple):
 
     @property
     def compared(self) -> Tuple[int, str, str, str]:
-        """What makes two events equal."""
+        """The values by which two events are compared."""
         return self[:4]
 
 
 def labels_of(end: Dict[str, Any]) -> List[str]:
-    """Return why the run of an end record (a dict) is not called repeatable, or is called degraded, as texts."""
+    """Return the labels in an end record (a dict), as texts: why the run is not called repeatable, or is degraded."""
     return [*end['not_repeatable_because'], *end['degraded_because'], *_cut(end)]
 
 
 def _cut(end: Dict[str, Any]) -> List[str]:
-    """Return [where the run was ended from outside], or [] of one that came to an end of its own."""
+    """Return [a text that says when the run was ended from outside], or [] if it ended by itself."""
     if 'cut_ns' not in end:
         return []
     return ['the run was ended from outside at {:.9f} s: it is repeatable up to there, and another run may end '
@@ -76,12 +76,15 @@ def _cut(end: Dict[str, Any]) -> List[str]:
 
 
 class EventLog:
-    """An event log, read while it is iterated over; `end` is known when all events were read."""
+    """An event log, which is read while it is iterated over; ``end`` is known when all events have been read.
+
+    :raises EventLogError: if it is not an event log or is damaged, also while it is iterated over.
+    """
 
     def __init__(self, lines: Iterable[str], name: str) -> None:
-        """lines: an iterable of text lines with their ends; name: for error texts."""
+        """``lines``: the lines of the log, with their line ends; ``name``: the name of the log in error texts."""
         self.name = name
-        self.events = 0  # read so far
+        self.events = 0  # the number of events read so far
         self.start_ns = 0  # when the clock began, if the head says so
         self.end: Optional[Dict[str, Any]] = None  # the end record, a dict; None: the run did not end properly
         self._lines = enumerate(lines, 1)
@@ -103,14 +106,14 @@ class EventLog:
 
     @property
     def bags(self) -> Dict[str, List[Dict[str, Any]]]:
-        """The bags of the run, of which the end record has digests: {node: [{'node', 'name', 'bytes', 'sha256'}]}."""
+        """The run's bags in the end record, with digests: {node: [{'node', 'name', 'bytes', 'sha256'}]}."""
         found: Dict[str, List[Dict[str, Any]]] = {}
         for bag in (self.end or {}).get('bags', []):
             found.setdefault(bag['node'], []).append(bag)
         return found
 
     def remarks(self) -> List[str]:
-        """Return what must be known about the run beside its events, as texts. Call it after all events were read."""
+        """Return all remarks on the run besides its events, as texts. Call this after all events have been read."""
         if self.end is None:
             return ['has no end record: the run did not end properly']
         return [*_cut(self.end),
@@ -133,7 +136,7 @@ class EventLog:
                 raise self._error(number, f"must name the columns {','.join(CSV_COLUMNS)}", line)
 
     def _record(self, number: int, line: str) -> Union[Dict[str, Any], Event, None]:
-        """Return an Event, the end record, or None for a last line that was cut off."""
+        """Return an Event, the end record (a dict), or None for a last line that was cut off."""
         if not line.endswith('\n'):
             return None
         if not self._csv:
@@ -169,7 +172,7 @@ class EventLog:
         if not _are_bags(end.get('bags', [])):
             raise self._error(number, 'has bags that are not a list of node, name, bytes and sha256', line)
         if end.get('events') != self.events:
-            raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
+            raise self._error(number, f'the end record has another number of events than were read, {self.events}',
                               line)
         self.end = end
 
@@ -195,12 +198,12 @@ def _are_bags(bags: Any) -> bool:
 
 
 def uncovered_bag(node: str, why: str) -> str:
-    """Return the label of a run with a bag that nothing is known of, as a text."""
+    """Return the label of a run in which ``node`` records a bag that is not covered, for the reason ``why``."""
     return f"the bag of '{node}' is not covered: {why}"
 
 
 class BagDifference(NamedTuple):
-    """The first bags of a node that differ, as the end records have them; None where a run has no more of them."""
+    """The first bags of a node that differ, as in the end records; None: that run has no further bag of the node."""
 
     node: str
     number: int  # among the node's bags, from 1 on
@@ -209,10 +212,10 @@ class BagDifference(NamedTuple):
 
 
 def compare_bags(first: EventLog, second: EventLog) -> Tuple[Optional[BagDifference], List[str]]:
-    """Return the first difference between the bags of two EventLogs that were read, or None, and what only one has.
+    """Compare the bags of two EventLogs that have been read to their ends.
 
-    What a node's bags are called is not compared. A log of a run without digests has none: its nodes are in the second
-    value, a sorted list of names.
+    Return the first difference, or None, and the sorted names of the nodes of whose bags only one log has digests. The
+    names of the bags are not compared.
     """
     one, other = first.bags, second.bags
     for node in sorted(set(one) & set(other)):
@@ -223,11 +226,11 @@ def compare_bags(first: EventLog, second: EventLog) -> Tuple[Optional[BagDiffere
 
 
 class Comparison(NamedTuple):
-    """What compare found. The first differing events are None where a log has no more of them, or all are equal."""
+    """The result of :func:`compare`: the first events that differ; None: that log has no more, or all are equal."""
 
     first: Optional[Event]
     second: Optional[Event]
-    counts: Tuple[int, int]  # events of each
+    counts: Tuple[int, int]  # the numbers of events
 
     @property
     def identical(self) -> bool:
@@ -236,7 +239,10 @@ class Comparison(NamedTuple):
 
 
 def compare(first: EventLog, second: EventLog) -> Comparison:
-    """Compare the events of two EventLogs, and read both to their ends."""
+    """Compare the events of two EventLogs, and read both to their ends.
+
+    :raises EventLogError: if one is damaged.
+    """
     different: Tuple[Optional[Event], Optional[Event]] = (None, None)
     for pair in itertools.zip_longest(first, second):
         if different == (None, None) and (None in pair or pair[0].compared != pair[1].compared):
@@ -245,11 +251,14 @@ def compare(first: EventLog, second: EventLog) -> Comparison:
 
 
 def open_text(path: StrPath) -> ContextManager[IO[str]]:
-    """Open a log file, in a with statement. EventLogError says so where only the file of an unfinished run is there."""
+    """Open a log file, for a with statement.
+
+    :raises EventLogError: if it cannot be opened; the text says if there is a file of a run that has not ended.
+    """
     def error(text: str) -> EventLogError:
         part = ''
         if not os.path.exists(path) and os.path.exists(f'{path}.part'):
             part = f'; {path}.part is there: that run has not ended properly, or not yet'
         return EventLogError(text + part)
-    # Bytes that are no text are a difference to be shown, not a reason to stop.
+    # Bytes that are not UTF-8 are a difference to be shown, not a reason to stop.
     return open_text_input(path, None, error, 'file', errors='surrogateescape', newline='\n')

@@ -1,4 +1,4 @@
-"""Write the event log of a run in plain Python; the time master writes that of a run under ROS."""
+"""Writes the event log of a run in plain Python. For a run under ROS, the time master writes it."""
 from __future__ import annotations
 
 import json
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class End(NamedTuple):
-    """How a run ended: ``at_ns`` [ns]; ``is_idle``: nothing was left to happen; ``open``: robots that have a goal."""
+    """How a run ended. ``at_ns``: when [ns]; ``is_idle``: nothing was left to happen; ``open``: robots with a goal."""
 
     at_ns: int
     is_idle: bool
     open: Sequence[str]
 
     def written(self) -> Dict[str, Any]:
-        """Return what the last record says of it, as that of a run under ROS does."""
+        """Return the end as a part of the end record, as in the log of a run under ROS."""
         goals = [{'client': 'fleet', 'action': f'{name}/move_base', 'count': 1} for name in self.open]
         return {'by_fault': False, 'ended_by': 'idle' if self.is_idle else 'end_at', 'at_ns': self.at_ns,
                 **({'open_goals': goals} if goals else {})}
@@ -30,8 +30,10 @@ class End(NamedTuple):
 def write_event_log(path: StrPath, entries: List[TraceEntry], start_ns: int, end: Optional[End] = None) -> None:
     """Write ``entries`` as the event log ``path`` (JSON lines) of a run that began at ``start_ns`` [ns].
 
-    Without an ``end`` nobody can say whether goals are open. An event log that is there is replaced.
-    :raises ConfigurationError: if another kind of file is there.
+    Without an ``end`` the log does not say whether goals are open. An existing event log is replaced.
+
+    :raises ConfigurationError: if ``path`` is a file of another kind.
+    :raises OutputError: if the file cannot be written.
     """
     check_file(path, _is_log)
     part = os.fspath(path) + PART

@@ -1,8 +1,9 @@
-"""What a fleet did in a run, from its event log alone: what time went into, where robots waited, orders, charging.
+"""What a fleet did in a run, from its event log alone: the time in each state, waits, orders, and charging.
 
-A robot is, in this order: ``failed`` from `failed` to `repaired`; ``driving`` from `departed` to `stands`; ``working``
-while a task is done; ``waiting`` while it stands with a goal, in a queue, or for a charger; ``charging`` while it
-stands at a charger; else ``idle``. Who waits for two areas at once counts at each of them.
+At each time a robot is in the first of these states that holds: ``failed``, from `failed` to `repaired`; ``driving``,
+from `departed` to `stands`; ``working``, while it does a task; ``waiting``, while it stands with a goal, in a queue, or
+for a charger; ``charging``, while it stands at a charger; ``idle``. If a robot waits for two areas at once, the wait
+counts for each of them.
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Set
 from .order_account import ORDER_ROWS, OrderAccount
 
 STATES = ('driving', 'working', 'waiting', 'charging', 'idle', 'failed')
-#: where robots wait that wait for a charger
+#: the name of the place in :attr:`FleetAccount.waits` for waits for a charger
 CHARGERS = 'chargers'
 _S = 1e9  # dividing by it rounds once
 _KWH = 3.6e6  # J
@@ -21,14 +22,14 @@ _KWH = 3.6e6  # J
 
 @dataclass
 class Waits:
-    """How often, how long in all and how long at most somebody waited somewhere [ns]."""
+    """The waits at one place: their number, their sum and the longest one [ns]."""
 
     count: int = 0
     total_ns: int = 0
     longest_ns: int = 0
 
     def add(self, span_ns: int) -> None:
-        """Count one more."""
+        """Add a wait of ``span_ns`` [ns]."""
         self.count += 1
         self.total_ns += span_ns
         self.longest_ns = max(self.longest_ns, span_ns)
@@ -39,12 +40,12 @@ class _Robot:
     since_ns: int
     state: str = 'idle'
     ns: Dict[str, int] = field(default_factory=lambda: dict.fromkeys(STATES, 0))
-    flags: Set[str] = field(default_factory=set)  # only looked into
-    waits: Dict[str, int] = field(default_factory=dict)  # {where: since}
+    flags: Set[str] = field(default_factory=set)  # its order does not matter
+    waits: Dict[str, int] = field(default_factory=dict)  # {where: since when [ns]}
     orders: int = 0
     failures: int = 0
     charges: int = 0
-    charge: Optional[float] = None  # the last one that was told
+    charge: Optional[float] = None  # the last state of charge in the rows, 0..1
     energy: float = 0.0  # J, of a full battery
     used: float = 0.0  # J
     charged: float = 0.0
@@ -61,18 +62,18 @@ class _Robot:
 
 
 class FleetAccount:
-    """Rows of a log, taken one after another; then :meth:`close`. ``start_ns`` [ns]: when the run began.
+    """The account of one fleet: give it the rows of a log by :meth:`take`, then call :meth:`close`.
 
-    ``robots``: the names of those that count also where no row tells of them.
+    ``start_ns`` [ns]: when the run began. ``robots``: names of robots that count even if there is no row of them.
     """
 
     def __init__(self, start_ns: int, robots: Sequence[str] = ()) -> None:
         self._start_ns = start_ns
         self._robots: Dict[str, _Robot] = {name: _Robot(start_ns) for name in robots}
-        #: what became of orders (OrderAccount)
+        #: the account of the orders (OrderAccount)
         self.orders = OrderAccount()
         self._waits: Dict[str, Waits] = {}
-        self._areas: Set[str] = set()  # only looked into
+        self._areas: Set[str] = set()  # its order does not matter
         self.seconds = 0.0
         self._take: Dict[str, Callable[[int, str, Sequence[Any]], None]] = {
             **dict.fromkeys(_FLAGS, self._flag), 'held': self._held, 'released': self._held,
@@ -82,7 +83,7 @@ class FleetAccount:
             **dict.fromkeys(ORDER_ROWS, self._order)}
 
     def take(self, time_ns: int, robot: str, kind: str, values: Sequence[Any]) -> None:
-        """Take a row; one that is not as this package writes it is left out: anybody may write rows."""
+        """Take a row of the log. Since any node may write rows, a row of an unexpected form is left out."""
         taker = self._take.get(kind)
         if taker is not None:
             try:
@@ -91,18 +92,18 @@ class FleetAccount:
                 pass
 
     def close(self, end_ns: int) -> None:
-        """The run is over at ``end_ns`` [ns]."""
+        """End the account of a run that is over at ``end_ns`` [ns]."""
         for robot in self._robots.values():
             robot.settle(end_ns)
             for where in list(robot.waits):
                 self._end_wait(robot, where, end_ns)
         self.seconds = (end_ns - self._start_ns) / _S
 
-    # --- what came of it ---------------------------------------------------------------------------------------------
+    # --- results -----------------------------------------------------------------------------------------------------
 
     @property
     def robots(self) -> Dict[str, Dict[str, float]]:
-        """Return {robot: {state: s, 'orders', 'failures', 'charges', 'energy_used', 'energy_charged' [kWh]}}."""
+        """{robot: {each state: s, 'orders', 'failures', 'charges', 'energy_used', 'energy_charged' [kWh]}}."""
         return {name: {**{state: robot.ns[state] / _S for state in STATES}, 'orders': robot.orders,
                        'failures': robot.failures, 'charges': robot.charges, 'energy_used': robot.used / _KWH,
                        'energy_charged': robot.charged / _KWH}
@@ -110,18 +111,18 @@ class FleetAccount:
 
     @property
     def has_energy(self) -> bool:
-        """Whether the log says how full batteries were."""
+        """Whether the log has the states of charge of batteries."""
         return any(robot.charge is not None for robot in self._robots.values())
 
     @property
     def waits(self) -> Dict[str, Waits]:
-        """Return {where: how long was waited there}, the longest first: 'place NAME', or the name of an area."""
+        """{where: Waits}, the longest sum first; where: 'place NAME', the name of an area, or CHARGERS."""
         found = {where: waits for where, waits in self._waits.items()
                  if where in self._areas or where == CHARGERS or where.startswith('place ')}
         return dict(sorted(found.items(), key=lambda item: (-item[1].total_ns, item[0])))
 
     def metrics(self) -> Dict[str, Optional[float]]:
-        """Return the metrics of a trial; {} where no orders arrived."""
+        """Return {name: number}, the metrics of a trial, None if a number does not exist; {} if no orders arrived."""
         orders, robots = self.orders.times, self.robots.values()
         if not orders.arrived:
             return {}

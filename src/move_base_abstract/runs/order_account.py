@@ -1,10 +1,10 @@
-"""What became of the orders of a run, from its event log alone."""
+"""The orders of a run, from its event log alone: how they ended, and how long they took."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
-#: the kinds of rows that are taken
+#: the kinds of rows that OrderAccount takes
 ORDER_ROWS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done')
 _S = 1e9  # dividing by it rounds once
 
@@ -22,7 +22,11 @@ class _Order:
 
 
 class OrderTimes(NamedTuple):
-    """Of orders: how many arrived, were done, done late, failed, are open; and of those done what they took [s]."""
+    """The numbers of orders that arrived, were done, late, failed, ..., and the times of the orders that were done [s].
+
+    ``late`` counts orders among those done; ``returned`` counts how often an order came back from a robot. ``flow``:
+    from arrival to the end; ``wait``: from arrival until a robot gets the order.
+    """
 
     arrived: int
     done: int
@@ -32,21 +36,21 @@ class OrderTimes(NamedTuple):
     returned: int
     flow: List[float]
     wait: List[float]
-    lateness: List[float]  # of those that have a deadline; 0 for who is in time
+    lateness: List[float]  # of orders with a deadline; 0 if an order is in time
     refused: int
 
 
 class OrderAccount:
-    """Rows of orders, taken one after another."""
+    """The account of the orders of a run: give it the rows of orders by :meth:`take`."""
 
     def __init__(self) -> None:
         self._orders: Dict[str, _Order] = {}
         self._refused = 0
 
     def take(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
-        """Take a row (kind, values...) of the robot ``name``, or of the dispatcher.
+        """Take a row (kind, value, ...) of the robot ``name``, or of the dispatcher, at ``now_ns`` [ns].
 
-        :raises KeyError: for a row of an order that never arrived.
+        :raises KeyError: if the order of the row never arrived.
         """
         kind = row[0]
         if kind == 'order_refused':
@@ -58,7 +62,7 @@ class OrderAccount:
 
     @property
     def times(self) -> OrderTimes:
-        """What became of orders."""
+        """The numbers and times of the orders so far."""
         orders = list(self._orders.values())
         done = [one for one in orders if one.code in ('done', 'late')]
         return OrderTimes(
@@ -70,7 +74,7 @@ class OrderAccount:
 
     @property
     def undone(self) -> Dict[str, str]:
-        """Return {order that is open: what became of it}, in the order of their arrival."""
+        """{open order: a text that says where it is}, in the order of arrival."""
         return {name: one.where for name, one in self._orders.items() if not one.code}
 
     @property

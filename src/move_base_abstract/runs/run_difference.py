@@ -1,8 +1,8 @@
 """The first difference of two runs, shown so that its cause can be found.
 
-Two event logs with messages in them (the time master's ``log_messages``) are equal up to an event. Of that event: its
-instant, who sent what, both versions; and of the nodes that are in it, what they had been told last, which is the same
-in both runs.
+Two event logs with messages in them (the time master's ``log_messages``) are equal up to an event. Of that event, both
+versions are shown, with its instant and its senders. For each sender, the last messages that it got are shown, too;
+they are the same in both runs.
 """
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from .event_log import EventLog
 if TYPE_CHECKING:
     from .event_log import Event
 
-LAST = 10  # things that a node had been told
-MESSAGES = ('message', 'call', 'response')  # kinds of events that participants send each other
-_MOST_OF_AN_INSTANT = 10000  # events that are looked at after the first difference
-_STATUS = {'response': 1}  # values between the receivers and the length
+LAST = 10  # the number of messages shown that a node has got
+MESSAGES = ('message', 'call', 'response')  # the kinds of events that are sent between participants
+_MOST_OF_AN_INSTANT = 10000  # the number of events compared after the first difference
+_STATUS = {'response': 1}  # the number of values between the receivers and the length
 
 
 class Comparison(NamedTuple):
-    """Two logs side by side. ``difference`` is None if their events are equal."""
+    """The result of :func:`compare`. ``difference`` is None if the events are equal."""
 
-    events: int  # of the first, without messages
-    messages: int
+    events: int  # the number of events before the difference, without messages
+    messages: int  # the number of messages before the difference
     difference: Optional['Difference']
-    bags: Optional[event_log.BagDifference] = None  # looked for where the events are equal
-    alone: Tuple[str, ...] = ()  # nodes of whose bags only one log has digests
+    bags: Optional[event_log.BagDifference] = None  # only compared if the events are equal
+    alone: Tuple[str, ...] = ()  # the nodes of whose bags only one log has digests
 
     @property
     def identical(self) -> bool:
@@ -39,23 +39,24 @@ class Comparison(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Where two logs differ."""
+    """The first difference of two logs."""
 
     time_ns: int
-    place: int  # among the events of this instant, from 1 on
+    place: int  # its number among the events of this instant, from 1 on
     first: Optional[Event]  # None: that run's log has ended
     second: Optional[Event]
-    told: Dict[str, List[Event]]  # node: its last LAST events, the newest last
-    number: int = 0  # among the messages of either log, from 1 on, where it is one
+    told: Dict[str, List[Event]]  # {node: the last LAST messages that it got, the newest last}
+    number: int = 0  # if it is a message, its number among the messages of either log, from 1 on
     is_reordered: bool = False  # both events are in both logs at this instant, in another order
 
 
 def compare(first_path: str, second_path: str, with_messages: bool = True) -> Comparison:
     """Compare two event logs, and the digests of the bags that their end records have.
 
-    Without messages only what participants wrote themselves counts; bags have the names of senders in them too.
+    Without messages only events that participants wrote themselves are compared. Bags are not compared then, because
+    they contain the names of senders.
 
-    :raises EventLogError: if one cannot be read.
+    :raises EventLogError: if a log cannot be read.
     """
     with event_log.open_text(first_path) as one, event_log.open_text(second_path) as other:
         first, second = EventLog(one, first_path), EventLog(other, second_path)
@@ -93,7 +94,7 @@ def _compare(first: Iterator[Event], second: Iterator[Event]) -> Comparison:
 
 
 def _rest(instant: Optional[int], events: Iterator[Event]) -> List[Tuple[int, str, str, str]]:
-    """Return what is compared of the next events as far as they are of this instant; not all of a crowd."""
+    """Return the compared values of the next events of this instant, at most 10000 of them."""
     same = itertools.takewhile(lambda event: event.time_ns == instant, events)
     return [event.compared for event in itertools.islice(same, _MOST_OF_AN_INSTANT)]
 
@@ -107,13 +108,13 @@ def _difference(place: int, mine: Optional[Event], its: Optional[Event], told: D
 
 
 def sender(event: Event) -> str:
-    """Return the node that sent a message, call or response; of another event the name that it carries."""
-    values: List[str] = json.loads(event.values)  # but for the numbers at its end
+    """Return the node that sent a message, call or response; for any other event, the name in its column ``robot``."""
+    values: List[str] = json.loads(event.values)  # texts, except for the numbers at its end
     return values[0] if event.kind in MESSAGES and values else event.robot
 
 
 def receivers(event: Event) -> List[str]:
-    """Return the nodes that a message, call or response went to."""
+    """Return the nodes that got a message, call or response; [] for any other event."""
     if event.kind not in MESSAGES:
         return []
     values: List[str] = json.loads(event.values)
@@ -121,7 +122,7 @@ def receivers(event: Event) -> List[str]:
 
 
 def told_lines(event: Event) -> str:
-    """Return an event as a line for people."""
+    """Return an event as a line for people to read."""
     at = '{:.9f} s'.format(event.time_ns * 1e-9)
     if event.kind not in MESSAGES:
         return "{}: {} '{}' {}".format(at, event.robot, event.kind, event.values)

@@ -1,49 +1,58 @@
-"""The rows of a robot: the same in the trace of the plain Python fleet and in a run's event log."""
+"""The rows of robots and orders, which are the same in the trace of the plain Python fleet and in a run's event log."""
 from __future__ import annotations
 
 from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
-#: of what happens to robots, see :class:`TraceEntry`
+#: the kinds of rows of robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
          'paced', 'priority', 'held', 'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended',
          'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
          'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
-#: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
+#: the kinds of rows of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
 ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
                'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
 
 
 class TraceEntry(NamedTuple):
-    """Something that happened: when [ns], to which robot, what, and the details.
+    """Something that happened: when [ns], to which robot, its kind, and its values.
 
-    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
-    ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
-    ``places`` (area, how many), before the first ``entered`` of an area with room for some robots only;
-    ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
-    area, ...): it closed a circle of waiting; ``gave_way`` (area, ...): it drives back out of these for such a circle;
-    ``zone_limit`` (zone, max_speed, 0: none) of the first robot by name, where a zone has another limit, and ``paced``
-    (zone, max_speed) of each that goes on by it; ``priority`` (number): it has this one from now on;
-    ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
-    ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
-    ``lapse_began`` (kind, cause, of a jump x, y, yaw by which the pose that it tells lies beside the true one) and
-    ``lapse_ended`` (kind, cause), see :mod:`.lapse`;
-    ``recorded`` ('length', low, high, 'start_turn', low, high, perhaps 'clearance', low, high), of a robot with a
-    calibration that says so, when it is there: what its legs were fitted to [m, rad, m], and ``beyond`` (what, value,
-    ...), before ``departed``: a goal lies outside of that, see :mod:`.recorded_range`;
-    ``meets`` (radius [m]): it takes part in encounters, and
-    ``encounter`` (robot, kind, nearest distance [m], how long it stands for it [s]), see :mod:`.encounter_law`;
-    ``battery`` (state of charge, what, see :mod:`.events`), ``charging_began`` and ``charging_ended`` (zone);
-    ``waiting_began`` and ``waiting_ended`` (goal id, place), where a task has to wait;
-    ``works_at`` (goal id, place, for how many there is room there), before ``task_began`` (goal id, how
-    long it will take [ns]), ``task_ended`` (goal id, state, text);
-    and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
-    max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
-    which 0 is an acceleration or a turn rate without limit), and with it ``phases`` (start_turn_linear [s/rad],
-    start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], turning_speed [rad/s], turning_gain [1/s],
-    turning_offset [rad], bow_length [m] of its calibration), ``manner``, behind ``departed`` (rest at first [ns], how
-    long it then travels [ns], how far backwards at first [m] and how fast [m/s], how long it spins before its last turn
-    [s] and how fast [rad/s]), and ``charge`` (state of charge, what a full battery holds [J], ``used``, ``charged`` or
-    ``set``: what has changed it). Positions in m, yaw in rad, global frame.
+    Positions are in m and yaws in rad, in the global frame. The kinds and their values:
+
+    - ``departed`` (x, y, yaw of the goal); if the way has corners, ``route`` (x, y, x, y, ...) follows it;
+    - ``stands`` (x, y, yaw);
+    - ``ended`` (goal id, state, text);
+    - ``entered`` (area) and ``left`` (area): the robot got a place in a zone or on a lane, or gave it back;
+    - ``places`` (area, capacity): before the first ``entered`` of an area that has room for so many robots only;
+    - ``deadlock`` (robot, area, ...): the robot closed a circle of waiting;
+    - ``gave_way`` (area, ...): the robot drives back out of these areas to resolve such a circle;
+    - ``zone_limit`` (zone, max_speed, 0: none): a zone has another limit; the row has the first robot by name;
+    - ``paced`` (zone, max_speed): the robot goes on by that limit;
+    - ``priority`` (number): the robot has this priority from now on;
+    - ``held`` (reason, ...): all reasons for which the robot is held, whenever they change; ``released`` (): none;
+    - ``failed`` (kind, cause), see :mod:`.failures`, and ``repaired`` ();
+    - ``lapse_began`` (kind, cause; for a jump also x, y, yaw: by how much the reported pose is wrong) and
+      ``lapse_ended`` (kind, cause), see :mod:`.lapse`;
+    - ``recorded`` ('length', low, high [m], 'start_turn', low, high [rad], perhaps 'clearance', low, high [m]): the
+      legs to which the robot's calibration was fitted, if it says so; the row comes when the robot is made;
+    - ``beyond`` (name, value, ...): before ``departed`` if the goal lies outside of that, see :mod:`.recorded_range`;
+    - ``meets`` (radius [m]): the robot takes part in encounters;
+    - ``encounter`` (robot, kind, nearest distance [m], time for which it stands [s]), see :mod:`.encounter_law`;
+    - ``battery`` (state of charge, what), see :class:`.events.ChargePassed`;
+    - ``charging_began`` (zone) and ``charging_ended`` (zone);
+    - ``waiting_began`` (goal id, place) and ``waiting_ended`` (goal id, place): a task waits for room;
+    - ``works_at`` (goal id, place, capacity): a task has got room there; it comes before ``task_began``;
+    - ``task_began`` (goal id, duration [ns]) and ``task_ended`` (goal id, state, text).
+
+    Four kinds come only with the parameter ``log_motion``:
+
+    - ``motion`` (x, y, yaw of the robot, then max_speed, acceleration, turn_rate, xy_goal_tolerance and
+      yaw_goal_tolerance from the next leg on, as the parameters of these names; an acceleration or a turn rate of 0 has
+      no limit);
+    - ``phases`` (start_turn_linear [s/rad], start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m],
+      turning_speed [rad/s], turning_gain [1/s], turning_offset [rad], bow_length [m] of the calibration);
+    - ``manner``, after ``departed`` (rest at first [ns], travel after it [ns], way backwards at first [m] and its speed
+      [m/s], time of spinning before the last turn [s] and its speed [rad/s]);
+    - ``charge`` (state of charge, energy of a full battery [J], what has changed it: ``used``, ``charged`` or ``set``).
     """
 
     time_ns: int
@@ -53,5 +62,5 @@ class TraceEntry(NamedTuple):
 
 
 def as_entries(rows: Iterable[Tuple[Any, ...]]) -> Iterator[TraceEntry]:
-    """Return the rows of events as :class:`TraceEntry` objects: what nobody reads need not be made."""
+    """Yield the rows of events as :class:`TraceEntry` objects; they are made only when somebody reads them."""
     return (TraceEntry(row[0], row[1], row[2], row[3:]) for row in rows)
