@@ -166,7 +166,7 @@ class Verification:
         self._say('likely causes:')
         for line in difference_report.cause_lines(found.difference, first, run):
             self._say('  ' + line)
-        self._say_next('both runs to look at, side by side: rosrun move_base_abstract replay {} {}', first.log, run.log)
+        self._say_next('both runs side by side: rosrun move_base_abstract replay {} {}', first.log, run.log)
         for one in (first, run):
             _remove(one)
         return False
