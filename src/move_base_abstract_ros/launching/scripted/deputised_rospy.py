@@ -64,7 +64,7 @@ class Deputised:
             hook()
 
     def ask(self, name, *args, _number=None, **kwds):
-        """Make the deputy call ``name`` of its rospy, and return the result. Callbacks of the script run here meanwhile.
+        """Make the deputy call ``name`` of its rospy, and return the result. Callbacks of the script run meanwhile.
 
         ``name``: a name in rospy, or (number of a thing, name of its method). ``_number``: the number under which the
         deputy keeps the result.
