@@ -64,7 +64,7 @@ def _look_at(node, path):
         size, sha256 = digest(closed)
         space = os.statvfs(closed)
     except FileNotFoundError:
-        return None  # --max-splits has removed it
+        return None  # rosbag has removed it, because of --max-splits
     except OSError as error:
         return Bag(node, closed, 0, '', 'it cannot be read: {}'.format(error.strerror))
     if space.f_bavail * space.f_frsize < _LEAST_SPACE:

@@ -29,8 +29,8 @@ class Wishes(NamedTuple):
 
     parameters: dict
     launcher: tuple = ()  # options of the launcher of unmodified programs
-    forced: tuple = ()  # names of nodes that shall take part
-    kept_out: tuple = ()  # names of nodes that shall look on
+    forced: tuple = ()  # names of nodes that must take part
+    kept_out: tuple = ()  # names of nodes that must look on
     left_out: tuple = ()  # names of nodes that are not started
     replaced: tuple = ()  # ((package, type), (package, type)): nodes of the first kind become nodes of the second
     with_respawned: bool = False

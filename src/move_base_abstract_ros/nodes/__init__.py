@@ -1,4 +1,4 @@
-"""One module per executable, each with a main()."""
+"""The executables of this package: one module for each, with a main()."""
 import errno
 import importlib
 import os

@@ -28,7 +28,7 @@ _USAGE = ('usage: move_base_abstract_actionserver '
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when an argument or a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if an argument or a parameter cannot be used."""
     arguments = rospy.myargv(sys.argv)[1:]
     if arguments and arguments[0] in ('-h', '--help'):
         print('{}\n{}'.format(__doc__, _USAGE))

@@ -49,12 +49,15 @@ def main(words=None):
 
 
 def _verify(options, launch_words):
-    """Return the exit code. A folder of our own goes again where all is well."""
+    """Verify, and return the exit code.
+
+    Without --output the folder is temporary. It is removed if all runs are identical, or the file cannot be run.
+    """
     folder = options.output
     if folder is None:
         folder = tempfile.mkdtemp(prefix='move_base_abstract_verify_')
     else:
-        folder = os.path.abspath(folder)  # nodes have a folder of their own
+        folder = os.path.abspath(folder)  # because nodes run in another working folder
         if os.path.isdir(folder) and os.listdir(folder):
             parser_error = "{}: is not empty (it holds '{}'); name a new folder, or an empty one"
             raise verification.Unfinished(parser_error.format(folder, sorted(os.listdir(folder))[0]),

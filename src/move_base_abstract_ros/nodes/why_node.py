@@ -92,7 +92,10 @@ def _seconds(text):
 
 
 def _ask(topic, timeout):
-    """Return the TimeState that the time master sends. Raises rospy.ROSException if none comes in time."""
+    """Return the time master's TimeState on ``topic``. ``timeout`` [s, wall].
+
+    :raises rospy.ROSException: if there is no ROS master, or no TimeState comes in time.
+    """
     if not rosgraph.is_master_online():
         raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of '
                                  'its own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
@@ -129,7 +132,7 @@ def as_data(message):
 
 
 def lines(state, name='/time_master'):
-    """Return the answer of the time master of that name as lines for people."""
+    """Return the lines that are printed for a TimeState. ``name``: that of the time master."""
     if state.mode != 'lockstep':
         return _scaled_lines(state)
     return [f'time {PHASES.get(state.phase, state.phase)}',
@@ -178,7 +181,7 @@ def _waiting_lines(state):
 
 
 def _with_line(place):
-    """Return a place in a binary with the line of its source, if addr2line is there and the binary knows it."""
+    """Return a place in a binary, with the line of its source if addr2line is installed and finds the line."""
     path, offset = place.groups()
     program = shutil.which('addr2line')
     if program is None or not os.path.isfile(path):

@@ -6,7 +6,7 @@ from move_base_msgs.msg import MoveBaseActionGoal
 from ..messages import conversions
 from ..replacing.single_connections import keep_apart
 
-_CONNECT_SECONDS = 5.0  # of the clock's wait_until
+_CONNECT_SECONDS = 5.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 
 
 class SimpleGoals:

@@ -59,9 +59,10 @@ def speed_up(simulated_s, wall_s):
 
 
 def table(robots, mission_s):
-    """Return the text table of the robots: (name, goals done, goals, distance [m], moving [s]), simulated seconds.
+    """Return the text table of ``robots``, [(name, goals done, goals, distance [m], moving [s])].
 
-    A robot is idle whenever it does not move between the mission's first goal and its last result.
+    ``mission_s``: the time from the mission's first goal to its last result [s]. A robot is idle while it does not move
+    in this time. All times are simulated.
     """
     rows = [(name, f'{done}/{goals}', f'{distance_m:.1f}', f'{moving_s:.2f}', f'{max(0.0, mission_s - moving_s):.2f}')
             for name, done, goals, distance_m, moving_s in robots]

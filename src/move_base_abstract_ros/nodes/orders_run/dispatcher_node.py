@@ -1,4 +1,4 @@
-"""The node ``dispatcher``: gives orders to the robots of a fleet as they arrive, and has robots charged.
+"""The node ``dispatcher``: gives orders to the robots of a fleet as they arrive, and sends robots to charge.
 
 It hears orders and events of robots, and sends goals. It uses topics and actions only. The core (:class:`.Dispatcher`)
 makes the decisions, as in plain Python.
@@ -31,7 +31,7 @@ from ...robot.events_topic import EventsTopic
 from ...robot.work_server import ACTION as WORK
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
-_CONNECT_SECONDS = 30.0  # of the clock's wait_until
+_CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
 
 

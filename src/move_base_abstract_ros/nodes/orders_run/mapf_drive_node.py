@@ -23,7 +23,7 @@ from ...process.node_process import parse_no_arguments, run_node
 from ...process.own_parameters import own_values
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
-_CONNECT_SECONDS = 30.0  # of the clock's wait_until
+_CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
 _TABLE = (
     Parameter('folder', '', text, 'the path of a folder that mapf import made'),
