@@ -37,8 +37,8 @@ ORIGINAL_TIME_MASTER = 'sim_time_controller'
 class Role(NamedTuple):
     """The role of a node in the run.
 
-    ``kind``: 'rospy', 'roscpp' or 'itself' (a node of this package) if it takes part; None if it looks on. ``why``: the
-    reason why it looks on.
+    ``kind``: 'rospy', 'roscpp' or 'itself' (a node of this package, or one that the file starts by our launcher) if it
+    takes part; None if it looks on. ``why``: the reason why it looks on.
     """
 
     name: str
