@@ -1,7 +1,7 @@
-"""A lean action client for robots: one callback when a goal ends, nothing else.
+"""A lean action client for robots: it calls back when a goal ends, and does nothing else.
 
-It listens to results only. actionlib's clients also follow status and feedback, which costs each of them a message per
-transition; in lockstep, a round.
+It listens only to results. The clients of actionlib also follow status and feedback. This costs a message for each
+transition, and in lockstep a round.
 """
 import itertools
 
@@ -17,7 +17,7 @@ from .messages.unpacking import ResultIn
 class GoalClient:
     """Sends goals to the robot ``name`` (its namespace).
 
-    ``on_end(client, goal_id, status, text)`` is called for the ends of this client's goals; ``status`` is that of
+    ``on_end(client, goal_id, status, text)`` is called when a goal of this client ends. ``status`` is a constant of
     actionlib_msgs/GoalStatus.
     """
 
@@ -33,12 +33,12 @@ class GoalClient:
         self._result = rospy.Subscriber(prefix + 'result', ResultIn, self._on_result, tcp_nodelay=True)
 
     def is_connected(self):
-        """Return whether there is a server; goals sent before are lost."""
+        """Return whether the client is connected to the robot's server. Goals that are sent before are lost."""
         return bool(self._goal.is_heard() and self._cancel.get_num_connections()
                     and self._result.get_num_connections())
 
     def send(self, x, y, yaw=0.0, frame='map'):
-        """Send a goal [m, rad, in ``frame``]; return its id."""
+        """Send a goal, a pose in ``frame``: ``x``, ``y`` [m], ``yaw`` [rad]; return the id of the goal, a text."""
         goal_id = '{}-{}-{}'.format(rospy.get_name(), self.name, next(self._numbers))
         now_ns = rospy.get_rostime().to_nsec()
         if frame not in self._frames:
@@ -49,11 +49,11 @@ class GoalClient:
         return goal_id
 
     def cancel(self, goal_id):
-        """Ask for the end of a goal."""
+        """Ask the robot to cancel the goal with this id. ``on_end`` is called when it ends."""
         self._cancel.publish(GoalID(id=goal_id))
 
     def close(self):
-        """Leave the graph."""
+        """Unregister all topics; ``on_end`` is not called any more."""
         for topic in (self._goal, self._cancel, self._result):
             topic.unregister()
 

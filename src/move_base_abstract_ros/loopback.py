@@ -1,7 +1,7 @@
-"""A ROS master of our own on 127.0.0.1, and the nodes started under it.
+"""Start a ROS master of our own on 127.0.0.1, and nodes that use it.
 
-Used by whatever this package starts by itself (demo, benchmarks, tests). It never talks to a master that is already
-running: the port is free when it is chosen, and every process, the caller included (adopt), is pointed at it.
+All programs that start ROS nodes by themselves (demo, benchmarks, tests) use this. It never talks to a master that is
+already running: the port is free when it is chosen, and every process, including the caller (adopt), gets its URI.
 
     with Loopback() as ros:
         ros.adopt()
@@ -9,9 +9,9 @@ running: the port is free when it is chosen, and every process, the caller inclu
         ros.run('move_base', 'move_base', namespace='/robot_0', parameters={'max_speed': 2.0})
         rospy.init_node('caller', disable_signals=True)
         ...
-        ros.check()  # raises ChildEnded where a node has died
+        ros.check()  # raises ChildEnded if a node has died
 
-Threading: not thread-safe; start the children from the main thread (the kernel ends them when that thread ends).
+Threading: not thread-safe. Start the children from the main thread: the kernel ends them when that thread ends.
 """
 
 import http.client
@@ -35,7 +35,7 @@ PACKAGE = 'move_base_abstract'
 MASTER_TRIES = 3  # another process may take the free port before the master binds it
 MASTER_TIMEOUT = 20.0  # s, wall
 END_TIMEOUT = 4.0  # s, wall, from the polite signal to SIGKILL
-LOG_LINES = 12  # shown of a child that died
+LOG_LINES = 12  # number of last lines that are shown of a child that died
 
 
 class LoopbackError(RuntimeError):
@@ -43,21 +43,24 @@ class LoopbackError(RuntimeError):
 
 
 class ChildEnded(LoopbackError):
-    """A child process ended while it was still needed; the text names it and quotes its last lines."""
+    """A child process ended while it was still needed. The text names it and quotes its last lines."""
 
 
 class Child:
-    """One process started by Loopback: its name, its end and the file that takes its output."""
+    """One process that Loopback has started. ``log_path``: the file that takes its output."""
 
     def __init__(self, name, process, log_path):
-        """process: subprocess.Popen or processes.Forked, for itself; ``self.process`` has what they have."""
+        """process: a subprocess.Popen or processes.Forked, which only this object uses from now on.
+
+        ``self.process`` has the same methods.
+        """
         self.name = name
         self.process = processes.Held(process)
         self.log_path = log_path
 
     @property
     def pid(self):
-        """Process id, which is the id of its process group too."""
+        """The process id, which is also the id of its process group."""
         return self.process.pid
 
     def last_lines(self):
@@ -67,12 +70,17 @@ class Child:
         return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
 
     def signal(self, number):
-        """Send a signal to the whole process group, if there is one left."""
+        """Send a signal to the whole process group, if it still exists."""
         self.process.signal_group(number)
 
 
 class Loopback:
-    """A master on a free loopback port and its child nodes; use as a context manager."""
+    """A ROS master on a free loopback port, and its child nodes. Use it as a context manager.
+
+    ``use_sim_time``: the value of the parameter /use_sim_time.
+
+    :raises LoopbackError: if the master or its folder for logs cannot be made.
+    """
 
     def __init__(self, use_sim_time=True):
         self._use_sim_time = use_sim_time
@@ -96,13 +104,13 @@ class Loopback:
 
     @property
     def environment(self):
-        """The environment for a process that is to use this master."""
+        """The environment for a process that uses this master."""
         environment = {key: value for key, value in os.environ.items() if key not in ('ROS_HOSTNAME', 'ROS_NAMESPACE')}
         environment.update(ROS_MASTER_URI=self.uri, ROS_IP='127.0.0.1', ROS_LOG_DIR=self.log_dir, PYTHONUNBUFFERED='1')
         return environment
 
     def adopt(self):
-        """Point this process at the master; call it before rospy.init_node. Remappings in sys.argv are dropped."""
+        """Make this process use the master. Call it before rospy.init_node. Arguments in sys.argv are removed."""
         environment = self.environment
         for key in [key for key in os.environ if key not in environment]:
             del os.environ[key]
@@ -116,7 +124,10 @@ class Loopback:
     def run(self, executable, name, namespace='/', parameters=None, arguments=()):
         """Start a node of this package and return its Child.
 
-        name: node name; namespace: absolute; parameters: the node's private ones; arguments: put before ROS's own.
+        name: node name; namespace: absolute; parameters: {name: value}, the node's private ones; arguments: they come
+        before ROS's own arguments.
+
+        :raises LoopbackError: if the executable is not found, or its output cannot be written.
         """
         full_name = rosgraph.names.ns_join(namespace, name)
         for key, value in (parameters or {}).items():
@@ -125,7 +136,7 @@ class Loopback:
         return self.spawn(full_name, command)
 
     def check(self):
-        """Raise ChildEnded if one of the processes is no longer there."""
+        """Raise ChildEnded if one of the processes has ended."""
         for child in self._children:
             code = child.process.poll()
             if code is not None:
@@ -133,12 +144,12 @@ class Loopback:
                 raise ChildEnded(f'{child.name} ended unexpectedly ({how}); its last lines:\n{child.last_lines()}')
 
     def end(self, child):
-        """End one child and forget it."""
+        """End one child, which check() does not look at any more."""
         self._children.remove(child)
         _end([child])
 
     def close(self, keep_logs=False):
-        """End all children, the master last; remove the logs unless told otherwise."""
+        """End all children, the master last. Remove the folder of logs unless ``keep_logs``."""
         master, nodes = self._children[:1], self._children[1:]
         self._children = []
         _end(nodes)
@@ -167,7 +178,7 @@ class Loopback:
             pid = self._master_pid()
             if pid == self._children[0].pid:
                 return
-            if pid is not None:  # another program was given the same free port, and was quicker
+            if pid is not None:  # another program got the same free port, and was quicker
                 raise ChildEnded(f'another master answers at {self.uri}')
             self.check()
             if time.monotonic() > deadline:
@@ -176,14 +187,17 @@ class Loopback:
             time.sleep(0.02)
 
     def _master_pid(self):
-        """Return the process id of the master that answers, None if there is none."""
+        """Return the process id of the master that answers at the URI; None if none answers."""
         try:
             return rosgraph.Master('/loopback', master_uri=self.uri).getPid()
         except (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error):
             return None
 
     def spawn(self, name, command):
-        """Start a process in a group of its own that the kernel kills when this process ends."""
+        """Start a process in a group of its own, and return its Child. The kernel kills it when this process ends.
+
+        :raises LoopbackError: if its output cannot be written, or setpriv is not installed.
+        """
         log_path = self._log_path(name)
         with _open_log(log_path) as log:
             process = self._start(command, log)
@@ -211,7 +225,7 @@ def _open_log(path):
 
 
 def find_executable(name):
-    """Return the path of an executable of this package."""
+    """Return the path of an executable of this package. :raises LoopbackError: if it is not found."""
     try:
         paths = packages.find_node(PACKAGE, name)
     except rospkg.ResourceNotFound:
@@ -223,7 +237,7 @@ def find_executable(name):
 
 
 def free_port():
-    """Return a TCP port of 127.0.0.1 that nobody listens on."""
+    """Return a TCP port of 127.0.0.1 on which no program listens."""
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return probe.getsockname()[1]
@@ -237,7 +251,7 @@ def _find_program(name):
 
 
 def _end(children):
-    """End processes and their groups: politely first, by SIGKILL after END_TIMEOUT."""
+    """End processes and their groups: by SIGTERM first, and by SIGKILL after END_TIMEOUT."""
     for child in children:
         child.signal(signal.SIGTERM)
     deadline = time.monotonic() + END_TIMEOUT

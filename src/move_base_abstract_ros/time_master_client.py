@@ -1,7 +1,7 @@
-"""Talk to the time master from a Python node: factor, pause, step, run until, and holds.
+"""Call the services of the time master from a Python node: factor, pause, step, run until, and holds.
 
-Durations of simulated time are seconds (exact to the nanosecond when given as rospy.Duration or
-rospy.Time), factors are simulated seconds per wall second, timeouts are seconds of wall time.
+Durations of simulated time are seconds; they are exact to the nanosecond if they are given as rospy.Duration
+or rospy.Time. Factors are simulated seconds per wall second. Timeouts are seconds of wall time.
 """
 
 import contextlib
@@ -22,10 +22,10 @@ class TimeMasterError(RuntimeError):
 
 
 class TimeMasterClient:
-    """The services of one time master as methods.
+    """The services of one time master as methods. ns: the name of the time master.
 
-    A refusal raises TimeMasterError with the time master's own text; so does a time master that is
-    not there within connect_timeout seconds of wall time.
+    If the time master refuses a request, the method raises TimeMasterError with the time master's own text.
+    It also does so if there is no time master within connect_timeout seconds of wall time.
     """
 
     def __init__(self, ns='/time_master', connect_timeout=10.0):
@@ -37,18 +37,18 @@ class TimeMasterClient:
         self._call('set_factor', SetFactor, float(factor))
 
     def pause(self):
-        """Let time stand still; a step or run_until under way is given up."""
+        """Make time stand still. A step or run_until that is under way is given up."""
         self._call('pause', Trigger)
 
     def resume(self):
-        """Let time run on, without a target."""
+        """Make time go on, without a target."""
         self._call('resume', Trigger)
 
     def step(self, duration):
         """Run for duration (> 0; seconds or rospy.Duration), stop exactly there and stay paused.
 
-        Returns the target as rospy.Time at once, before it is reached (see wait_until). While a
-        step or run_until is under way, the duration counts from its target.
+        Returns the target as rospy.Time at once, before it is reached (see wait_until). If a step or
+        run_until is under way, the duration counts from its target.
         """
         return self._call('step', Step, _to_ros(rospy.Duration, duration, 'step: duration')).target
 
@@ -62,7 +62,8 @@ class TimeMasterClient:
     def wait_until(self, target, timeout=None):
         """Wait until /clock is at target (seconds or rospy.Time) or beyond.
 
-        timeout: seconds of wall time (None = no limit), after which TimeMasterError is raised.
+        timeout: seconds of wall time (None = no limit), after which TimeMasterError is raised. If ROS shuts
+        down meanwhile, rospy.ROSInterruptException is raised.
         """
         target = _to_ros(rospy.Time, target, 'wait_until: target')
         deadline = None if timeout is None else time.monotonic() + timeout
@@ -78,10 +79,10 @@ class TimeMasterClient:
     def hold(self, name, timeout):
         """Hold the clock at busy_factor inside a with block.
 
-        name: who holds; unique, for instance rospy.get_name(). timeout: seconds of wall time
-        (more than 0, to 86400) after which the time master releases the hold by itself: give more
-        than the block needs. The hold is released however the block ends; a hold that timed out
-        before is a warning in the log.
+        name: the name of the hold, which must be unique, for instance rospy.get_name(). timeout: seconds of
+        wall time (more than 0, to 86400) after which the time master releases the hold by itself: give more
+        than the block needs. The hold is released in whatever way the block ends. If it has timed out before
+        that, a warning is logged.
         """
         self._call('hold', AcquireHold, name, float(timeout))
         try:
@@ -109,7 +110,7 @@ class TimeMasterClient:
 
 
 def _to_ros(kind, value, what):
-    """Return value as kind (rospy.Time or rospy.Duration); seconds are rounded to the nanosecond."""
+    """Return value as kind (rospy.Time or rospy.Duration). Seconds are rounded to the nanosecond."""
     if isinstance(value, genpy.TVal) and issubclass(kind, type(value)):  # messages hold genpy's own types
         return kind(value.secs, value.nsecs)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):

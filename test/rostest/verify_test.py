@@ -162,7 +162,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
     def test_what_cannot_be_run_is_refused(self):
         for words, text in (((self.path('none.launch'),), 'none.launch'), (('--runs', '1', SYSTEM), 'must be 2 to'),
                             (('--conditions', 'plain,fast', SYSTEM), "got 'fast'"),
-                            (('--conditions', 'plain', SYSTEM), 'two are wanted'),
+                            (('--conditions', 'plain', SYSTEM), 'must be two conditions at least'),
                             ((self.launch_file(),), 'no node of this launch file')):
             code, said = self.verify(*words)
             self.assertEqual(code, 2, said)

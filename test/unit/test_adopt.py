@@ -235,7 +235,7 @@ def test_places_that_nobody_says_and_robots_at_one_place_are_told(package):
       <group ns="a"><node pkg="move_base" type="move_base" name="move_base"/></group>
       <group ns="b"><node pkg="move_base" type="move_base" name="move_base"/></group></launch>""")
     text = '\n'.join(adopt(path).remarks)
-    assert '/a/move_base starts at (0, 0, 0): the file says no place; --start /a/move_base=X,Y,YAW does' in text
+    assert '/a/move_base starts at (0, 0, 0): the file gives no place; --start /a/move_base=X,Y,YAW gives one' in text
     assert '/a/move_base and /b/move_base start at one place, (0, 0)' in text
 
 

@@ -27,9 +27,9 @@ def notes_of(path):
 
 def test_places_that_nobody_reads_are_told_without_adopting(package):
     first, second = notes_of(package('four.launch', LOST.format('<param name="start_x" value="1"/>', '')))
-    assert '/a/move_base starts at (0, 0, 0), and nobody reads (3, 0, 0) of /a/amcl/initial_pose_*' in first
+    assert '/a/move_base starts at (0, 0, 0), and no node reads (3, 0, 0) of /a/amcl/initial_pose_*' in first
     assert '--start /a/move_base=3,0,0' in first
-    assert second == '/b/move_base and /c/move_base start at one place, (0, 0): --start NODE=X,Y,YAW says another'
+    assert second == '/b/move_base and /c/move_base start at one place, (0, 0): --start NODE=X,Y,YAW sets another'
 
 
 def test_robots_that_are_placed_are_not_told(package):

@@ -1,1 +1,1 @@
-"""Launch files of others, as they are read where not all that they name is installed: robots, start poses, kinds."""
+"""Read launch files of others, if not everything that they name is installed: robots, start poses, kinds of nodes."""

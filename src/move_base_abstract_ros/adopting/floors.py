@@ -1,4 +1,4 @@
-"""Where a map's frame lies in Stage's world, from the floor plan of a world file and the map's own file."""
+"""Find where a map's frame lies in Stage's world, from the floor plan of a world file and the map's own file."""
 import os
 
 import numpy as np
@@ -10,15 +10,17 @@ from move_base_abstract.motion import Pose2D
 from .worlds import Unknown, turned
 
 _DRAWN = 127  # Stage's threshold: darker pixels are walls
-_ALIKE = 0.03  # of a length
+_ALIKE = 0.03  # share of a length by which two lengths may differ
 
 
 def offset(floor, words):
-    """Return x, y [m], yaw [rad] of the origin of a map's frame in Stage's world. :raises Unknown: why nobody knows.
+    """Return (x [m], y [m], yaw [rad]) of the origin of a map's frame in Stage's world.
 
-    Stage stretches what is drawn in an image to the size of its model; map_server takes the whole image.
+    Stage stretches the drawn part of an image to the size of its model; map_server uses the whole image.
 
-    :param words: of map_server: a YAML file, or an image and its resolution.
+    :param floor: the Floor of the world file, or None; words: the arguments of map_server: a YAML file, or an image and
+        its resolution.
+    :raises Unknown: if it cannot be known; the text says why.
     """
     if floor is None:
         raise Unknown('the world file has no floor plan with an image and a size')
@@ -41,7 +43,7 @@ def offset(floor, words):
 
 
 def why_not_served(words):
-    """Return why a map_server with these words would serve no map, or ''."""
+    """Return why a map_server with these arguments would serve no map, or ''."""
     if not words or not os.path.isfile(words[0]):
         return 'its map {} is not here'.format(words[0] if words else '(no name)')
     try:
@@ -52,7 +54,7 @@ def why_not_served(words):
 
 
 def _described(words):
-    """Return the image of a map, its resolution [m] and its origin."""
+    """Return (path of the image, resolution [m], origin as Pose2D) of a map."""
     if len(words) > 1 and not words[0].endswith(('.yaml', '.yml')):
         try:
             return words[0], float(words[1]), Pose2D()
@@ -67,7 +69,7 @@ def _alike(floor, width, height):
 
 
 def _drawn(image):
-    """Return left, bottom, right, top of what is drawn in an image, as shares of its width and height."""
+    """Return (left, bottom, right, top) of the drawn part of an image, as shares of its width and height."""
     try:
         dark = read_pixels(os.path.abspath(image))[:, :, 0] < _DRAWN
     except ConfigurationError as error:

@@ -1,4 +1,4 @@
-"""What a package's own environment hooks would have set, had it been installed and sourced."""
+"""Read what the environment hooks of a package would set if the package were installed and sourced."""
 import glob
 import os
 import re
@@ -10,7 +10,10 @@ _LARGEST = 1 << 16  # bytes
 
 
 def value_of(name, path):
-    """Return what the hooks of a launch file's package set a variable to, or None."""
+    """Return the value that the hooks of a launch file's package set the variable ``name`` to, or None.
+
+    ``path``: that of the launch file.
+    """
     folder = neighbours.own_package(path)
     for hook in sorted(glob.glob(os.path.join(glob.escape(folder), 'env-hooks', '*.sh*'))) if folder else ():
         with open(hook, encoding='utf-8', errors='replace') as stream:

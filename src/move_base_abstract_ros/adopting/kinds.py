@@ -1,4 +1,4 @@
-"""What the nodes of launch files are for, as far as package and type say it, and what is done with them by rule."""
+"""Tell what the nodes of launch files are for, by their package and type, and what the rules do with them."""
 import re
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ ROBOT, MAP, LEFT_OUT, FRAME, STATE, ELSE = 'robot', 'map', 'left out', 'frame', 
 
 
 class Kind(NamedTuple):
-    """What a node is for: one of the words above, and why it is left out."""
+    """The kind of a node. ``word``: ROBOT, MAP, LEFT_OUT, FRAME, STATE or ELSE. ``why``: the reason for LEFT_OUT."""
 
     word: str
     why: str = ''
@@ -29,7 +29,7 @@ _SENSES = 'it processes data of sensors or wheels, and there are none'
 _PERSON = 'it waits for a person or a joystick'
 _TOOLS = 'it drives a device, and there is none'
 _TO_DRIVE = 'it drives the robot, and so does ours'
-#: (package, type) as expressions, why it is left out; the first that fits counts
+#: (expression for 'package/type', why such a node is left out); the first that matches counts
 _LEFT_OUT = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
     ('.*', '(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\\.py)?', _SPAWNS),
     ('gazebo_ros|gazebo|gazebo_plugins|ros_gz.*|ros_ign.*', '.*', _SIMULATOR),
@@ -46,7 +46,7 @@ _LEFT_OUT = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for packag
      'ydlidar.*|hls_lfcd_lds_driver|.*_driver|.*_drivers|rosaria|.*_hardware', '.*', _TOOLS),
 )]
 _CLOCK = re.compile(r'(?:.*_)?(?:sim_?time|clock)(?:_.*)?(?:\.py)?')
-CLOCK = "it is a clock, and in lockstep that is the time master's"
+CLOCK = 'it is a clock, and in lockstep only the time master is one'
 NO_PROGRAM = 'this program is not installed here'
 
 
@@ -62,7 +62,7 @@ def kind_of(package, name):
 
 
 def looks_like_a_clock(name):
-    """Return whether a program's name says that it is a clock and nothing else."""
+    """Return whether a program is only a clock, as far as its name shows."""
     return _CLOCK.fullmatch(name) is not None
 
 
@@ -71,6 +71,6 @@ _NO_ROBOT = re.compile(r'.*(?:gmapping|slam|rviz|world|spawn|teleop|gazebo).*')
 
 
 def stands_for_a_robot(path):
-    """Return whether a launch file that is not here starts a move_base, as far as its name says it."""
+    """Return whether a launch file that is not here starts a move_base, as far as its name shows."""
     name = path.rpartition('/')[2].lower()
     return _INCLUDES_A_ROBOT.fullmatch(name) is not None and _NO_ROBOT.fullmatch(name) is None

@@ -1,4 +1,4 @@
-"""Packages that lie beside a launch file, in a checkout that nobody has built or sourced."""
+"""Find packages that lie beside a launch file, in a checkout that was not built or sourced."""
 import os
 from xml.etree import ElementTree
 
@@ -9,10 +9,10 @@ _NOT_ABOVE = ('/', '/home', '/opt', '/tmp', '/usr', '/var', '/root', '/work', os
 
 
 def find(name, path):
-    """Return the folder of a package that lies beside a launch file, or None.
+    """Return the folder of the package ``name``, if it lies beside the launch file at ``path``, or None.
 
-    The folders around the file are looked through, the nearest first: its own package, then up to three above that,
-    but none above a repository's.
+    The folders around the file are searched, the nearest first: its own package, then up to three folders above that,
+    but none above the repository.
     """
     for folder in _around(os.path.dirname(os.path.abspath(path))):
         found = packages_below(folder).get(name)
@@ -32,11 +32,11 @@ def own_package(path):
 
 
 def _around(folder):
-    """Yield the folders that a package may lie below, the nearest first."""
+    """Yield the folders below which a package may lie, the nearest first."""
     while not os.path.isfile(os.path.join(folder, 'package.xml')):
         above = os.path.dirname(folder)
         if above in _NOT_ABOVE or os.path.isdir(os.path.join(folder, '.git')):
-            yield folder  # a file outside of any package: what lies below the last folder that is somebody's own
+            yield folder  # the file is in no package: search below the last folder that may belong to the user
             return
         folder = above
     for _level in range(1 + _LEVELS):
@@ -71,7 +71,7 @@ def _folders_in(folder):
 
 
 def _name_of(path):
-    """Return the name in a package's file, None if there is no such file, '' of one that nobody could read."""
+    """Return the package's name in its package.xml; None if there is no such file, '' if it is not valid XML."""
     if not os.path.isfile(path):  # a pipe would never end
         return None
     try:

@@ -1,13 +1,16 @@
-"""What is to be typed next, after an error of a launch file."""
+"""Tell the user what to type next, after an error of a launch file."""
 import re
 from xml.etree import ElementTree
 
-#: in errors of launch files that were written for something that is not here
+#: parts of errors of launch files that were written for something that is not here
 _OF_OTHERS = ('publishes /clock', 'does not exist', 'No such file', 'unknown machine', 'environment variable')
 
 
 def with_next(error, path, adopts):
-    """Return an error's text with what is to be typed next."""
+    """Return an error's text, with what the user can type next.
+
+    ``path``: that of the launch file; ``adopts``: whether --adopt was given.
+    """
     from rospkg import ResourceNotFound
     text = str(error)
     asked = re.search("requires the '(\\w+)' arg to be set|arg '(\\w+)' is not defined", text)
@@ -21,12 +24,12 @@ def with_next(error, path, adopts):
         text = 'the package {} is not found here; is its workspace sourced?'.format(name)
     elif not any(words in text for words in _OF_OTHERS):
         return text
-    return text + ('' if adopts else ' Of a file that was written for Gazebo, Stage or real robots, --adopt leaves out '
+    return text + ('' if adopts else ' If the file was written for Gazebo, Stage or real robots, --adopt leaves out '
                    'what is not here, and says what it does')
 
 
 def _wanted(path):
-    """Return the names of the arguments that a launch file asks for, and has no value of."""
+    """Return the names of the arguments that a launch file needs, and for which it has no value."""
     root = ElementTree.parse(path).getroot()
     given = {tag.get('name') for tag in root.findall('arg') if {'value', 'default'} & set(tag.attrib)}
     asked = [tag.get('name') for tag in root.findall('arg')]

@@ -1,4 +1,4 @@
-"""Options of lockstep_launch and verify that say what is done with a launch file of others."""
+"""Options of lockstep_launch and verify that adapt a launch file of others."""
 import argparse
 import math
 
@@ -6,7 +6,7 @@ from move_base_abstract.common.shown import shown
 
 
 def add_arguments(parser):
-    """Have a command line take them."""
+    """Add these options to the parser of a command line."""
     parser.add_argument('--adopt', action='store_true',
                         help='adapt a launch file of others by rule, and print what was done as a command line '
                         '(docs/adopt.md)')
@@ -24,13 +24,13 @@ def add_arguments(parser):
 
 
 def words_of(options):
-    """Return the words of a command line that say the same."""
+    """Return the words of a command line for the parsed options."""
     words = [option for option, is_given in (('--adopt', options.adopt), ('--tolerant', options.tolerant)) if is_given]
     return words + words_for(options.add, options.args, options.param, options.start)
 
 
 def words_for(added, arguments, parameters, starts):
-    """Return the words that ask for these fields of a plan's wishes."""
+    """Return the words of a command line for these fields of a plan's wishes: added, arguments, set, starts."""
     words = []
     for name, kind, given in added:
         words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + given if given else '')]
@@ -42,7 +42,7 @@ def words_for(added, arguments, parameters, starts):
 
 
 def wishes_of(options):
-    """Return {field: value} of what a plan is asked for by them."""
+    """Return {field: value} of the parsed options, for a plan's Wishes."""
     return {'is_tolerant': options.tolerant, 'added': tuple(options.add), 'arguments': tuple(options.args),
             'set': tuple(options.param), 'starts': tuple(options.start)}
 

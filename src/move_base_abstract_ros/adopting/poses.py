@@ -1,4 +1,4 @@
-"""What a launch file says of the places of its robots, whoever was to read it: each a Hint."""
+"""Find the places of robots that a launch file gives, for whatever program they are: each is a Hint."""
 import math
 import os
 import re
@@ -20,11 +20,12 @@ _FLAGS = {'-x': 0, '-y': 1, '-Y': 2}
 
 
 class Hint(NamedTuple):
-    """One place of a robot as a launch file says it.
+    """One place of a robot that a launch file gives.
 
-    ``source``: LOCALIZER (a pose in the map's frame), STAGE (in Stage's world), SPAWNED (in Gazebo's world), FRAME (of
-    odometry in the map's frame). ``pose``: (x, y, yaw) [m, m, rad]. ``names``: what the robot may be called.
-    ``is_robot``: whether it is surely a robot, and not a thing. ``who``: what says so, ``place``: where.
+    ``source``: LOCALIZER (a pose in the map's frame), STAGE (in Stage's world), SPAWNED (in Gazebo's world), FRAME (the
+    pose of the odometry frame in the map's frame). ``pose``: (x, y, yaw) [m, m, rad]. ``names``: possible names of the
+    robot. ``is_robot``: whether it is certainly a robot, and not a thing. ``who``: the part of the file that gives the
+    place; ``place``: where that part is in the file.
     """
 
     source: str
@@ -43,9 +44,10 @@ class Hint(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """A node that is Stage.
+    """A node that is Stage, with the path of its ``world`` file.
 
-    ``offset``: x, y, yaw [m, m, rad] of the map's frame in its world, and ``why``; None, and why nobody knows.
+    ``offset``: (x, y, yaw) [m, m, rad] of the map's frame in its world, or None if it is not known. ``why``: the source
+    of the offset, or the reason why it is not known.
     """
 
     node: object
@@ -55,7 +57,7 @@ class Stage(NamedTuple):
 
 
 def hints(config):
-    """Return the Hints of a roslaunch configuration, in the order in which its files say them, and its Stages."""
+    """Return (Hints, Stages) of a roslaunch configuration, in the order of its files."""
     found = [*_of_parameters(config)]
     stages = []
     for node in config.nodes:
@@ -75,7 +77,7 @@ def hints(config):
 
 
 def _of_parameters(config):
-    """Yield what localizers are told: parameters whose names end in initial_pose_x, _y, _a, wherever they are."""
+    """Yield the Hints for localizers: parameters whose names end in initial_pose_x, _y, _a, in any namespace."""
     places = {name_of(node): node.filename or '' for node in config.nodes}
     found = {}
     for key, param in config.params.items():
@@ -103,7 +105,7 @@ def _of_spawner(node):
 
 
 def _is_robot(words):
-    """Return whether a spawner's words are of a robot: its model is a parameter, in URDF, and not a file of a thing."""
+    """Return whether a spawner's arguments are for a robot: its model is a parameter, in URDF, and not a file."""
     return '-param' in words and '-sdf' not in words and any('robot' in word for word in words)
 
 
@@ -147,7 +149,7 @@ def _offset(config, world):
     maps = [words_of(node.args) for node in config.nodes if kinds.kind_of(node.package, node.type).word == kinds.MAP]
     if not any(maps):
         return None, 'the launch file serves no map'
-    from . import floors  # which needs numpy and Pillow: few launch files do
+    from . import floors  # it needs numpy and Pillow, and few launch files need it
     try:
         return floors.offset(world.floor, next(filter(None, maps))), 'by floor plan and map'
     except worlds.Unknown as error:
@@ -155,7 +157,7 @@ def _offset(config, world):
 
 
 def _delta(config):
-    """Return where the map's frame lies in Stage's world by fake_localization's parameters, or None."""
+    """Return (x, y, yaw) of the map's frame in Stage's world by the parameters of fake_localization, or None."""
     for node in config.nodes:
         if node.package == 'fake_localization':
             values = [config.params.get('{}/delta_{}'.format(name_of(node), axis)) for axis in ('x', 'y', 'yaw')]
@@ -166,7 +168,7 @@ def _delta(config):
 
 
 def _of_include(one):
-    """Yield what is handed to a launch file that is not here."""
+    """Yield the Hint in the arguments of an include whose file is not here, if there is one."""
     pose, is_there = [0.0] * 3, False
     for name, text in one.arguments:
         words = name.lower().split('_')
@@ -183,11 +185,11 @@ def _of_include(one):
         source = LOCALIZER if 'amcl' in base or any('initial' in name for name, _ in one.arguments) else SPAWNED
         namespace = absolute(named[0]) if named and one.namespace == '/' else one.namespace
         yield Hint(source, tuple(pose), absolute(namespace), tokens(one.namespace, *named),
-                   'what is handed to {}'.format(base), one.place)
+                   'the arguments for {}'.format(base), one.place)
 
 
 def _flags(words):
-    """Return the pose in the words of a spawner, and whether there is one."""
+    """Return (pose, whether there is one) of a spawner's arguments -x, -y and -Y."""
     pose, is_there = [0.0] * 3, False
     for word, after in zip(words, words[1:]):
         if word in _FLAGS and _number(after) is not None:
@@ -196,7 +198,7 @@ def _flags(words):
 
 
 def words_of(text):
-    """Return the words of a node's arguments, as a shell splits them; by spaces, if it cannot."""
+    """Return the words of a node's arguments as a shell splits them. If a shell could not, split at white space."""
     try:
         return shlex.split(text or '')
     except ValueError:
@@ -214,7 +216,7 @@ def _number(value):
 
 
 def tokens(*texts):
-    """Return the words of names that may be a robot's, in lower case: each whole, and its parts between slashes."""
+    """Return possible names of a robot in ``texts``, in lower case: each text, and its parts between slashes."""
     found = set()
     for text in texts:
         whole = (text or '').strip('/ ').lower()
@@ -223,7 +225,7 @@ def tokens(*texts):
 
 
 def absolute(namespace):
-    """Return a namespace with a slash before and behind it."""
+    """Return a namespace with a slash before and after it."""
     return '/' + '{}/'.format((namespace or '').strip('/')).lstrip('/')
 
 

@@ -1,4 +1,4 @@
-"""A loader of launch files that leaves out what a file names and is not installed here, and notes it with its place."""
+"""A loader of launch files. If a file names something that is not here, it leaves that out, and notes its place."""
 import os
 import re
 import shlex
@@ -18,23 +18,24 @@ from move_base_abstract.common import bounded_yaml
 
 from . import hooks, neighbours
 
-NOT_INSTALLED = '/not_installed/'  # a package that is not here is a folder below this, which nobody has
-#: what is taken for variables of the environment that launch files ask for and are not set
+NOT_INSTALLED = '/not_installed/'  # stands for the folder of packages that are not here; it does not exist
+#: values of environment variables that launch files ask for, if they are not set
 ENVIRONMENT = {'TURTLEBOT3_MODEL': 'burger'}
 _FIND = re.compile(r'\$\(find\s+([\w.-]+)\s*\)')
 _ENV = re.compile(r'\$\(env\s+(\w+)\s*\)')
 _ENV_IN_EVAL = re.compile(r'\benv\(\s*[\'"](\w+)[\'"]\s*\)')
 _DEEPEST = 100
 _MOST_INCLUDED = 1000
-_LARGEST = 2 ** 31 - 1  # of XML-RPC's integers
+_LARGEST = 2 ** 31 - 1  # the largest integer of XML-RPC
 
 
 class Missing(NamedTuple):
-    """What a launch file names and is not here.
+    """Something that a launch file names and that is not here.
 
-    ``kind``: 'include', 'parameters', 'parameter', 'variable'; 'argument', of an include that does not read it;
-    'relative', of an include that is found beside its file only; 'value', of a parameter that no server takes.
-    ``arguments``: of an include, {name: text}. ``namespace``: in which it stands. ``place``: 'FILE:LINE'.
+    ``kind``: 'include', 'parameters' (a file of them), 'parameter', 'variable' (of the environment); 'argument': it is
+    given to an include that does not read it; 'relative': an include that is found only beside its file; 'value': a
+    parameter whose value no parameter server accepts. ``arguments``: those of an include, ((name, text), ...).
+    ``namespace``: the one in which it is named. ``place``: 'FILE:LINE'.
     """
 
     kind: str
@@ -45,14 +46,14 @@ class Missing(NamedTuple):
 
 
 class Tolerant:
-    """What a loader of roslaunch does otherwise, to stand before it among the bases of a class.
+    """Makes a loader of roslaunch tolerant. In a class it must come before that loader among the bases.
 
-    ``missing``: what was left out. What it has read has this, too, and ``taken``: {package: folder} of those that lie
-    beside the file. Of nodes ``filename`` is their place.
+    ``missing``: [Missing] that were left out. The configuration gets this list, too, and ``taken``: {package: folder}
+    of packages that lie beside the file. The ``filename`` of a node becomes its place, 'FILE:LINE'.
     """
 
     def __init__(self, *arguments, **others):
-        """As roslaunch's."""
+        """Take the arguments of roslaunch's loader."""
         super().__init__(*arguments, **others)
         self.missing = []
         self._packages = _Packages()
@@ -62,9 +63,9 @@ class Tolerant:
         self._place = ''
 
     def load(self, filename, ros_config, core=False, argv=None, verbose=True):
-        """As roslaunch's."""
+        """Load a launch file into a configuration, as roslaunch's loader does. Errors get the place in the file."""
         self._first = self._packages.first = None if core else filename
-        substitution_args._rospack = self._packages  # which roslaunch asks where packages are
+        substitution_args._rospack = self._packages  # roslaunch asks this object for the folders of packages
         try:
             super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
         except RLException as error:
@@ -76,13 +77,13 @@ class Tolerant:
             ros_config.missing, ros_config.taken = self.missing, self._packages.taken
 
     def _with_place(self, error):
-        """Return an error of roslaunch's that says where: those of a tag do not."""
+        """Return an error of roslaunch with the place in the file, because errors of a tag do not have it."""
         if not self._place or self._place in str(error) or 'Invalid roslaunch XML syntax' in str(error):
             return error
         return type(error)('{} ({})'.format(error, self._with_chain(self._place)))
 
     def resolve_args(self, args, context):
-        """As roslaunch's, with a place that nobody has for a package that is not here."""
+        """Resolve as roslaunch's loader does. A package that is not here gets a folder that does not exist."""
         if args and '$' in args and self._first is not None:
             in_eval = args.startswith('$(eval')
             args = args if in_eval else _FIND.sub(self._package, args)
@@ -90,17 +91,17 @@ class Tolerant:
         return super().resolve_args(args, context)
 
     def opt_attrs(self, tag, context, attrs):
-        """As roslaunch's."""
+        """Note the place of the tag, and return its attributes as roslaunch's loader does."""
         self._note(tag, context)
         return super().opt_attrs(tag, context, attrs)
 
     def reqd_attrs(self, tag, context, attrs):
-        """As roslaunch's."""
+        """Note the place of the tag, and return its attributes as roslaunch's loader does."""
         self._note(tag, context)
         return super().reqd_attrs(tag, context, attrs)
 
     def load_rosparam(self, context, ros_config, cmd, param, file_, text, verbose=True, subst_function=None):
-        """As roslaunch's."""
+        """Load parameters as roslaunch's loader does. A file that is not here is noted in ``missing``."""
         if cmd == 'load' and file_ is not None and not os.path.isfile(file_):
             self._miss('parameters', file_, context.ns)
             return
@@ -115,7 +116,7 @@ class Tolerant:
             self._missed('value', key, place)
 
     def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
-        """As roslaunch's; '' where a file, or a program, is not there."""
+        """Return the value of a parameter as roslaunch's loader does; '' if its file or its program is not here."""
         path = textfile or binfile
         if path and not os.path.isfile(path) or command and not _is_there(command):
             return self._miss('parameter', '{}: {}'.format(name, path or command))
@@ -156,12 +157,12 @@ class Tolerant:
         except LoadException as error:
             if not str(error).startswith('unused args'):
                 raise
-            self._missed('argument', str(error), self._chain[-1])  # what the file starts is there by then
-        self._chain.pop()  # after an error it stays: it is a part of the place
+            self._missed('argument', str(error), self._chain[-1])  # roslaunch has read the file before this error
+        self._chain.pop()  # after another error it stays, because it is a part of the place
         return made
 
     def _path_of(self, tag, context):
-        """Return the path that an include says; one without a folder lies beside the file, if not where we are."""
+        """Return the path of an include. A relative path that does not exist may lie beside the including file."""
         if 'file' not in tag.attributes:
             raise XmlParseException("<include> tag is missing required attribute: 'file'")
         path = self.resolve_args(tag.attributes['file'].value, context)
@@ -173,7 +174,7 @@ class Tolerant:
         return beside
 
     def _asked(self, tag, context):
-        """Return the namespace of an include, and its arguments, ((name, text), ...)."""
+        """Return (namespace, arguments) of an include; the arguments are ((name, text), ...)."""
         namespace, passed = self.opt_attrs(tag, context, ('ns', 'pass_all_args'))
         found = dict(context.resolve_dict.get('arg', {})) if (passed or '').lower() in ('true', '1') else {}
         for one in tag.getElementsByTagName('arg'):
@@ -184,7 +185,7 @@ class Tolerant:
             (name, text) for name, text in found.items() if isinstance(text, str))
 
     def _machine_tag(self, tag, context, ros_config, verbose=True):
-        return None  # all run on this computer
+        return None  # all nodes run on this computer
 
     def _node_tag(self, tag, context, ros_config, default_machine, is_test=False, verbose=True):
         self._note(tag, context)
@@ -192,7 +193,7 @@ class Tolerant:
         node = super()._node_tag(tag, context, ros_config, default_machine, is_test=is_test, verbose=verbose)
         if node is not None and self._first is not None:
             self._packages.has(node.package)
-            node.filename, node.machine_name = self._with_chain(place), None  # roslaunch only shows it
+            node.filename, node.machine_name = self._with_chain(place), None  # roslaunch only prints the filename
         return node
 
     def _note(self, tag, context):
@@ -225,7 +226,7 @@ class Tolerant:
 
 
 class _Packages(rospkg.RosPack):
-    """Stands for rospkg's in roslaunch. ``first``: the file that is read; ``taken``: as of :class:`Tolerant`."""
+    """Takes the place of rospkg's RosPack in roslaunch. ``first``: the file that is read; ``taken``: see Tolerant."""
 
     def __init__(self):
         super().__init__()
@@ -234,19 +235,19 @@ class _Packages(rospkg.RosPack):
         self._known, self._folders = {}, {}
 
     def get_path(self, name):
-        """Return the folder of a package; one that nobody has, of a package that is not here."""
+        """Return the folder of a package. If the package is not here, the folder does not exist."""
         if name not in self._folders:
             self._folders[name] = rospkg.RosPack().get_path(name) if self.has(name) else NOT_INSTALLED + name
         return self._folders[name]
 
     def has(self, name):
-        """Return whether a package is here, or is now: from beside the file."""
+        """Return whether a package is here. If it lies beside the file, it is taken from there."""
         if name not in self._known:
             self._known[name] = is_package(name) or self._take(name)
         return self._known[name]
 
     def _take(self, name):
-        """Take a package from beside the file, if it lies there, for this process and those that it starts."""
+        """Use a package beside the file, if there is one, in this process and those that it starts."""
         folder = neighbours.find(name, self.first)
         if folder is not None:
             self.taken[name] = folder
@@ -255,16 +256,16 @@ class _Packages(rospkg.RosPack):
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):
-    """Python's builder of documents, whose elements know their line."""
+    """Python's builder of XML documents. It gives each element the attribute ``line``."""
 
     def start_element_handler(self, name, attributes):
-        """As Python's."""
+        """Handle the start of an element as Python's builder does, and note its line."""
         super().start_element_handler(name, attributes)
         self.curNode.line = self._parser.CurrentLineNumber
 
 
 def is_package(name):
-    """Return whether a package is found here."""
+    """Return whether rospkg finds the package ``name``."""
     try:
         rospkg.RosPack().get_path(name)
         return True
@@ -273,7 +274,7 @@ def is_package(name):
 
 
 def use(folder):
-    """Have a package be found by this process and by those that it starts, with the modules in its ``src``."""
+    """Make this process and those that it starts find the package in ``folder``, and the modules in its ``src``."""
     _append('ROS_PACKAGE_PATH', folder)
     source = os.path.join(folder, 'src')
     if os.path.isfile(os.path.join(folder, 'setup.py')) and os.path.isdir(source):
@@ -291,24 +292,24 @@ def _start_of(path):
         with open(path, encoding='utf-8', errors='replace') as stream:
             return stream.read(bounded_yaml.FILE.size + 1)
     except OSError:
-        return ''  # roslaunch says so
+        return ''  # roslaunch reports the error
 
 
 def _check_size(text):
-    """Refuse YAML that stands for more than roslaunch could take apart: its aliases of aliases have no bound there."""
+    """Refuse YAML that stands for too many values. roslaunch sets no limit to aliases of aliases."""
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader) if '*' in text else None
     except (yaml.YAMLError, RecursionError):
-        return  # roslaunch says so
+        return  # roslaunch reports the error
     if len(text) > bounded_yaml.FILE.size or root is not None and _values(root, {}) > bounded_yaml.FILE.values:
         raise XmlParseException('parameters of more than {} characters, or with aliases {} values'.format(
             bounded_yaml.FILE.size, bounded_yaml.FILE.values))
 
 
 def _values(node, known):
-    """Return how many values a node of YAML stands for; of one that holds itself more than anybody allows."""
+    """Return the number of values for which a YAML node stands. If a node contains itself, it is above the limit."""
     if id(node) not in known:
-        known[id(node)] = 2 * bounded_yaml.FILE.values  # while it is counted: only one that holds itself comes back
+        known[id(node)] = 2 * bounded_yaml.FILE.values  # during the count: only a node that contains itself sees this
         parts = node.value if isinstance(node, yaml.CollectionNode) else ()
         parts = [one for pair in parts for one in pair] if isinstance(node, yaml.MappingNode) else parts
         known[id(node)] = 1 + sum(_values(one, known) for one in parts)
@@ -316,7 +317,7 @@ def _values(node, known):
 
 
 def _is_refused(value):
-    """Return whether a parameter, or a part of one, is what no parameter server takes: nothing, or a huge integer."""
+    """Return whether a parameter server refuses a value or a part of it: None, or an integer beyond 32 bits."""
     if isinstance(value, (dict, list)):
         return any(map(_is_refused, value.values() if isinstance(value, dict) else value))
     return value is None or isinstance(value, int) and abs(value) > _LARGEST

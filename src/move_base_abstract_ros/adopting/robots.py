@@ -1,4 +1,4 @@
-"""Who the robots of a launch file are, and which of the places that it says is whose."""
+"""Find the robots of a launch file, and which of its places belongs to which robot."""
 import math
 import os
 import re
@@ -10,14 +10,14 @@ from . import kinds, poses, worlds
 
 PACKAGE = 'move_base_abstract'
 OWN = ('move_base', 'move_base_abstract_actionserver')
-_FAR = 0.05  # m: places that differ by more are told
+_FAR = 0.05  # m: the user is told of places that differ by more
 _NAME = re.compile('(?:/[A-Za-z0-9_]+)+')
 
 
 class Robot(NamedTuple):
-    """A robot: the full ``name`` of its move_base, its ``namespace``, what it may be called.
+    """A robot: the full ``name`` of its move_base, its ``namespace``, and its possible ``names``.
 
-    ``added``: why it gets a move_base though the file starts none, or ''. ``place``: where the file says it.
+    ``added``: why it gets a move_base although the file starts none, or ''. ``place``: where it is in the file.
     """
 
     name: str
@@ -28,15 +28,15 @@ class Robot(NamedTuple):
 
     @property
     def has_name(self):
-        """Whether ROS takes the name."""
+        """Whether ROS accepts the name."""
         return _NAME.fullmatch(self.name) is not None
 
 
 class Start(NamedTuple):
-    """Where a robot starts: ``hint`` says it, None: nobody does; ``pose`` in the map's frame.
+    """The start of a robot: its ``pose``, (x, y, yaw) [m, m, rad] in the map's frame, and the ``hint`` that gives it.
 
-    ``others``: (hint, pose) of those that say another one. ``by_order``: whether only the order in the file says whose
-    it is.
+    ``hint`` is None if the file gives no place. ``others``: ((hint, pose), ...) of hints that give another place.
+    ``by_order``: whether the hint belongs to this robot only by the order in the file.
     """
 
     robot: Robot
@@ -47,7 +47,11 @@ class Start(NamedTuple):
 
 
 def robots_of(config, hints):
-    """Return the Robots of a configuration, in the order of its nodes."""
+    """Return the Robots of a configuration, in the order of its nodes, and those that need a move_base.
+
+    A robot needs one if a launch file that is not here would start it, by its name. If no robot is found so, each robot
+    of the ``hints`` gets one.
+    """
     nodes = [node for node in config.nodes if _is_robot(node)]
     found = [Robot(poses.name_of(node), node.namespace, _names(config, node), place=node.filename or '')
              for node in nodes]
@@ -57,7 +61,7 @@ def robots_of(config, hints):
             namespace = _namespace_of(one)
             if namespace not in known:
                 known.add(namespace)
-                found.append(_new(namespace, '{} is not here, which by its name starts one'.format(
+                found.append(_new(namespace, '{} is not here, and by its name it starts one'.format(
                     os.path.basename(one.name)), one.place))
     if not found:
         for hint in _of_robots(hints):
@@ -69,7 +73,7 @@ def robots_of(config, hints):
 
 
 def _of_robots(hints):
-    """Return the hints that are of robots: a localizer outside of the namespaces that robots are put into is theirs."""
+    """Return the hints that stand for robots. A localizer without a namespace does not, if robots have namespaces."""
     found = [hint for hint in hints if hint.is_robot and hint.source != poses.FRAME]
     are_apart = any(hint.namespace != '/' and hint.source != poses.LOCALIZER for hint in found)
     return [hint for hint in found if hint.source != poses.LOCALIZER or hint.namespace != '/' or not are_apart]
@@ -101,14 +105,14 @@ def _names(config, node):
 
 
 def _told_apart(robots):
-    """Take away the names that several robots have."""
+    """Return the robots without the names that several of them have."""
     names = [name for robot in robots for name in robot.names]
     return [robot._replace(names=frozenset(name for name in robot.names if names.count(name) == 1))
             for robot in robots]
 
 
 def starts_of(robots, hints, stages):
-    """Return a Start of each robot, and the hints that are nobody's."""
+    """Return ([Start of each robot], [hints that belong to no robot])."""
     whose, by_order = {}, set()
     for source in (poses.LOCALIZER, poses.STAGE, poses.SPAWNED, poses.FRAME):
         of_source = [hint for hint in hints if hint.source == source]
@@ -121,7 +125,7 @@ def starts_of(robots, hints, stages):
 
 
 def _assigned(robots, hints):
-    """Return {hint: name of its robot}, of one source, by namespace or name, and the same by order in the file."""
+    """Assign the hints of one source; return ({hint: name of its robot} by namespace or name, the same by order)."""
     found = {}
     for robot in robots:
         best = max((_score(robot, hint, len(robots)) for hint in hints), default=0)
@@ -158,7 +162,7 @@ def _start(robot, hints, stages, by_order):
 
 
 def in_map(hint, offset):
-    """Return the pose of a hint in the map's frame, of which ``offset`` says where it lies in Stage's world."""
+    """Return the pose of a hint in the map's frame. ``offset``: the pose of that frame in Stage's world, or None."""
     x, y, yaw = hint.pose
     if hint.source == poses.STAGE and offset:
         x, y = worlds.turned(x - offset[0], y - offset[1], -offset[2])

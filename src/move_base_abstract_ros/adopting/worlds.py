@@ -1,4 +1,4 @@
-"""Stage's world files: the robots in them, where they are, and how the floor plan lies."""
+"""Read Stage's world files: the robots, their poses, and the pose of the floor plan."""
 import math
 import os
 import re
@@ -9,7 +9,7 @@ _LARGEST = 1 << 22  # characters
 _MOST_INCLUDED = 50
 _MOST_ROBOTS = 1000
 _DEEPEST = 50  # parts within parts
-#: what Stage itself has, and is no robot; what else is defined nowhere comes of a file that is not here
+#: Stage's own models that are not robots. A model that is not defined here may be of a file that is not here
 _BUILT_IN = ('model', 'window', 'speech_bubble', 'ranger', 'laser', 'fiducial', 'blobfinder', 'gripper', 'actuator',
              'camera', 'bumper', 'wifi', 'lightindicator', 'blinkenlight', 'block', 'sensor', 'loadcell', 'indicator')
 
@@ -17,12 +17,13 @@ _EXACT = 1e-9  # of a quarter turn
 
 
 class Unknown(Exception):
-    """The text says why nobody can say where the map's frame lies."""
+    """It cannot be known where the map's frame lies. The text says why."""
 
 
 class World(NamedTuple):
-    """``robots``: ((name, (x, y, yaw) [m, m, rad, Stage's world]), ...) in the order in which stage_ros numbers them.
+    """The content of a world file.
 
+    ``robots``: ((name, (x, y, yaw)), ...) [m, m, rad], in Stage's world, in the order in which stage_ros numbers them.
     ``floor``: the Floor of the floor plan, or None.
     """
 
@@ -31,7 +32,7 @@ class World(NamedTuple):
 
 
 class Floor(NamedTuple):
-    """A model with an image: its middle [m], yaw [rad], size [m] and the path of the image."""
+    """A model with an image: its centre [m], yaw [rad], size [m] and the path of the image."""
 
     x: float
     y: float
@@ -49,7 +50,7 @@ class _Model:
 
 
 def read(path):
-    """Return the World of a file. :raises OSError, ValueError: if it cannot be read."""
+    """Return the World of a world file. :raises OSError, ValueError: if it cannot be read."""
     defined, models = {}, []
     _parse(path, defined, models, [0])
     robots, floor = [], None
@@ -65,7 +66,7 @@ def read(path):
 
 
 def turned(x, y, yaw):
-    """Return x, y turned by yaw [rad]; quarter turns are exact."""
+    """Return (x, y) turned by yaw [rad]. Quarter turns are exact."""
     quarters = yaw / (math.pi / 2)
     if abs(quarters - round(quarters)) < _EXACT:
         cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[round(quarters) % 4]
@@ -75,7 +76,7 @@ def turned(x, y, yaw):
 
 
 def _floor(values, folder):
-    """Return the Floor of a model: Stage's ``origin`` is where its middle lies, as seen from its pose."""
+    """Return the Floor of a model. Stage's ``origin`` is the position of the model's centre, as seen from its pose."""
     x, y, yaw = _pose(values)
     in_x, in_y, turn = _pose({'pose': values.get('origin', [])})
     in_x, in_y = turned(in_x, in_y, yaw)
@@ -109,7 +110,7 @@ def _parse(path, defined, models, count):
 
 def _text_of(path):
     if os.path.exists(path) and not os.path.isfile(path):  # a pipe would never end
-        raise ValueError('{}: is no file'.format(path))
+        raise ValueError('{}: is not a regular file'.format(path))
     with open(path, encoding='utf-8', errors='replace') as stream:
         text = stream.read(_LARGEST + 1)
     if len(text) > _LARGEST:
@@ -118,7 +119,7 @@ def _text_of(path):
 
 
 def _model(words, at, folder, depth=0):
-    """Return the model whose base is at a place, and the place behind it."""
+    """Return (the model that begins at the word number ``at``, the number of the word after it)."""
     if depth > _DEEPEST:
         raise ValueError('parts lie within one another more than {} times'.format(_DEEPEST))
     model = _Model(words[at].group())
@@ -144,7 +145,7 @@ def _text(found):
 
 
 def _resolved(model, defined):
-    """Return the kind of Stage's own that a model is, its values, and the folder of its image."""
+    """Return (the model of Stage on which a model is based, its values, the folder of its image)."""
     chain = [model]
     while chain[-1].base in defined and defined[chain[-1].base] not in chain:
         chain.append(defined[chain[-1].base])
@@ -156,7 +157,7 @@ def _resolved(model, defined):
 
 
 def _pose(values):
-    """Return x, y [m] and yaw [rad]; Stage has degrees as the last of three or four numbers."""
+    """Return (x [m], y [m], yaw [rad]). Stage gives the yaw in degrees, as the last of three or four numbers."""
     found = _numbers(values.get('pose', []))
     found = [*found, *[0.0] * (4 - len(found))] if len(found) != 3 else [*found[:2], 0.0, found[2]]
     return found[0], found[1], math.radians(found[3])

@@ -1,10 +1,15 @@
-"""Where robots are shown and placed: one object per simulator, chosen by name.
+"""Backends: the simulators that show robots and place them, one object for each robot, chosen by name.
 
-A backend is made with (names, settings) and has ``place(pose, velocity, stamp_ns)``: the robot is there now,
-``rests(pose, stamp_ns)``: it still stands there (``is_odometry_heard()``: who hears that), ``heartbeat(pose,
-stamp_ns)``: keep look-ups of the present working, ``looks(pose, stamp_ns)``: its laser looks around there,
-``shift``: if set, where odometry seems to begin (see telling), of those that tell by tf where the robot is;
-``restart()``: stamps begin anew, ``close()``: the robot is gone, and ``frames``: those whose place it tells in tf.
+A backend is made with (names, settings). It has
+
+- ``place(pose, velocity, stamp_ns)``: publish that the robot is there now;
+- ``rests(pose, stamp_ns)``: publish that it still stands there; ``is_odometry_heard()``: which nodes hear that;
+- ``heartbeat(pose, stamp_ns)``: publish tf, so that look-ups of the present work;
+- ``looks(pose, stamp_ns)``: publish tf at the instant of a laser scan;
+- ``shift``: where odometry seems to begin, or None; only of backends that publish the robot's pose in tf;
+- ``restart()``: allow earlier stamps, because time starts anew; ``close()``: the robot is removed;
+- ``frames``: the frames that it publishes in tf.
+
 Poses are Pose2D in the global frame, velocities (forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
 """
 from move_base_abstract.common.errors import ConfigurationError
@@ -30,7 +35,7 @@ BACKENDS = {
 def make(name, names, settings, timing):
     """Return the backend ``name`` for one robot.
 
-    :raises ConfigurationError: if there is none of that name, or ``timing`` (see timing.py) does not go with it.
+    :raises ConfigurationError: if there is no backend of that name, or ``timing`` (see timing.py) does not allow it.
     """
     if name not in BACKENDS:
         raise ConfigurationError("parameter {}/backend: got '{}'; allowed: {}".format(

@@ -1,4 +1,4 @@
-"""The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
+"""The built-in simulator: it publishes the robot's pose, as the core computes it, in tf and on a few topics."""
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
@@ -15,11 +15,11 @@ _ORIGIN = Pose2D()
 
 
 class BuiltinBackend:
-    """tf ``map -> odom -> base_link``, ``amcl_pose``, ``odom``, ``base_pose_ground_truth`` and ``robot_pose``.
+    """Publishes tf ``map -> odom -> base_link``, ``amcl_pose``, ``odom``, ``base_pose_ground_truth``, ``robot_pose``.
 
     Odometry is perfect and starts at the map's origin: ``odom`` coincides with ``map``, or is the global frame itself.
-    With a ``shift`` the robot takes ``odom`` to lie there; ground truth knows better.
-    The topics are latched, so that who comes late learns where the robot stands.
+    With a ``shift`` the robot believes that ``odom`` is there; only the ground truth does not follow.
+    The topics are latched, so that nodes that start later get the robot's pose.
     """
 
     def __init__(self, names, settings):
@@ -30,7 +30,7 @@ class BuiltinBackend:
                                                                                               self._base_frame)
         # Without a map odom is the global frame; tf allows no frame to be its own parent.
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
-        self._tf_told = -1, None  # the stamp, and the pose and the shift, that tf was told last
+        self._tf_told = -1, None  # the last one sent to tf: stamp [ns], (pose, shift)
         self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
         self._poses.add(names.topic('robot_pose'), *(
@@ -40,17 +40,17 @@ class BuiltinBackend:
         self._odometry.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
 
     def place(self, pose, velocity, stamp_ns):
-        """Publish that the robot is at ``pose`` with ``velocity``."""
+        """Publish that the robot is at ``pose`` and drives with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
         self._poses.show(pose, velocity, stamp_ns)
         self._odometry.show(pose, velocity, stamp_ns)
 
     def rests(self, pose, stamp_ns):
-        """Publish odometry and ground truth of a robot that stands at ``pose``; amcl tells nothing then."""
+        """Publish odometry and ground truth of a robot that stands at ``pose``. ``amcl_pose`` is not published then."""
         self._odometry.show(pose, (0.0, 0.0), stamp_ns)
 
     def heartbeat(self, pose, stamp_ns):
-        """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
+        """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""
         told_ns, told = self._tf_told
         if stamp_ns <= told_ns:
             if (pose, self.shift) == told:
@@ -62,16 +62,16 @@ class BuiltinBackend:
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, shift, stamp_ns))
 
     def looks(self, pose, stamp_ns):
-        """Publish tf of the instant of a scan, unless what was said is later already."""
+        """Publish tf at the instant of a scan, unless a later one was published."""
         if stamp_ns > self._tf_told[0]:
             self.heartbeat(pose, stamp_ns)
 
     def is_heard(self):
-        """Return who listens to the robot's pose, other than by tf: 0 is nobody."""
+        """Return which nodes listen to the robot's pose, other than by tf: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return max(self._poses.is_heard(), self._odometry.is_heard())
 
     def is_odometry_heard(self):
-        """Return who listens to odometry or ground truth: 0 is nobody."""
+        """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return self._odometry.is_heard()
 
     def hearers(self):
@@ -83,11 +83,11 @@ class BuiltinBackend:
         return self._odometry.hearers()
 
     def restart(self):
-        """Time has started anew."""
+        """Allow earlier stamps, because time has started anew."""
         self._tf_told = -1, None
 
     def close(self):
-        """Leave the graph."""
+        """Unregister the topics, and take the robot's frame out of tf."""
         tf_hub.forget(self._base_frame)
         self._poses.unregister()
         self._odometry.unregister()

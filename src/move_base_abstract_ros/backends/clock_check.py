@@ -1,4 +1,4 @@
-"""Two clocks: simulators with a clock of their own and a time master do not go together."""
+"""Warn of two clocks: a simulator with a clock of its own and a time master cannot run together."""
 import threading
 
 import rosgraph
@@ -12,7 +12,7 @@ _other_clock = WallThrottle(0.1)  # Hz; the robots of a process share their simu
 
 
 def warn_if_shared(simulator):
-    """Warn if several nodes publish /clock; asked of the ROS master once per process. ``simulator``: for people."""
+    """Warn if several nodes publish /clock. The ROS master is asked once per process. ``simulator``: its name."""
     if not _first_time.acquire(blocking=False):
         return
     names = clock_publishers()
@@ -23,7 +23,7 @@ def warn_if_shared(simulator):
 
 
 def warn_of_machine_clock(simulator):
-    """Warn if this node goes by the machine's clock; once per process."""
+    """Warn, once per process, if this node uses the machine's clock."""
     if rospy.rostime.is_wallclock() and _first_machine_clock.acquire(blocking=False):
         rospy.logwarn("%s: /use_sim_time was not true when this node started, so that it goes by the machine's clock. "
                       '%s publishes /clock: set /use_sim_time before the nodes start, or start %s first',
@@ -31,16 +31,16 @@ def warn_of_machine_clock(simulator):
 
 
 def warn_of_other_clock(simulator, robot, gap):
-    """Warn that ``simulator`` dates what it says of ``robot`` ``gap`` [s] before the present of this node.
+    """Warn that ``simulator`` stamps its messages about ``robot`` ``gap`` [s] before the present of this node.
 
-    Of the robots of a process one is enough.
+    All robots of a process share the limit of one warning in 10 s of wall time.
     """
     if not _other_clock.ready():
         return
     own = "the machine's clock" if rospy.rostime.is_wallclock() else '/clock'
-    rospy.logwarn('%s: %s dates its odometry %.1f s %s %s, by which this node goes: look-ups in tf of the present '
-                  'fail, those of the latest transform work. Let all go by one clock; where %s publishes it, without '
-                  'the time master (simulator.launch time_master:=false)', robot, simulator, abs(gap),
+    rospy.logwarn('%s: %s dates its odometry %.1f s %s %s, which this node uses: look-ups in tf of the present '
+                  'fail, those of the latest transform work. Use one clock for all nodes; if %s publishes it, start '
+                  'without the time master (simulator.launch time_master:=false)', robot, simulator, abs(gap),
                   'before' if gap > 0.0 else 'after', own, simulator)
 
 
@@ -49,6 +49,6 @@ def clock_publishers():
     try:
         published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
     except (OSError, rosgraph.MasterException) as error:
-        rospy.logwarn('%s: who publishes /clock is not known: %s', rospy.get_name(), error)
+        rospy.logwarn('%s: the publishers of /clock are not known: %s', rospy.get_name(), error)
         return []
     return sorted(name for topic, names in published if topic == '/clock' for name in names)

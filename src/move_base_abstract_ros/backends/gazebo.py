@@ -1,4 +1,4 @@
-"""Gazebo as the place where robots are seen: their models are put where the core says."""
+"""The backend for Gazebo: it sets the robots' models to the poses that the core computes."""
 import threading
 import time
 
@@ -16,9 +16,9 @@ _WARNINGS_RATE = 0.2  # Hz, wall
 
 
 class GazeboBackend:
-    """Calls ``/gazebo/set_model_state``; ``display(names, settings)`` makes the backend for tf and the pose topics.
+    """Calls ``/gazebo/set_model_state``. ``display(names, settings)`` makes the backend for tf and the pose topics.
 
-    :raises ConfigurationError: if there is no gazebo_msgs.
+    :raises ConfigurationError: if the package gazebo_msgs is not installed.
     """
 
     def __init__(self, names, settings, display):
@@ -31,7 +31,7 @@ class GazeboBackend:
         clock_check.warn_of_machine_clock('Gazebo')
 
     def place(self, pose, velocity, stamp_ns):
-        """Show the pose, and leave it to the worker to tell Gazebo."""
+        """Publish the pose, and make the worker send it to Gazebo."""
         self._display.place(pose, velocity, stamp_ns)
         message = conversions.to_pose(pose)
         message.position.z = self._z
@@ -43,11 +43,11 @@ class GazeboBackend:
         self._display.rests(pose, stamp_ns)
 
     def is_odometry_heard(self):
-        """Return who listens to odometry or ground truth: 0 is nobody."""
+        """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return self._display.is_odometry_heard()
 
     def looks(self, pose, stamp_ns):
-        """Publish tf of the instant of a scan."""
+        """Publish tf at the instant of a scan."""
         self._display.looks(pose, stamp_ns)
 
     def heartbeat(self, pose, stamp_ns):
@@ -55,19 +55,20 @@ class GazeboBackend:
         self._display.heartbeat(pose, stamp_ns)
 
     def restart(self):
-        """Time has started anew."""
+        """Allow earlier stamps, because time has started anew."""
         self._display.restart()
 
     def close(self):
-        """Leave the graph; the model stays where it is."""
+        """Unregister the topics. The model stays where it is."""
         self._display.close()
         _worker(self._types.SetModelState).forget(self._model)
 
 
 class ModelWorker:
-    """One thread that calls ``set_state(state)``, for each model with its latest state only.
+    """One thread that calls ``set_state(state)`` with the latest state of each model.
 
-    ``set_state`` returns what went wrong, or ''; then it is tried again after a second, the other models meanwhile.
+    ``set_state`` returns '' or what went wrong. After a fault the thread tries again in a second, and serves the other
+    models meanwhile. ``warn(text)`` gets the fault.
     """
 
     def __init__(self, set_state, warn):
@@ -78,13 +79,13 @@ class ModelWorker:
         threading.Thread(target=self._run, name='gazebo', daemon=True).start()
 
     def put(self, model, state):
-        """Have ``model`` set to ``state``; returns at once."""
+        """Make the thread set ``model`` to ``state``; returns at once."""
         with self._condition:
             self._waiting[model] = (0.0, state)
             self._condition.notify()
 
     def forget(self, model):
-        """Set ``model`` no more."""
+        """Do not set ``model`` any more."""
         with self._condition:
             self._waiting.pop(model, None)
 
@@ -110,7 +111,7 @@ class ModelWorker:
 
 
 class _Caller:
-    """The service over one connection, which is made anew after it failed."""
+    """Calls the service over one connection. After a failure the next call makes a new connection."""
 
     def __init__(self, service_type):
         self._service_type = service_type
@@ -129,7 +130,7 @@ class _Caller:
 
 
 class _Types:
-    """The two types of gazebo_msgs that are used."""
+    """The two types of gazebo_msgs that this module uses."""
 
     def __init__(self):
         from gazebo_msgs.msg import ModelState
@@ -152,7 +153,7 @@ _shared = []
 
 
 def _worker(service_type):
-    """Return the process's only worker."""
+    """Return the only ModelWorker of the process. The first call makes it."""
     with _lock:
         if not _shared:
             throttle = WallThrottle(_WARNINGS_RATE)

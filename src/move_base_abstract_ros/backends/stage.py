@@ -1,4 +1,4 @@
-"""Stage as the place where robots are seen: it is told each pose, and it tells where the robot is."""
+"""The backend for Stage: it sends each pose to Stage, and Stage reports where the robot is."""
 import threading
 import time
 
@@ -23,15 +23,16 @@ _EXACT = 1e-6  # m and rad; what goes to Stage and comes back is rounded
 
 
 class StageBackend:
-    """``cmd_pose`` to Stage, ``base_pose_ground_truth`` and ``odom`` from it; ``amcl_pose``, ``robot_pose`` and tf
-    ``map -> odom`` for everybody, so that Stage's own ``odom -> base_link`` ends where Stage shows the robot.
+    """Sends ``cmd_pose`` to Stage and hears its ``base_pose_ground_truth`` and ``odom``; publishes ``amcl_pose``,
+    ``robot_pose`` and tf ``map -> odom``, so that Stage's own ``odom -> base_link`` ends where Stage shows the robot.
 
-    Stage is told a pose only as an answer to its truth, and where that is another one: so that there is one command per
-    step at most, in the pause before the next step. stage_ros takes commands in a thread of its own, and Stage's world
-    has no lock against it: one that comes while the world is updated can be the end of Stage. It is not latched either.
+    A command is sent only as an answer to Stage's ground truth, and only if that is another pose. So Stage gets at most
+    one command in a step, in the pause before the next step. The reason: stage_ros takes commands in a thread of its
+    own, and Stage's world has no lock against it. A command that comes while the world is updated can make Stage crash.
+    For the same reason ``cmd_pose`` is not latched.
 
-    Threading: ``place`` and ``heartbeat`` come from one thread, Stage's topics from others; the lock guards what both
-    touch and is never held while tf is sent.
+    Threading: ``place`` and ``heartbeat`` are called by one thread, and Stage's topics by others. The lock guards what
+    both use, and is never held while tf is sent.
     """  # noqa: D205
 
     def __init__(self, names, settings):
@@ -43,7 +44,7 @@ class StageBackend:
         self._lock = threading.Lock()
         self.frames = [self._odom_frame] if self._odom_frame != self._global_frame else []
         if not self.frames:
-            rospy.logwarn("%s: the global frame is '%s', in which Stage itself says where the robot is: tf shows "
+            rospy.logwarn("%s: the global frame is '%s', in which Stage itself publishes the robot's pose: tf shows "
                           "Stage's odometry", names.robot, self._odom_frame)
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
@@ -62,7 +63,7 @@ class StageBackend:
         clock_check.warn_of_machine_clock('Stage')
 
     def place(self, pose, _velocity, stamp_ns):
-        """Tell everybody that the robot is at ``pose``, and Stage at its next step."""
+        """Publish that the robot is at ``pose``; send it to Stage at Stage's next step."""
         self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
         amcl_pose.pose.pose = conversions.to_pose(pose)
@@ -72,35 +73,35 @@ class StageBackend:
         self.heartbeat(pose, stamp_ns)
 
     def rests(self, _pose, _stamp_ns):
-        """Leave it to Stage, whose odometry never falls silent."""
+        """Do nothing: Stage publishes odometry all the time."""
 
     @staticmethod
     def is_odometry_heard():
-        """Return 0, nobody: what Stage tells is heard from Stage."""
+        """Return NOBODY (0): listeners get the odometry from Stage."""
         return NOBODY
 
     def looks(self, _pose, _stamp_ns):
-        """Leave tf to Stage, which tells it at each of its steps."""
+        """Do nothing: Stage publishes its part of tf at each of its steps."""
 
     def heartbeat(self, _pose, stamp_ns):
-        """Repeat tf, but not where Stage goes by another clock: then tf is dated as Stage's own part of the tree."""
+        """Publish tf again. If Stage uses another clock, do nothing: tf must have the stamps of Stage's own part."""
         if self._stamps.is_alike:
             self._send_tf(stamp_ns)
 
     def restart(self):
-        """Time has started anew."""
+        """Allow earlier stamps, because time has started anew."""
         with self._lock:
             self._sent = (-1, None)
 
     def close(self):
-        """Leave the graph."""
+        """Unregister all topics."""
         stage_watch.remove(self._truth_topic)
         self._world.close()
         for topic in (*self._subscribers, self._cmd_pose, self._amcl_pose, self._robot_pose):
             topic.unregister()
 
     def _command(self, reported):
-        """Tell Stage where the robot has to be, if that is not where Stage has it."""
+        """Send the wanted pose to Stage, if it is not the pose ``reported`` by Stage (both in Stage's world)."""
         world = self._world.pose()
         with self._lock:
             if world is None or self._wanted is None:
@@ -139,7 +140,7 @@ class StageBackend:
                       '' if self._cmd_pose.get_num_connections() else deaf)
 
     def _locate(self):
-        """Put odom where Stage's odometry and Stage's truth of one instant agree."""
+        """Compute map -> odom, so that Stage's odometry and its ground truth of one instant agree, and publish it."""
         world = self._world.pose()
         with self._lock:
             (odom_stamp, odom), (truth_stamp, truth) = self._odom, self._truth
@@ -149,7 +150,7 @@ class StageBackend:
         self._send_tf(odom_stamp.to_nsec())
 
     def _send_tf(self, stamp_ns):
-        """Send map -> odom, dated 1 ns after what was said before if that is not earlier."""
+        """Publish map -> odom at ``stamp_ns``, or 1 ns after the last stamp if that is later."""
         with self._lock:
             last_ns, last = self._sent
             if self._tf is None or not self.frames:
@@ -163,7 +164,7 @@ class StageBackend:
 
 
 class _StageWorld:
-    """Where the global frame's origin lies in Stage's world: parameters, or tf once it knows."""
+    """The pose of the global frame's origin in Stage's world, from parameters, or from tf as soon as tf has it."""
 
     def __init__(self, robot, values):
         self._robot = robot
@@ -187,7 +188,7 @@ class _StageWorld:
         return self._pose
 
     def close(self):
-        """Listen no more."""
+        """Stop listening to tf."""
         if self._pose is None:
             self._lookup.close()
 

@@ -1,4 +1,4 @@
-"""One thread per process that notices when Stage falls silent: with Stage its clock stands, and all that goes by it."""
+"""One thread per process that notices if Stage falls silent. Then Stage's clock stands, and all nodes that use it."""
 import threading
 import time
 
@@ -15,7 +15,7 @@ _threads = []
 
 
 def add(topic):
-    """Warn when nothing comes on ``topic`` any more."""
+    """Warn from now on if nothing comes on ``topic`` for a while."""
     with _lock:
         _watch.add(topic, time.monotonic())
         if not _threads:
@@ -24,7 +24,7 @@ def add(topic):
 
 
 def remove(topic):
-    """Watch ``topic`` no more."""
+    """Stop watching ``topic``."""
     with _lock:
         _watch.remove(topic)
 
@@ -45,11 +45,11 @@ def _run():
 
 def _tell(silence):
     if silence.unheard:
-        rospy.logwarn('%s: nothing has come on %s for %g s: is Stage running, and does it call the robot so?',
+        rospy.logwarn('%s: nothing has come on %s for %g s: is Stage running, and does it use this name of the robot?',
                       rospy.get_name(), _list(silence.unheard), _watch.limit)
     if silence.silent:
         rospy.logwarn('%s: Stage has fallen silent: nothing has come on %s for %g s or more. It has ended, hangs or is '
-                      'paused; where it publishes /clock, time stands still. Start it again, and the robots go on',
+                      'paused; if it publishes /clock, time stands still. Start it again, and the robots go on',
                       rospy.get_name(), _list(silence.silent), _watch.limit)
     if silence.back:
         rospy.loginfo('%s: Stage is heard again: %s', rospy.get_name(), _list(silence.back))

@@ -1,4 +1,4 @@
-"""Errors that nobody expected, in the node's log."""
+"""Write unexpected errors into the node's log."""
 import traceback
 
 import rospy
@@ -11,14 +11,14 @@ _REPEATED_RATE = 0.2  # Hz, wall
 
 
 class FaultLog:
-    """Logs what a Simulation reports; the same error once in 5 s."""
+    """Logs the errors that a Simulation reports; the same error at most once in 5 s of wall time."""
 
     def __init__(self):
         self._last = None
         self._throttle = WallThrottle(_REPEATED_RATE)
 
     def __call__(self, who, error):
-        """Log ``error`` with its traceback, as of ``who``."""
+        """Log the exception ``error`` with its traceback. ``who``: the part in which it came up, a text."""
         told = who, fault_text(error)
         if told != self._last or self._throttle.ready():
             self._last = told

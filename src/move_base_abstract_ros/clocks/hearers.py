@@ -1,4 +1,4 @@
-"""What a run in lockstep is told of who hears the robots of a process: rates, and who listens in vain."""
+"""Report to a run in lockstep which nodes hear the robots of a process: at which rates, and which listen in vain."""
 import rospy
 
 from move_base_abstract.lockstep import wire
@@ -7,7 +7,7 @@ from ..messages import outlets
 
 
 class Hearers:
-    """Of one ``participant`` (Participant), whose turn the caller has."""
+    """Reports the hearers of one ``participant`` (Participant). The caller has its turn."""
 
     def __init__(self, participant):
         self._participant = participant
@@ -17,7 +17,10 @@ class Hearers:
         self._is_rates_note_due = False
 
     def falls_silent(self, robot, teller, parameter):
-        """Name once each of ``teller.hearers()``, (topic, node), to whom ``robot`` says nothing: ``parameter`` is 0."""
+        """Warn once of each of ``teller.hearers()``, (topic, node), that gets nothing while ``robot`` drives.
+
+        ``parameter``: the name of the parameter that is 0. If the node is a participant, the event log gets a row.
+        """
         changes = outlets.changes()
         if self._looked_at.get((robot.index, parameter)) == changes:
             return
@@ -26,17 +29,17 @@ class Hearers:
             if hearer not in self._silent_to:
                 self._silent_to.add(hearer)
                 topic, node = hearer
-                rospy.logwarn('%s: %s listens to %s, which says nothing on the way: %s is 0', rospy.get_name(), node,
-                              topic, parameter)
+                rospy.logwarn('%s: %s listens to %s, but nothing is published there while the robot drives: %s is 0',
+                              rospy.get_name(), node, topic, parameter)
                 if self._participant.members.is_member(node):
                     self._participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
 
     def show_rates(self, text):
-        """Have the state say ``text()``: what is told at which rate, and to whom."""
+        """Put ``text()`` into the time master's state: what is published at which rate, and which nodes hear it."""
         self._rates = text
 
     def rates_changed(self):
-        """What :meth:`show_rates` says has changed."""
+        """Note that the text of :meth:`show_rates` has changed. It is sent with the next report."""
         if self._rates is not None and not self._is_rates_note_due:
             self._is_rates_note_due = True
             self._participant.add(self._rates_note)
@@ -47,13 +50,13 @@ class Hearers:
 
 
 class NoHearers:
-    """As of :class:`Hearers` on the scaled clock, where no run is to be told; what is off was switched off by name."""
+    """Takes the place of :class:`Hearers` on the scaled clock. It reports nothing: there is no run in lockstep."""
 
     def falls_silent(self, _robot, _teller, _parameter):
-        """Tell nobody."""
+        """Do nothing."""
 
     def show_rates(self, _text):
-        """Tell nobody."""
+        """Do nothing."""
 
     def rates_changed(self):
-        """Tell nobody."""
+        """Do nothing."""

@@ -1,7 +1,7 @@
-"""The present of a process that takes part in lockstep: time comes with the grants, and moves from event to event.
+"""The clock of a process that takes part in lockstep: time comes with the grants, and moves from event to event.
 
-Threading contract: as of :class:`ros_clock.RosClock`. Callbacks and events come one at a time, with the participant's
-turn; a thread without the turn may only look (:meth:`LockstepClock.look_ns`), under the lock.
+Threading contract: as for :class:`ros_clock.RosClock`. Callbacks and events run one at a time, with the participant's
+turn. A thread without the turn may only look at the time (:meth:`LockstepClock.look_ns`), under the lock.
 """
 import threading
 
@@ -17,7 +17,7 @@ from .hearers import Hearers
 class LockstepClock:
     """Drives one :class:`Simulation` by the time master's grants. It is the participant's source of events.
 
-    ``join()`` takes part and returns the Participant when the clock has started.
+    ``join()``: a function that takes part in the run, and returns the Participant when the run has begun.
     """
 
     def __init__(self, join):
@@ -30,11 +30,11 @@ class LockstepClock:
         self._has_causal_rows = False
 
     def start(self):
-        """Take part; return True when the clock has started, False if the run ends before."""
+        """Take part. Return True when the run has begun, or False if it ends before that."""
         try:
             self.participant = self._join()
         except TurnLost:
-            return False  # why has been told, and the node ends
+            return False  # the reason has been logged, and the node ends
         self.hearers = Hearers(self.participant)
         with self.lock:
             self.simulation = Simulation(self.participant.now_ns, FaultLog())
@@ -43,44 +43,47 @@ class LockstepClock:
         return True
 
     def follow_restarts(self, _follower):
-        """As of RosClock; a run in lockstep has one clock, so that nobody is ever called."""
+        """Do nothing: the clock of a run in lockstep never starts anew. See RosClock."""
 
     def leave_restarts(self, _follower):
-        """As of RosClock."""
+        """Do nothing, see :meth:`follow_restarts`."""
 
     def serve(self):
-        """Let callbacks and events go on without the calling thread, which has set everything up."""
+        """Let callbacks and events go on from now on, without the calling thread, which has set everything up."""
         self.participant.serve()
 
     def now_ns(self):
-        """Let happen what is due at the present instant and return that [ns]. The caller holds lock and turn.
+        """Run the events that are due at the present instant, and return this instant [ns].
 
-        So what the robots do by themselves comes before what they are told at the same instant, as in the plain
-        Python fleet.
+        So events of the robots come before requests of the same instant, as in the fleet in plain Python. The caller
+        holds the lock and has the turn.
         """
         if not rollback.is_recording():
             self.simulation.advance(self.participant.now_ns)
         return self.simulation.now_ns
 
     def look_ns(self):
-        """Return the time up to which all has happened [ns], and let nothing happen. The caller holds the lock."""
+        """Return the time [ns] up to which all events have run, and run none. The caller holds the lock."""
         return self.simulation.now_ns
 
     def wall_to_ns(self, _seconds):
-        """Return 0: nothing waits for the wall clock."""
+        """Return 0: in lockstep nothing waits for the wall clock."""
         return 0
 
     def wait_until(self, condition, seconds, what):
-        """Wait until ``condition()`` holds, for at most ``seconds``: simulated ones. The caller has the turn."""
+        """Wait until ``condition()`` holds, for at most ``seconds`` of simulated time. The caller has the turn.
+
+        ``what``: the thing that is waited for, in words.
+        """
         self.participant.wait_until(condition, seconds, what)
 
     def listeners_changed(self):
-        """Somebody listens no more, or hears less of it than before."""
+        """Note that a node stops listening, or that fewer messages have an effect on it than before."""
         if self.simulation is not None and self.participant.scheduler.acts():
             self.hearers.rates_changed()
 
     def listener_came(self):
-        """Somebody begins to listen to what robots tell: a participant, in this one's turn, or anybody else."""
+        """Note that a node begins to listen to robots: a participant, during our turn, or an onlooker at any time."""
         if self.simulation is None:
             return
         if self.participant.scheduler.acts():
@@ -88,7 +91,7 @@ class LockstepClock:
                 self.simulation.advance(self.participant.now_ns)
                 self._wake()
         else:
-            self._has_onlookers = self._ever_had_onlookers = True  # it takes no part: it is told from the next turn on
+            self._has_onlookers = self._ever_had_onlookers = True  # an onlooker gets messages from the next turn on
 
     def _wake(self):
         self.hearers.rates_changed()
@@ -96,45 +99,45 @@ class LockstepClock:
             self.simulation.wake()
 
     def keep_causal_rows(self):
-        """Have rows of one instant in the order in which they happen, in which a robot leaves before another enters.
+        """Keep rows of one instant in the order in which they happen: one robot leaves before another one enters.
 
-        Else they are in that of the robots, in which those of several processes can be, too.
+        Otherwise they are in the order of the robots, which is possible with several processes, too.
         """
         self._has_causal_rows = True
 
     def record(self, index):
-        """Return what takes the rows of a trace, of the robot with ``index``: the run's event log."""
+        """Return a function that writes rows of the robot with ``index`` into the run's event log."""
         log = self.participant.log
         return lambda row: log(row[1], row[2], row[3:], 0 if self._has_causal_rows else index)
 
-    # --- what the participant calls ---------------------------------------------------------------------------------
+    # --- methods that the participant calls -------------------------------------------------------------------------
 
     def next_due_ns(self):
-        """Return when the next event is due [ns], or None."""
+        """Return the instant [ns] of the next event that is due, or None."""
         return self.simulation.queue.next_due_ns()
 
     def is_background(self):
-        """Return whether all that is due is for onlookers, or comes of itself: time does not go on for it alone."""
+        """Return whether all due events are for onlookers or come by themselves: time does not go on only for these."""
         queue = self.simulation.queue
         return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
     def foresee(self, before_ns, most):
-        """As :meth:`EventQueue.foresee`."""
+        """Return what :meth:`EventQueue.foresee` returns."""
         with self.lock:
             return self.simulation.queue.foresee(before_ns, most)
 
     def tell(self, due_ns, series):
-        """Do beforehand what is foreseen for ``due_ns`` [ns]."""
+        """Do beforehand what ``series`` [Series] do at ``due_ns`` [ns], which foresee() has returned."""
         with self.lock:
             self.simulation.tell(due_ns, series)
 
     def skip(self, until_ns):
-        """Take what was foreseen up to ``until_ns`` [ns] as having happened."""
+        """Go on at ``until_ns`` [ns]. All that was foreseen up to then has been done."""
         with self.lock:
             self.simulation.skip(until_ns)
 
     def run(self, now_ns):
-        """Let everything happen that is due up to ``now_ns`` [ns]."""
+        """Run all events that are due up to ``now_ns`` [ns]."""
         with self.lock:
             self.simulation.advance(now_ns)
             if self._has_onlookers:

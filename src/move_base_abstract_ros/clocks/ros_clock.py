@@ -1,7 +1,7 @@
-"""The present, as this process sees it, and the thread that lets events happen when it moves.
+"""The clock of a process on the scaled clock, or on the machine's clock, and the thread in which events run.
 
-Threading contract: whoever touches a simulation holds :attr:`RosClock.lock`. Events run in the thread that receives
-``/clock``, with no hand-over to another thread in between.
+Threading contract: a thread that uses a simulation holds :attr:`RosClock.lock`. Events run in the thread that receives
+``/clock``, without a hand-over to another thread.
 """
 import threading
 import time
@@ -26,7 +26,7 @@ _SPEED_WINDOW_SECONDS = 0.02
 
 
 class RosClock:
-    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
+    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock if ROS uses that."""
 
     def __init__(self):
         self.lock = threading.RLock()
@@ -42,7 +42,7 @@ class RosClock:
         self._speed_mark = (0.0, 0)
 
     def start(self):
-        """Wait for the first ``/clock`` and start the simulation at that time; False if ROS shuts down meanwhile."""
+        """Wait for the first ``/clock`` and start the simulation at that time. Return False if ROS shuts down first."""
         if rospy.get_param('/use_sim_time', False):
             self._subscriber = rospy.Subscriber('/clock', Clock, self._on_clock, queue_size=1, tcp_nodelay=True)
             if not self._wait_for_clock():
@@ -67,47 +67,47 @@ class RosClock:
         return True
 
     def now_ns(self):
-        """Bring the simulation up to the present and return that [ns]. The caller holds the lock."""
+        """Run all events that are due, and return the present [ns]. The caller holds the lock."""
         if self._subscriber is None:
             self._latest_ns = max(self._latest_ns, rospy.Time.now().to_nsec())
         self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
         return self.simulation.now_ns
 
     def look_ns(self):
-        """As :meth:`now_ns`."""
+        """Do the same as :meth:`now_ns`."""
         return self.now_ns()
 
     def follow_restarts(self, follower):
-        """Call ``follower(before_ns, now_ns)``, in order and under the lock, when ``/clock`` has started anew.
+        """Call ``follower(before_ns, now_ns)`` each time that ``/clock`` starts anew, in order and under the lock.
 
-        The simulation goes on at ``now_ns`` [ns], the old time had come to ``before_ns`` [ns].
+        The old time has ended at ``before_ns`` [ns], and the simulation goes on at ``now_ns`` [ns].
         """
         self._restart_followers.append(follower)
 
     def leave_restarts(self, follower):
-        """Call it no more."""
+        """Do not call ``follower`` any more."""
         self._restart_followers.remove(follower)
 
     def serve(self):
-        """Nothing to do: rospy's own threads call back from the start."""
+        """Do nothing: rospy's own threads call back from the start."""
 
     def keep_causal_rows(self):
-        """As of LockstepClock."""
+        """Do nothing: there is no event log. See LockstepClock."""
 
     def record(self, _index):
         """Return None: only lockstep has an event log."""
 
     def wait_until(self, condition, seconds, _what):
-        """Wait until ``condition()`` holds, for at most ``seconds`` of the wall clock. May block; no lock is held."""
+        """Wait until ``condition()`` holds, for at most ``seconds`` of wall time. The caller holds no lock."""
         deadline = time.monotonic() + seconds
         while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
             time.sleep(_WAIT_POLL_SECONDS)
 
     def wall_to_ns(self, seconds):
-        """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed.
+        """Return how far simulated time [ns] moves in ``seconds`` of wall time, at its present speed.
 
-        Rather too little than too much, since who sleeps too long misses an instant: after a stall of this process
-        time seems to run fast for a moment.
+        The lower one of the last two measured speeds counts, because a sleep that is too long would miss an instant:
+        after a stall of this process time seems to run fast for a moment.
         """
         return int(seconds * min(self._speeds) * NS_PER_S)
 
@@ -144,7 +144,7 @@ class RosClock:
     def _restart(self, time_ns, source):
         before_ns = self.simulation.now_ns
         rospy.logwarn('%s: /clock went back from %.3f s to %.3f s: %s has started anew. Goals under way are aborted, '
-                      'and all goes on from where it is', rospy.get_name(), before_ns / NS_PER_S,
+                      'and robots go on from where they are', rospy.get_name(), before_ns / NS_PER_S,
                       time_ns / NS_PER_S, source)
         self._speed_mark = (0.0, 0)
         self.simulation.restart(time_ns)

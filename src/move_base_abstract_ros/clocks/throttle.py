@@ -1,14 +1,14 @@
-"""A cap, in wall time, on how often something is published; or none."""
+"""Throttles: a cap, in wall time, on how often something is published, or no cap."""
 import time
 
 from move_base_abstract.supervision.rate_cap import RateCap
 
 
 class NoThrottle:
-    """Always says yes, for a clock that does not run by the wall's."""
+    """Always says yes, for a clock that does not depend on wall time."""
 
     def ready(self):
-        """Return True."""
+        """Return True: publish."""
         return True
 
     def remaining(self):
@@ -17,9 +17,9 @@ class NoThrottle:
 
 
 class WallThrottle:
-    """Says yes at most ``rate`` times a second of the wall clock [Hz], as a RateCap does.
+    """Says yes at most ``rate`` times a second of wall time [Hz], as a RateCap does.
 
-    ``shortest_period()`` [s], if given, is a lower bound of the time between two yeses that may change.
+    ``shortest_period()`` [s, wall], if given, is a lower bound of the time between two yeses. It may change.
     """
 
     def __init__(self, rate, shortest_period=lambda: 0.0):
@@ -31,5 +31,5 @@ class WallThrottle:
         return self._cap.ready(time.monotonic(), self._shortest_period())
 
     def remaining(self):
-        """Return how long the next answers will be no [s, wall]."""
+        """Return for how long [s, wall] the next answers will be no."""
         return self._cap.remaining(time.monotonic())

@@ -1,6 +1,6 @@
-"""How time goes, as one object: whatever differs between the scaled clock and lockstep is asked here, and nowhere else.
+"""The timing of a process, as one object. It alone decides what differs between the scaled clock and lockstep.
 
-:func:`make_timing` decides once per process. Both kinds answer the same questions; neither keeps anything.
+:func:`make_timing` chooses the kind, once per process. Both kinds have the same methods, and neither has a state.
 """
 from contextlib import nullcontext
 
@@ -20,16 +20,19 @@ from .lockstep_clock import LockstepClock
 from .ros_clock import RosClock
 from .throttle import NoThrottle, WallThrottle
 
-#: robots come before all nodes that declare no rank
+#: the rank of robots, which come before all nodes that declare no rank
 ROBOTS_RANK = 0
-#: backends that go by the time master's clock alone
+#: backends that use only the time master's clock
 EVENT_DRIVEN_BACKENDS = ('builtin', 'virtual_robots')
 _STATUS_FREQUENCY = 5.0  # Hz, simulated
 _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 
 
 def make_timing():
-    """Return the timing of this process: in lockstep if the time master works so, or will."""
+    """Return the timing of this process: LockstepTiming if the time master works in lockstep, or will do so.
+
+    :raises ConfigurationError: if one of its parameters is not allowed.
+    """
     events_only = _switch('events_only')
     if lockstep.is_lockstep():
         return LockstepTiming(events_only, _switch('log_motion'), rospy.get_param('/time_master/chaos_seed', 0),
@@ -41,7 +44,7 @@ def make_timing():
 
 
 def _switch(name):
-    """Return what the parameter ``name`` says, the node's own or the nearest one further up; false where none is.
+    """Return the value of the parameter ``name``, the node's own or the nearest one further up; False if there is none.
 
     :raises ConfigurationError: if it is neither true nor false.
     """
@@ -53,89 +56,95 @@ def _switch(name):
 
 
 class ScaledTiming:
-    """Time follows the wall clock, times a factor, and waits for nobody: what is said often is capped in wall time."""
+    """The scaled clock: time follows the wall clock, times a factor, and waits for no node.
 
-    #: what a robot's settings are made of, before all that is given
+    Therefore messages that come at a rate are capped in wall time.
+    """
+
+    #: {name: value} of a robot's settings, over which all given ones take precedence
     base_settings = {}
-    #: how often the status is repeated, if no parameter says so [Hz, simulated]
+    #: rate of the repeated status, if no parameter sets it [Hz, simulated]
     status_frequency = _STATUS_FREQUENCY
-    #: how often tasks tell how far they are, if no parameter says so [Hz, simulated]
+    #: rate of the feedback of tasks, if no parameter sets it [Hz, simulated]
     task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
 
     @staticmethod
     def when_heard(_is_heard):
-        """Return None: what is told at a rate, unless a throttle or its topic says otherwise, is told."""
+        """Return None: messages at a rate are made whether a node hears them or not."""
 
     @staticmethod
     def frequency_at_rest(frequency):
-        """Return how often a robot that stands tells its odometry, if no parameter says so: as on the way, [Hz]."""
+        """Return the rate [Hz, simulated] of the odometry of a robot that stands, if no parameter sets it.
+
+        It is ``frequency``, the rate on the way.
+        """
         return frequency
 
     @staticmethod
     def make_clock():
-        """Return the clock of this process, not started."""
+        """Return the clock of this process, a RosClock, which has not started."""
         return RosClock()
 
     @staticmethod
     def answer_delay(seconds):
-        """Return the shortest time between a goal and its answer [s, wall], of which ``seconds`` is asked for."""
+        """Return the shortest time between a goal and its answer [s, wall]: ``seconds``, as the parameter has it."""
         return seconds
 
     @staticmethod
     def is_audience(heard):
-        """Return whether who hears, as of Outlet.is_heard, is somebody for whom things may begin."""
+        """Return whether anything may begin because a node listens. ``heard``: the result of Outlet.is_heard."""
         return heard != NOBODY
 
     @staticmethod
     def throttle(rate, shortest_period):
-        """Return a throttle of ``rate`` [Hz, wall] and, between two yeses, ``shortest_period()`` [s, wall]."""
+        """Return a throttle of at most ``rate`` [Hz, wall], with ``shortest_period()`` [s, wall] between two yeses."""
         return WallThrottle(rate, shortest_period)
 
     @staticmethod
     def check_backend(name, private):
-        """Refuse a backend, of the robot with the ``private`` namespace, that does not go with this kind of time."""
+        """Do nothing: all backends work on the scaled clock."""
 
     @staticmethod
     def has_own_goal_connection(is_crowded):
-        """Return whether a robot's goals from RViz go over its goal topic, not past it."""
+        """Return whether a robot's goals from RViz go over its goal topic: not if there may be very many robots."""
         return not is_crowded
 
     @staticmethod
     def batch():
-        """Return a context in which what several robots tell tf is collected into one message."""
+        """Return a context in which the tf of several robots is collected into one message."""
         return tf_hub.batch()
 
     @staticmethod
     def begin_to_publish():
-        """Robots are about to be made."""
+        """Do nothing. It is called before robots are made."""
 
     @staticmethod
     def tell_motion(_robot, _sub):
-        """Tell nobody how a robot moves: there is no radio."""
+        """Do nothing: on the scaled clock there is no radio."""
 
     @staticmethod
     def claim_frames(robot, frames):
-        """Warn, in the name of ``robot``, if another node publishes one of ``frames`` in tf."""
+        """Warn, in the name of ``robot``, if another node publishes one of its ``frames`` in tf."""
         tf_watch.claim(robot, frames)
 
     @staticmethod
     def await_surroundings(_clock, _listen_to_static_frames, _wait_for_maps):
-        """Return True: what comes from outside may come at any time."""
+        """Return True at once: messages from outside may come at any time."""
         return True
 
     @staticmethod
     def watch():
-        """Say who is gone when time stands still for good."""
+        """Watch the clock, and log which node has gone if time stands still for good."""
         watch_clock()
 
 
 class LockstepTiming:
-    """Time leaps from event to event and waits for all who take part: nothing is left out.
+    """Lockstep: time leaps from event to event and waits for all participants, and no message is left out.
 
-    What is told at a rate has an instant each time, as long as anybody hears it. ``events_only``: nothing is told at a
-    rate unless a parameter of its own says so. ``log_motion``: robots write into the event log by which limits they
-    travel. ``chaos_seed``, ``chaos_only``: those of the run, by which robots with ``buggify`` go wrong. Answers are as
-    of :class:`ScaledTiming`.
+    Each message at a rate has its instant, as long as a node hears it. ``events_only``: nothing is published at a rate
+    unless its own parameter sets one. ``log_motion``: robots write their limits of motion into the event log.
+    ``chaos_seed``, ``chaos_only``: those of the run, which decide how robots with ``buggify`` go wrong. The methods are
+    those of :class:`ScaledTiming`.
     """
 
     def __init__(self, events_only=False, log_motion=False, chaos_seed=0, chaos_only=()):
@@ -146,17 +155,17 @@ class LockstepTiming:
 
     @staticmethod
     def when_heard(is_heard):
-        """Return ``is_heard``: time stops for what is told at a rate only while somebody hears it."""
+        """Return ``is_heard``: time stops for a message at a rate only while a node hears it."""
         return is_heard
 
     @staticmethod
     def frequency_at_rest(_frequency):
-        """Return 0: time would stop for each, and go on for ever where anybody who takes part listens."""
+        """Return 0: time would stop for each message, and a run with a participant that listens would never be idle."""
         return 0.0
 
     @staticmethod
     def make_clock():
-        """Return the clock of this process, not started."""
+        """Return the clock of this process, a LockstepClock, which has not started."""
         clock = LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
                                                     own_threads=False))
         outlets.follow_listeners(clock.listener_came, clock.listeners_changed)
@@ -169,19 +178,19 @@ class LockstepTiming:
 
     @staticmethod
     def is_audience(heard):
-        """As of ScaledTiming: who takes no part may come at any time."""
+        """Return whether a participant listens. Onlookers do not count, because they may come at any time."""
         return heard == PARTICIPANTS
 
     @staticmethod
     def throttle(_rate, _shortest_period):
-        """Return what holds nothing back: what is asked for comes at its instant."""
+        """Return a throttle that holds nothing back: each message comes at its instant."""
         return NoThrottle()
 
     @staticmethod
     def check_backend(name, private):
-        """Refuse simulators with a clock of their own.
+        """Refuse the backend ``name`` of the robot with the ``private`` namespace, if it has a clock of its own.
 
-        :raises ConfigurationError: if the backend ``name`` is one.
+        :raises ConfigurationError: if it has.
         """
         if name not in EVENT_DRIVEN_BACKENDS:
             raise ConfigurationError(
@@ -190,22 +199,22 @@ class LockstepTiming:
 
     @staticmethod
     def has_own_goal_connection(_is_crowded):
-        """Return True: a connection costs nothing, and each goal has its place among all others' messages."""
+        """Return True: such a connection costs nothing, and each goal has its place in the order of all messages."""
         return True
 
     @staticmethod
     def batch():
-        """Return a context that collects nothing: each robot's messages keep their place among all others'."""
+        """Return a context that collects nothing: each robot's messages keep their place in the order of all."""
         return nullcontext()
 
     @staticmethod
     def begin_to_publish():
-        """Tell newcomers where all frames are, since no heartbeat does."""
+        """Make each new listener of tf get all frames, since there may be no heartbeat."""
         tf_hub.tell_newcomers()
 
     @staticmethod
     def tell_motion(robot, sub):
-        """Tell the time master how the ``robot`` with the index ``sub`` moves, if there is a radio between hosts."""
+        """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio."""
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
             def tell(now_ns):
@@ -215,14 +224,14 @@ class LockstepTiming:
 
     @staticmethod
     def claim_frames(_robot, _frames):
-        """Claim nothing: to listen would be a part of the run."""
+        """Do nothing: to listen to tf would be a part of the run."""
 
     @staticmethod
     def await_surroundings(clock, listen_to_static_frames, wait_for_maps):
-        """Take in what outsiders say in the first round, in which time stands still; False if ROS shuts down."""
+        """Take in maps and static frames in the first round, while time stands still. False if ROS shuts down."""
         listen_to_static_frames()
         return wait_for_maps(clock.participant)
 
     @staticmethod
     def watch():
-        """Watch nothing: the end of the time master is the end of its connection."""
+        """Do nothing: if the time master ends, the connection to it ends, too."""

@@ -1,4 +1,4 @@
-"""The scenario that the private parameters of a node ``fleet`` name or hold; nothing here needs a running ROS."""
+"""Read the scenario that the private parameters of a node ``fleet`` name or hold. This needs no running ROS."""
 from typing import Any, Dict, Mapping, Optional
 
 from move_base_abstract.common.errors import ConfigurationError
@@ -7,9 +7,9 @@ from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
 from move_base_abstract.lockstep.parameters import MISSING, PendingParameters
 from move_base_abstract.scenario import Scenario, counted_places, make_scenario, read_scenario
 
-#: parameters of the node that come before the scenario's defaults of the same name
+#: parameters of the node that take precedence over the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-#: the scenario itself, instead of a file
+#: parameters that hold the scenario itself, if no file is given
 INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
 
 
@@ -17,8 +17,8 @@ def read_fleet_scenario(raw: Mapping[str, Any], values: Mapping[str, Any], where
                         base: Optional[Dict[str, Any]] = None) -> Scenario:
     """Return the scenario of a fleet.
 
-    :param raw: the node's private parameters as they are; values: what the table FLEET makes of them.
-    :param where: the node's name, for errors; base: settings that stand below those of the scenario.
+    :param raw: the node's private parameters as they are; values: the same, checked by the table FLEET.
+    :param where: the node's name, for errors; base: settings over which those of the scenario take precedence.
     :raises ConfigurationError: if there are two scenarios, or one that cannot be used.
     """
     inline = {key: raw[key] for key in INLINE if key in raw}
@@ -34,17 +34,17 @@ def read_fleet_scenario(raw: Mapping[str, Any], values: Mapping[str, Any], where
 
 
 def why_one_process(params: Mapping[str, Any], name: str) -> str:
-    """Return why the fleet of this name cannot be split into several processes, in a few words; '': it can.
+    """Return why the fleet ``name`` cannot be split into several processes, in a few words, or '' if it can.
 
     :param params: {full name: value} of a launch file.
     """
-    tree = PendingParameters()  # as the ROS master has them
+    tree = PendingParameters()  # the parameters as a tree, as the ROS master has them
     for key, value in params.items():
         tree.set(key, value)
     found = tree.seen(name, MISSING)
     raw = found if isinstance(found, dict) else {}
     try:
         counted = counted_places(read_fleet_scenario(raw, read_table(raw, FLEET, name), name))
-    except ConfigurationError as error:  # for instance of a file that is gone since the fleet has read it
+    except ConfigurationError as error:  # for instance, the file has gone since the fleet read it
         return str(error)
     return 'one process must count the robots in its {}'.format(counted) if counted else ''

@@ -1,4 +1,4 @@
-"""Many robots in one process: each a :class:`MoveBaseServer`, added, removed and reset by services."""
+"""Many robots in one process. Each is a :class:`MoveBaseServer`; services add, remove and reset robots."""
 import threading
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def robot_names(namespace, name):
     return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
 
 
-#: what the fields x, y and yaw of a request say
+#: {parameter: field of a request to add a robot that takes its place}
 _OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
 
 
@@ -32,7 +32,10 @@ class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
     def __init__(self, namespace, host, specs, scenario, indices):
-        """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario); ``indices``: those of robots added later."""
+        """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario).
+
+        ``host``: the Host of the process; ``indices``: an iterator of the indices of robots that are added later.
+        """
         self._namespace = namespace
         self._host = host
         self._defaults = scenario.defaults
@@ -50,7 +53,7 @@ class FleetServer:
         if self._traffic.states():
             self._traffic_interface = TrafficInterface(self._traffic, host.clock)
         world_markers.add(host.clock, scenario, self._traffic, self._rooms)
-        # Services come last: who finds them finds the robots.
+        # Services come last, so that a node that finds them finds the robots, too.
         self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
                           rospy.Service('~remove_robot', RemoveRobot, self._on_remove),
                           rospy.Service('~reset', Trigger, self._on_reset)]

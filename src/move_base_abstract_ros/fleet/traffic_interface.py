@@ -1,4 +1,4 @@
-"""The zones of a fleet towards ROS: the topic ``~zones``, the services ``~close_zone`` and ``~set_zone_limit``."""
+"""The zones of a fleet in ROS: the topic ``~zones``, and the services ``~close_zone`` and ``~set_zone_limit``."""
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
@@ -10,7 +10,7 @@ from ..messages import conversions
 from ..messages.outlets import LatchedOutlet
 from ..messages.packing import of_message
 
-_MOST_PLACES = 2 ** 32 - 1  # that a message can name
+_MOST_PLACES = 2 ** 32 - 1  # the largest capacity that a message can hold
 
 
 def make_traffic(simulation, scenario):
@@ -19,7 +19,7 @@ def make_traffic(simulation, scenario):
 
 
 class TrafficInterface:
-    """Shows the areas of ``traffic`` (Traffic) and has its zones closed; made when all robots are there."""
+    """Publishes the zones and lanes of ``traffic`` (Traffic), and closes zones. Make it when all robots are there."""
 
     def __init__(self, traffic, clock):
         self._traffic = traffic

@@ -1,4 +1,4 @@
-"""What people do by hand to run a launch file of others, by rule: as options that somebody could have given."""
+"""Adapt a launch file of others by rule (`--adopt`). The result is a set of options that a user could have given."""
 import os
 import shlex
 from typing import NamedTuple
@@ -17,7 +17,11 @@ _SAME_PLACE = 0.01  # m
 
 
 class Adopted(NamedTuple):
-    """``wishes``: with what was found. ``done``, ``remarks``, ``problems``: texts; with a problem nothing can run."""
+    """The result of :func:`adopt`.
+
+    ``wishes``: the given ones, and those that the rules add. ``done``, ``remarks``, ``problems``: texts for the user.
+    If there is a problem, the file cannot run.
+    """
 
     wishes: object
     done: tuple
@@ -26,15 +30,15 @@ class Adopted(NamedTuple):
 
 
 def adopt(config, wishes):
-    """Return what is to be done with a configuration that a tolerant loader has read, as an Adopted.
+    """Return an Adopted for a roslaunch configuration that a tolerant loader has read.
 
-    What the wishes ask for already stays as it is.
+    ``wishes``: what the user asks for, which takes precedence over the rules.
     """
     return _Adoption(config, wishes).adopted()
 
 
 def words_of(before, after):
-    """Return the words of a command line that make of the one wishes the other."""
+    """Return the words of a command line that turn the wishes ``before`` into the wishes ``after``."""
     words = ['--tolerant'] if after.is_tolerant and not before.is_tolerant else []
     words += ['--no-respawn'] if after.with_respawned and not before.with_respawned else []
 
@@ -57,7 +61,7 @@ class _Adoption:
         self.robots = robots.robots_of(config, self.hints)
 
     def adopted(self):
-        """Go through nodes, robots and what is missing."""
+        """Apply the rules to the nodes, the robots and what is missing, and return an Adopted."""
         starts = self._starts()
         self._say_missing()
         replaced = self._nodes()
@@ -94,7 +98,7 @@ class _Adoption:
             self.remarks.append('{} ({})'.format(_missing(kind, name), where))
 
     def _nodes(self):
-        """Decide of each node. Return what is replaced by what."""
+        """Decide for each node whether it stays. Return the replaced kinds, [(old, new)], each (package, type)."""
         replaced = []
         for node in self.config.nodes:
             if self._is_out(node) or self._is_kept(node) or node.package == PACKAGE:
@@ -114,7 +118,7 @@ class _Adoption:
         return replaced
 
     def _serves_map(self, node):
-        from ..adopting import floors  # which needs numpy and Pillow: few launch files do
+        from ..adopting import floors  # it needs numpy and Pillow, and few launch files need it
         why = floors.why_not_served(poses.words_of(node.args))
         if why:
             self._leave(node, _short(why), is_loss=True)
@@ -125,7 +129,7 @@ class _Adoption:
         if word == kinds.LEFT_OUT:
             self._leave(node, why)
         elif word == kinds.FRAME and _is_of_robots(node):
-            self._leave(node, 'our robots tell this frame themselves')
+            self._leave(node, 'our robots publish this frame themselves')
         elif word == kinds.STATE and 'gui' in node.type:
             self._leave(node, 'it waits for a person')
         elif word == kinds.STATE and not self._is_described(node):
@@ -190,11 +194,11 @@ class _Adoption:
             name = (one.namespace if one.namespace.endswith('/') else one.namespace + '/') + 'map_server'
             if path and name not in [found for found, _kind, _args in self.added]:
                 self.added.append((name, (PACKAGE, 'map_server'), shlex.quote(path)))
-                self.done.append('{} is added: {} is handed {} ({})'.format(
+                self.done.append('{} is added: {} gets the map {} ({})'.format(
                     name, _short(one.name), os.path.basename(path), one.place))
 
     def _starts(self):
-        """Return (name, pose) of the robots whose place the file says, and tell of all."""
+        """Return [(name, pose)] of the robots whose place the file gives. Note the places of all robots."""
         asked = dict(self.wishes.starts)
         found, unused = robots.starts_of(self.robots, self.hints, self.stages)
         starts = []
@@ -205,16 +209,16 @@ class _Adoption:
             if start.hint is None:
                 if not self._is_placed(name):
                     self.remarks.append(
-                        '{0} starts at (0, 0, 0): the file says no place; --start {0}=X,Y,YAW does'.format(name))
+                        '{0} starts at (0, 0, 0): the file gives no place; --start {0}=X,Y,YAW gives one'.format(name))
                 continue
             starts.append((name, start.pose))
             self.done.append('{} starts at ({:g}, {:g}, {:g}): {}{}'.format(
-                name, *start.pose, start.hint.shown, ', whose it is by the order in the file' * start.by_order))
+                name, *start.pose, start.hint.shown, ', which is its place by the order in the file' * start.by_order))
             for other, pose in start.others:
-                self.remarks.append('{} could start elsewhere: {}; --start {}={} has it there'.format(
+                self.remarks.append('{} could start elsewhere: {}; --start {}={} starts it there'.format(
                     name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
         for hint in unused:
-            self.remarks.append('{} is not a robot of this run: {}'.format(hint.shown, 'nothing there is a move_base'))
+            self.remarks.append('{} is not a robot of this run: {}'.format(hint.shown, 'no move_base belongs to it'))
         self._one_place([start.pose for start in found])
         return starts
 
@@ -227,11 +231,11 @@ class _Adoption:
             same = [robot.name for robot, other in zip(self.robots, found)
                     if max(abs(a - b) for a, b in zip(pose[:2], other[:2])) < _SAME_PLACE]
             if len(same) > 1 and self.robots[number].name == same[0]:
-                self.remarks.append('{} start at one place, ({:g}, {:g}): --start NODE=X,Y,YAW says another'.format(
+                self.remarks.append('{} start at one place, ({:g}, {:g}): --start NODE=X,Y,YAW sets another'.format(
                     ' and '.join(same), *pose[:2]))
 
     def _frames(self):
-        """Give robots whose frames would be the same a tf_prefix each."""
+        """Give each robot a tf_prefix, if several robots would have the same frames."""
         for robot in self.robots if len(self.robots) > 1 else ():
             prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
             frame = self._value(robot.name + '/global_costmap/robot_base_frame', 'base_link')
@@ -244,8 +248,8 @@ class _Adoption:
         for stage in self.stages:
             place = _place(stage.node)
             if stage.offset is None:
-                self.remarks.append("places in Stage's world are taken as they are, as places of the map: where the "
-                                    'map lies there is not known: {} ({}); --start NODE=X,Y,YAW says others'.format(
+                self.remarks.append("places in Stage's world are used as places of the map, because it is not known "
+                                    'where the map lies there: {} ({}); --start NODE=X,Y,YAW sets others'.format(
                                         stage.why, place))
             elif any(stage.offset):
                 self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
@@ -260,12 +264,12 @@ class _Adoption:
             name = roles.name_of(node)
             if roles.has_clock(node, (*self.wishes.forced, *self.wishes.kept_out)):
                 self.problems.append(
-                    "{0} ({1}/{2}) publishes /clock, and in lockstep that is the time master's: two would make time "
-                    'jump ({3}). --leave-out {0} starts it not; --participant {0} keeps it, if it only could'.format(
-                        name, node.package, node.type, _place(node)))
+                    '{0} ({1}/{2}) publishes /clock, and in lockstep only the time master may: two would make time '
+                    'jump ({3}). --leave-out {0} leaves it out; --participant {0} keeps it, if it only could publish '
+                    '/clock'.format(name, node.package, node.type, _place(node)))
 
     def _fatal(self, kept):
-        """Tell of robots that would end with an error, and have those of other simulators be our own."""
+        """Note robots that would end with an error. Robots of simulators that are not there get the backend builtin."""
         for node in kept:
             name = roles.name_of(node)
             if kinds.kind_of(node.package, node.type).word != kinds.ROBOT and not (
@@ -275,10 +279,10 @@ class _Adoption:
             if node.type == robots.OWN[1] and words[_STAGE_ARGUMENT:][:1] and words[_STAGE_ARGUMENT] in _OWN_CLOCKS:
                 words[_STAGE_ARGUMENT] = 'builtin'
                 self.arguments.append((name, ' '.join(map(shlex.quote, words))))
-                self.done.append('{} has no simulator beside it: its second argument is builtin'.format(name))
+                self.done.append('{} has no simulator in this run: its second argument is builtin'.format(name))
             if self._value(name + '/backend', 'builtin') in _OWN_CLOCKS:
                 self.set.append((name + '/backend', 'builtin'))
-                self.done.append('{} has no simulator beside it: its backend is builtin'.format(name))
+                self.done.append('{} has no simulator in this run: its backend is builtin'.format(name))
             try:
                 read_settings(self._below(name), name)
             except ConfigurationError as error:
@@ -286,7 +290,7 @@ class _Adoption:
                     name, error, _place(node)))
 
     def _below(self, name):
-        """Return the parameters below a node's name, as the parameter server has them."""
+        """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
         found = {}
         given = {key: param.value for key, param in self.config.params.items()}
         for key, value in {**given, **dict(self.wishes.set)}.items():
@@ -306,26 +310,26 @@ class _Adoption:
 
 
 def _missing(kind, name):
-    """Say that something that a launch file names is not here, and what becomes of it."""
+    """Return a text: something that a launch file names is not here, and what happens instead."""
     if kind == 'variable':
-        return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE says another".format(
+        return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE sets another".format(
             name, reading.ENVIRONMENT.get(name, ''))
     if kind == 'argument':
-        return '{}: roslaunch would refuse that, here they are left out'.format(name)
+        return '{}: roslaunch would refuse these arguments; here they are left out'.format(name)
     if kind == 'relative':
         return '{} is taken from beside the file that includes it: roslaunch would not look there'.format(name)
     if kind == 'value':
         return '{0} is not set: it has no value, or an integer beyond 32 bits, which roslaunch would refuse; ' \
-            '--param {0}=VALUE says one'.format(name)
+            '--param {0}=VALUE sets one'.format(name)
     if kind == 'include':
         return '{} is not here, and is left out: {}'.format(_short(name), (
-            'a robot stands for it' if kinds.stands_for_a_robot(name) else 'the nodes in it are not started'))
-    return '{} is not here, so that its {} not set, and defaults count'.format(
+            'a robot takes its place' if kinds.stands_for_a_robot(name) else 'the nodes in it are not started'))
+    return '{} is not here, so that its {} not set, and defaults apply'.format(
         _short(name), 'parameters are' if kind == 'parameters' else 'parameter is')
 
 
 def word_to_type(word):
-    """Return the type of this package's node of that kind."""
+    """Return the type of this package's node that replaces nodes of the kind ``word`` (kinds.MAP or kinds.ROBOT)."""
     return 'map_server' if word == kinds.MAP else 'move_base'
 
 

@@ -1,4 +1,4 @@
-"""The first message in which two bags differ, told so that its cause can be looked for."""
+"""Find the first message in which two bags differ, and describe it so that its cause can be found."""
 import itertools
 import os
 
@@ -14,7 +14,10 @@ class BagError(SimulatorError):
 
 
 def lines(difference, logs):
-    """Yield what is told of a BagDifference of two event logs; ``logs``: their paths, beside which bags are sought."""
+    """Yield lines that describe a BagDifference of two event logs.
+
+    ``logs``: the paths of the logs. The bags are looked for in the folders of the logs and in the current folder.
+    """
     yield 'the bags of {} are different (number {} of them)'.format(difference.node, difference.number)
     found = []
     for log, bag in zip(logs, (difference.first, difference.second)):
@@ -30,12 +33,12 @@ def lines(difference, logs):
 
 
 def told(bag):
-    """Return a bag of an event log in words; None: it has none."""
+    """Return a bag of an event log in words. None means that the log has no more bags."""
     return 'no more bags' if bag is None else '{name}, {bytes} bytes, SHA-256 {sha256}'.format(**bag)
 
 
 def _beside(log, bag):
-    """Return the path of a bag as the log knows it, in the log's folder or in this one, or None."""
+    """Return the path of a bag that the log describes, in the log's folder or the current one; None if not there."""
     from . import bags
     for folder in (os.path.dirname(log), ''):
         path = os.path.join(folder, bag['name'])
@@ -45,9 +48,9 @@ def _beside(log, bag):
 
 
 def find(first, second):
-    """Return texts of the first difference between two bags, by their paths; [] if all bytes are equal.
+    """Return lines about the first difference between the bags at two paths; [] if all bytes are equal.
 
-    :raises BagError: if one cannot be read.
+    :raises BagError: if a bag cannot be read.
     """
     from . import bags
     try:
@@ -65,11 +68,11 @@ def find(first, second):
     for number, (one, other) in enumerate(pairs, 1):
         if one is None or other is None or _compared(one) != _compared(other):
             return _lines_of(number, first, second, one, other)
-    return ['all messages, their topics and stamps are equal; connections or the layout of the files are not']
+    return ['all messages, their topics and stamps are equal; the connections or the layout of the files differ']
 
 
 def _messages(path):
-    """Yield (topic, (type, bytes, md5sum, ...), stamp) of a bag, by stamps."""
+    """Yield (topic, (type, bytes, md5sum, ...), stamp) of each message of a bag, in the order of their stamps."""
     import genpy
     import rosbag  # takes a while
     try:

@@ -1,6 +1,6 @@
-"""The bags that those who take part have written: noted by the preloaded library, digested when the run is over.
+"""The bags that participants have written: the preloaded library notes them, and they get digests when the run is over.
 
-The digest is of a bag's bytes: in equal runs a recorder that takes part writes the same ones.
+The digest is that of a bag's bytes. In equal runs a recorder that takes part writes the same bytes.
 """
 import contextlib
 import hashlib
@@ -20,7 +20,7 @@ _LEAST_SPACE = 1 << 30  # bytes: with less on the disk rosbag stops recording
 
 
 class Bag(NamedTuple):
-    """A bag as it is when the run is over. ``problem``: why its bytes say nothing; else None."""
+    """A bag as it is when the run is over. ``problem``: why its bytes are not covered, or None."""
 
     node: str
     path: str
@@ -30,13 +30,13 @@ class Bag(NamedTuple):
 
     @property
     def record(self):
-        """What the event log says of it: the same in each run."""
+        """The bag's entry in the event log. It is the same in each run."""
         return {'node': self.node, 'name': os.path.basename(self.path), 'bytes': self.size, 'sha256': self.sha256}
 
 
 @contextlib.contextmanager
 def notes():
-    """Have an empty file in which programs note their bags (VARIABLE); it goes again. Its path is yielded."""
+    """Make an empty file for the notes of programs about their bags (VARIABLE). Give its path; remove it at the end."""
     descriptor, path = tempfile.mkstemp(prefix='move_base_abstract_bags_')
     os.close(descriptor)
     try:
@@ -46,7 +46,7 @@ def notes():
 
 
 def written(path):
-    """Return the Bags that are noted in the file at ``path`` and still there, by node and in the order of writing."""
+    """Return the Bags that the file at ``path`` notes and that still exist, by node and in the order of writing."""
     with open(path, 'rb') as stream:
         words = [os.fsdecode(word) for word in stream.read().split(b'\0')]
     found = dict.fromkeys(zip(words[0::2], words[1::2]))
@@ -64,7 +64,7 @@ def _look_at(node, path):
         size, sha256 = digest(closed)
         space = os.statvfs(closed)
     except FileNotFoundError:
-        return None  # --max-splits has removed it
+        return None  # rosbag has removed it, because of --max-splits
     except OSError as error:
         return Bag(node, closed, 0, '', 'it cannot be read: {}'.format(error.strerror))
     if space.f_bavail * space.f_frsize < _LEAST_SPACE:
@@ -73,7 +73,7 @@ def _look_at(node, path):
 
 
 def digest(path):
-    """Return the length [bytes] and the SHA-256 of a file."""
+    """Return (length [bytes], SHA-256 in hexadecimal) of a file."""
     size, found = 0, hashlib.sha256()
     with open(path, 'rb') as stream:
         for block in iter(lambda: stream.read(_BLOCK), b''):
@@ -83,7 +83,7 @@ def digest(path):
 
 
 def lines(bags):
-    """Yield what is told of bags, as texts."""
+    """Yield lines about the bags for the user."""
     for bag in bags:
         yield 'bag of {}: {}'.format(shown_text(bag.node), bag.path.replace('\n', '?'))
         yield '  not covered: {}'.format(bag.problem) if bag.problem else '  {} bytes, SHA-256 {}'.format(
@@ -91,9 +91,9 @@ def lines(bags):
 
 
 def add_to_log(log, bags):
-    """Write the bags into the end record of an event log, if it has one: that run has ended properly.
+    """Write the bags into the end record of an event log. A log without such a record did not end properly, and stays.
 
-    Where a bag is not covered, the run is not called repeatable. What a crash cut short would be a log without an end.
+    If a bag is not covered, the run is not called repeatable.
     """
     if not bags or not os.path.isfile(log):
         return
@@ -115,7 +115,7 @@ def add_to_log(log, bags):
 
 
 def _last_line(stream):
-    """Return where the last line begins, and the line."""
+    """Return (offset [bytes] of the last line, the line)."""
     size = stream.seek(0, os.SEEK_END)
     block = min(size, _BLOCK)
     stream.seek(size - block)

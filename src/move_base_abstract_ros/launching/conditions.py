@@ -1,4 +1,4 @@
-"""Conditions that must not matter to a run: what `verify` changes from one run to the next."""
+"""Conditions that must not change a run. `verify` changes them from one run to the next."""
 import os
 import subprocess
 import sys
@@ -8,16 +8,20 @@ from typing import NamedTuple
 from ..lockstep.participation.report_delays import VARIABLE as DELAY
 
 LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'  # read by the launcher of unmodified programs
-LIMIT = 50.0  # times real time
+LIMIT = 50.0  # times real time, the lowest speed limit
 _LONGEST_LIMITED = 60.0  # s, wall
-_DELAY = '1:4'  # seed, ms; dense systems report a hundred thousand times
+_DELAY = '1:4'  # seed, ms; it is short because dense systems report a hundred thousand times
 _HASH_SEED = '1'
-# Ends by itself when the process that started it is gone.
+# A program that keeps a core busy. It ends by itself when the process that started it has gone.
 _BUSY = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    for _ in range(100000): pass\n'
 
 
 class Condition(NamedTuple):
-    """One way to run a system. ``points_at``: what is likely if a run differs in this one and not in those before."""
+    """One way to run a system.
+
+    ``what``: the condition in words. ``points_at``: the likely cause if a run differs under this condition, but not
+    under those before it.
+    """
 
     name: str
     what: str
@@ -26,7 +30,7 @@ class Condition(NamedTuple):
     environment: tuple = ()  # (name, value)
     is_busy: bool = False
     is_limited: bool = False
-    with_messages: bool = True  # whether messages are compared: not where senders have other names
+    with_messages: bool = True  # whether messages are compared; not if senders have other names
 
 
 _FAST = 'the result depends on how fast the machine is: a program reads the wall clock, or waits by it'
@@ -34,7 +38,7 @@ CONDITIONS = (
     Condition('plain', 'as it is', ''),
     Condition('again', 'as it is, once more', 'chance or time from outside: random numbers, the wall clock, addresses '
               '(sets of objects), process ids, files of the run before, the order in which nodes have registered with '
-              'the ROS master (who asks it which topics, nodes or parameters there are), another run beside this one '
+              'the ROS master (if a node asks it for topics, nodes or parameters), another run beside this one '
               '(files in /tmp, shared memory, ports)'),
     Condition('order', 'nodes start one after another, the last of the launch file first',
               'the result depends on the order in which nodes have registered with the ROS master: a program asks it '
@@ -46,7 +50,7 @@ CONDITIONS = (
               'the order of arrival matters somewhere: nodes talk past lockstep (files, sockets, parameters)',
               environment=((DELAY, _DELAY),)),
     Condition('hash', "other hash seed of this package's own nodes",
-              'an error of this package: its bookkeeping has an order that nobody stated; please report it',
+              'an error of this package: something in it has an order that is not defined; please report it',
               options=('--own-hash-seed', _HASH_SEED)),
     Condition('addresses', 'another address layout',
               'an order by addresses: sets or dicts of objects that are iterated, id(), pointers that are compared',
@@ -59,13 +63,13 @@ NAMES = tuple(condition.name for condition in CONDITIONS)
 
 
 def limit_for(simulated):
-    """Return the speed limit for a run of so many simulated seconds: it is not to take longer than a minute."""
+    """Return the speed limit for a run of ``simulated`` seconds, so that it takes a minute of wall time at most."""
     return max(LIMIT, simulated / _LONGEST_LIMITED)
 
 
 @contextmanager
 def every_core_busy():
-    """Keep every core busy meanwhile."""
+    """Keep every core busy inside the context."""
     processes = [subprocess.Popen([sys.executable, '-c', _BUSY]) for _ in range(os.cpu_count() or 1)]
     try:
         yield

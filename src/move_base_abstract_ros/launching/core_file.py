@@ -1,4 +1,4 @@
-"""The file of ROS's core, which roslaunch reads before each launch file, without its two programs (`rosversion`)."""
+"""Read the file of ROS's core, as roslaunch does before each launch file, without running `rosversion` twice for it."""
 import os
 
 import rospkg
@@ -10,10 +10,10 @@ from . import look_ups
 
 
 class Loader(XmlLoader):
-    """roslaunch's loader, that knows without a program what `rosversion` says in the file of ROS's core."""
+    """roslaunch's loader, which knows what `rosversion` prints for the file of ROS's core, and does not run it."""
 
     def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
-        """As roslaunch's."""
+        """Return the value of a parameter, as roslaunch's loader does."""
         known = _answer(command) if value is None and textfile is None and binfile is None else ''
         if known:
             return convert_value(known + '\n', ptype)
@@ -21,11 +21,11 @@ class Loader(XmlLoader):
 
 
 class TolerantLoader(Tolerant, Loader):
-    """The same of files of others, which may name what is not here."""
+    """The same loader for launch files of others, which may name packages and files that are not here."""
 
 
 def _answer(command):
-    """Return what a command of the file of ROS's core prints, or '' where that is not known."""
+    """Return what a command of the file of ROS's core prints, or '' if that is not known."""
     if command == 'rosversion -d':
         return os.environ.get('ROS_DISTRO', '')
     if command == 'rosversion roslaunch':

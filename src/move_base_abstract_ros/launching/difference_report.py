@@ -1,4 +1,4 @@
-"""What is told of two runs that differ: the events, the fields of the message, the bags, and likely causes."""
+"""The report on two runs that differ: the events, the fields of the message, the bags, and likely causes."""
 import os
 import re
 
@@ -8,15 +8,15 @@ from ..messages import message_fields
 from . import bag_difference
 
 _COLOUR = re.compile('\x1b\\[[0-9;]*m')
-_REORDERED = 'the events of this instant are the same in both runs, in another order: nodes were connected in ' \
-             'another order, that of their registrations with the ROS master, or talk past lockstep'
+_REORDERED = 'the events of this instant are the same in both runs, in another order: nodes registered with the ROS ' \
+             'master in another order, and so were connected in another order, or they talk past lockstep'
 _UNSEEN = 'the labels of these runs name no source of chance or wall time. The tools do not see ' \
           'the order of registrations with the ROS master, effects of another run at the same time (files, ' \
           'shared memory), files of the run before, sets of objects, and the inside of libraries'
 
 
 def event_lines(difference, first, run):
-    """Yield what is told of a run_difference.Difference between two Runs."""
+    """Yield lines that describe a run_difference.Difference between two Runs."""
     yield 'first difference: at {:.9f} s, event {} of this instant'.format(difference.time_ns * 1e-9, difference.place)
     for one, event in ((first, difference.first), (run, difference.second)):
         yield '  {}: {}'.format(one.condition.name, run_difference.told_lines(event) if event else
@@ -28,14 +28,14 @@ def event_lines(difference, first, run):
 
 
 def _field_lines(difference, first, run):
-    """Yield the fields in which the two versions of a message differ."""
+    """Yield lines about the fields in which the two versions of a message differ."""
     events = difference.first, difference.second
     if None in events or any(event.kind not in run_difference.MESSAGES for event in events) \
             or len({(event.kind, event.robot) for event in events}) > 1:
         return
     kept = [message_fields.kept(one.message_bytes, difference.number) for one in (first, run)]
     if None in kept:
-        yield 'the fields are not known: the message lies beyond what is kept of a run'
+        yield 'the fields are not known: the bytes of this message were not kept'
         return
     (kind, data), (_, other) = kept
     if data == other:
@@ -46,7 +46,7 @@ def _field_lines(difference, first, run):
 
 
 def bag_lines(difference, first, run):
-    """Yield what is told of an event_log.BagDifference between two Runs whose events are equal."""
+    """Yield lines that describe an event_log.BagDifference between two Runs whose events are equal."""
     yield 'the events are equal; the bags of {} are not (number {} of them)'.format(difference.node, difference.number)
     paths = []
     for one, bag in ((first, difference.first), (run, difference.second)):
@@ -71,9 +71,9 @@ def label_lines(runs):
 
 
 def cause_lines(difference, first, run):
-    """Yield what is likely: the labels of both runs, those that name nodes of the difference first.
+    """Yield the likely causes: first the labels of both runs, those that name nodes of the difference before others.
 
-    :param difference: of events, or None.
+    :param difference: the run_difference.Difference of the events, or None.
     """
     nodes = list(difference.told) if difference is not None else []
     labels = sorted(label_lines([first, run]), key=lambda label: not any(node in label for node in nodes))
@@ -87,7 +87,7 @@ def cause_lines(difference, first, run):
 
 
 def lines_of(path):
-    """Yield the lines of an output as they are read, without colours."""
+    """Yield the lines of the output at ``path``, without colours."""
     with open(path, encoding='utf-8', errors='replace') as stream:
         for line in stream:
             yield _COLOUR.sub('', line).rstrip()

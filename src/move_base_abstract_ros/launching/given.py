@@ -1,4 +1,4 @@
-"""What a command line adds to a launch file: nodes, arguments, parameters, and where robots start."""
+"""Add to a launch file what the command line gives: nodes, arguments, parameters, and where robots start."""
 import roslaunch.core
 from roslaunch.loader import convert_value
 
@@ -10,9 +10,9 @@ _START = ('start_x', 'start_y', 'start_yaw')
 
 
 def add_to(config, wishes):
-    """Add what the wishes ask for to roslaunch's configuration.
+    """Add to roslaunch's configuration what the wishes ask for.
 
-    :raises ConfigurationError: if a node of that name is there already, or is not.
+    :raises ConfigurationError: if a node to be added exists already, or a node that is named does not exist.
     """
     names = [roles.name_of(node) for node in config.nodes]
     for name, (package, kind), arguments in wishes.added:
@@ -34,7 +34,7 @@ def add_to(config, wishes):
 
 
 def told(wishes):
-    """Return what was added, and where robots start, as texts."""
+    """Return lines for the user: the added nodes, and where robots start."""
     return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in wishes.added] + [
         '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in wishes.starts]
 

@@ -1,7 +1,7 @@
-"""Importing roslaunch without what it brings along and never uses: half of the time that it takes.
+"""Import roslaunch without numpy and setuptools, which it brings along and does not need: in half of the time.
 
-genpy asks numpy whether a message's field is one of its arrays; rosclean asks distutils, which setuptools replaces by
-its own, for one function. Both do without.
+genpy asks numpy whether a message's field is an array. rosclean asks distutils, which setuptools replaces by its own,
+for one function. Both work without.
 """
 import contextlib
 import sys
@@ -9,7 +9,7 @@ import sys
 
 @contextlib.contextmanager
 def light():
-    """Import without them meanwhile, in a process that publishes no message with arrays."""
+    """Import without them inside the context. The process must not publish messages with arrays of numpy."""
     is_hidden = 'numpy' not in sys.modules
     hack = sys.modules.get('_distutils_hack') if sys.version_info < (3, 12) else None
     if is_hidden:

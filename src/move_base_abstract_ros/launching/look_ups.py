@@ -1,7 +1,7 @@
-"""What roslaunch looks up again and again, each time with a walk through all packages or by a program: once a process.
+"""Remember what roslaunch looks up, once for a process.
 
-The parameters of ROS's core need two programs (`rosversion`), and where a node's program is needs a walk: together
-several times as long as all the rest of reading a launch file.
+roslaunch walks through all packages each time that it looks for a node's program. Together with the two runs of
+`rosversion` for the parameters of ROS's core, this takes several times as long as the rest of reading a launch file.
 """
 import functools
 import os
@@ -10,17 +10,17 @@ import rospkg
 
 from ..replacing.replaced import replace
 
-programs = {}  # (package, type): path, of what has been found
+programs = {}  # {(package, type): path} of the programs that were found
 
 
 @functools.lru_cache(maxsize=None)
 def packages():
-    """Return rospkg's RosPack of this process, which walks once."""
+    """Return the RosPack of this process. It walks through all packages once."""
     return rospkg.RosPack()
 
 
 def remember():
-    """Have roslib's search for a node's program, in this process, begin with what was found before."""
+    """Make roslib's search for a node's program, in this process, begin with the programs that were found before."""
     replace('roslib.packages.find_node', _begin_with_known)
 
 
@@ -30,7 +30,7 @@ def _begin_with_known(search):
         if path is not None and os.access(path, os.X_OK):
             return [path]
         found = search(package, kind, packages() if rospack is None else rospack)
-        if len(found) == 1:  # of several, whoever asks makes its own choice, or an error
+        if len(found) == 1:  # if there are several, the caller chooses one, or complains
             programs[package, kind] = found[0]
         return found
     return find_node

@@ -1,4 +1,4 @@
-"""What a launch file becomes in lockstep: roslaunch's own configuration of it, with our launcher and a time master."""
+"""Plan the run of a launch file in lockstep: roslaunch's configuration of it, with our launcher and a time master."""
 import contextlib
 import os
 import shlex
@@ -20,66 +20,73 @@ from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
 from . import core_file, given, look_ups, roles, start_poses
 
-_LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
+_LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
 _NOT_COVERED = TIME_MASTER + '/not_covered'
 
 
 class Wishes(NamedTuple):
-    """What a run is asked for; ``parameters`` are those of the time master that stand above the launch file's."""
+    """What the user asks for. ``parameters``: of the time master; they take precedence over the launch file's."""
 
     parameters: dict
     launcher: tuple = ()  # options of the launcher of unmodified programs
-    forced: tuple = ()  # names of nodes that shall take part
-    kept_out: tuple = ()  # names of nodes that shall look on
+    forced: tuple = ()  # names of nodes that must take part
+    kept_out: tuple = ()  # names of nodes that must look on
     left_out: tuple = ()  # names of nodes that are not started
-    replaced: tuple = ()  # ((package, type), (package, type)): what is started in the place of what
+    replaced: tuple = ()  # ((package, type), (package, type)): nodes of the first kind become nodes of the second
     with_respawned: bool = False
-    environment: tuple = ()  # (name, value) for each node that takes part; the launch file's own stand above them
+    environment: tuple = ()  # (name, value) for each node that takes part; the launch file's take precedence
     own_environment: tuple = ()  # (name, value) for this package's own nodes
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
-    parts: int = 0  # processes that a fleet is split into; 0: as the file says
+    parts: int = 0  # number of processes into which a fleet is split; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
-    is_tolerant: bool = False  # what the file names and is not here is left out; all machines are this one
-    added: tuple = ()  # (name, (package, type), arguments) of nodes that the file has not
+    is_tolerant: bool = False  # leave out what the file names and is not here; run the nodes of all machines here
+    added: tuple = ()  # (name, (package, type), arguments) of nodes that are not in the file
     arguments: tuple = ()  # (name of a node, its arguments)
-    set: tuple = ()  # (parameter, text): parameters that stand above the file's
+    set: tuple = ()  # (parameter, text): parameters that take precedence over the file's
     starts: tuple = ()  # (name of a robot's node, (x, y, yaw)) [m, m, rad]
-    is_told: bool = False  # whether what is added, and where robots start, has been told
+    is_told: bool = False  # whether the user has been told what is added and where robots start
 
 
 class Plan(NamedTuple):
-    """A configuration to be launched; who takes part, looks on, is not started; what else was changed, as texts."""
+    """A configuration to be launched.
+
+    ``roles``: a Role of each node; ``left_out``: the names of nodes that are not started; ``notes``: lines about all
+    other changes, for the user.
+    """
 
     config: object
     roles: list
     left_out: list
     notes: list
-    fleets: list  # names of fleets that live in one process, and could be split
+    fleets: list  # names of fleets that are one process, and could be split
     is_reversed: bool = False  # nodes start one after another
 
     @property
     def event_log(self):
-        """Path of the run's event log; '': none."""
+        """Path of the run's event log; '' if there is none."""
         return _value(self.config, TIME_MASTER + '/event_log', '')
 
     @property
     def participants(self):
-        """Names of those who take part."""
+        """Names of the participants."""
         return [role.name for role in self.roles if role.takes_part]
 
 
 def make_plan(files, wishes):
     """Read launch files and plan their run. ``files``: as roslaunch takes them, [path or (path, arguments)].
 
-    :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
+    :raises ConfigurationError: if the files cannot be run like this.
+    :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
     return plan_of(read(files, wishes.is_tolerant), wishes)
 
 
 def read(files, is_tolerant=False):
-    """Return roslaunch's configuration of launch files. :raises roslaunch.core.RLException: its own.
+    """Return roslaunch's configuration of launch files.
 
-    is_tolerant: what they name and is not here is left out, and told by the configuration's ``missing``.
+    is_tolerant: leave out what the files name and is not here. The configuration's ``missing`` lists it.
+
+    :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
     loader = core_file.TolerantLoader() if is_tolerant else core_file.Loader()
     config = roslaunch.config.load_config_default(files, None, loader=loader, verbose=False)
@@ -89,7 +96,10 @@ def read(files, is_tolerant=False):
 
 
 def plan_of(config, wishes):
-    """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
+    """Change a roslaunch configuration into that of a run in lockstep, and return it as a Plan.
+
+    :raises ConfigurationError: if it cannot be run like this.
+    """
     if wishes.deputy:
         _add_deputy(config, *wishes.deputy)
     said = start_poses.said_by(config)
@@ -122,7 +132,7 @@ def plan_of(config, wishes):
 
 
 def scripts_of(plan):
-    """Return the paths of the Python programs of those who take part, sorted."""
+    """Return the paths of the participants' Python programs, sorted."""
     scripts = {role.name for role in plan.roles if role.kind in ('rospy', 'itself')}
     found = {roles.program_of(node) for node in plan.config.nodes if roles.name_of(node) in scripts}
     return sorted(found - {None})
@@ -130,9 +140,9 @@ def scripts_of(plan):
 
 @contextlib.contextmanager
 def log_of_run(plan, is_whole=False):
-    """Give the path of the event log of a Plan's run; if there is to be none, of one for a while that tells of ends.
+    """Give the path of the event log of a Plan's run.
 
-    ``is_whole``: or of all.
+    If the user wants none, it is a temporary log, which has only the ends of nodes, or all events if ``is_whole``.
     """
     asked = _value(plan.config, TIME_MASTER + '/event_log', '')
     if asked:
@@ -146,14 +156,14 @@ def log_of_run(plan, is_whole=False):
 
 
 def name_anonymous_ones_alike():
-    """Have $(anon NAME) give the same names in each run: on a ROS master of one's own nobody else can have them."""
+    """Make $(anon NAME) give the same names in each run. On a ROS master of its own the run needs no others."""
     counts = {}
 
     def anonymous_name(name):
         counts[name] = counts.get(name, 0) + 1
         return '{}_anonymous_{}'.format(name, counts[name])
 
-    # roslaunch's module asks for the name in the module it comes from, and nobody else does in this process.
+    # roslaunch looks the function up in this module, and nothing else in this process uses it.
     substitution_args.rosgraph.names.anonymous_name = anonymous_name
 
 
@@ -185,9 +195,10 @@ def _refuse_other_clocks(config, kept):
         if roles.has_clock(node, kept):
             name = roles.name_of(node)
             raise ConfigurationError(
-                "'{}' ({}/{}) publishes /clock itself, as a simulator does; in lockstep that is the time master's: "
-                'leave it out (--leave-out {}), with what only it needs; a script that only could: --participant {} or '
-                '--onlooker {} keeps it'.format(name, node.package, node.type, name, name, name))
+                "'{}' ({}/{}) publishes /clock itself, as a simulator does; in lockstep only the time master may: "
+                'leave it out (--leave-out {}), with the nodes that only it needs; if it is a script that only could '
+                'publish /clock, --participant {} or --onlooker {} keeps it'.format(
+                    name, node.package, node.type, name, name, name))
 
 
 def _prepare(node, role, launcher, wishes):
@@ -205,7 +216,7 @@ def _others(config):
 
 
 def _keep_local(nodes):
-    """Have roscpp programs that take no part (rosout is one) listen on 127.0.0.1 where ROS_IP says so."""
+    """Make roscpp programs that take no part, such as rosout, listen on 127.0.0.1 if ROS_IP is that."""
     try:
         name, value = binary.loopback_only(os.environ)
     except ValueError as error:
@@ -216,7 +227,7 @@ def _keep_local(nodes):
 
 
 def _look_at_recorder(config, node, role):
-    """Label the run where the bag of a recorder is not covered. Return what is to be said of it, as texts."""
+    """Label the run if the bag of a recorder is not covered. Return lines about it for the user."""
     why, notes = '' if role.takes_part else 'it looks on: {}'.format(role.why), []
     if role.takes_part and recorders.is_recorder(node):
         left_out, named = recorders.past_lockstep(shlex.split(node.args or ''), node.namespace,
@@ -236,7 +247,7 @@ def _fleets(config):
 
 
 def _split(config, fleets, parts):
-    """Give each fleet that lives in one process to several."""
+    """Split each of ``fleets`` into ``parts`` processes. Return lines about it for the user."""
     notes = []
     for node in fleets if parts > 1 else ():
         name = roles.name_of(node)
@@ -272,7 +283,10 @@ def _copy(node, name):
 
 
 def _add_time_master(config, found, wishes):
-    """Have one time master, in lockstep, that waits for all who take part; return what was changed, as texts."""
+    """Make the configuration have one time master, in lockstep, that waits for all participants.
+
+    Return lines for the user about the changes.
+    """
     notes = []
     own = [node for node in config.nodes if roles.is_time_master(node)]
     for node in own:
@@ -299,7 +313,7 @@ def _add_time_master(config, found, wishes):
 
 
 def _reverse(config, taking):
-    """Have nodes start in the reverse order; what they tell the ROS master at one instant comes in that order too."""
+    """Make nodes start in the reverse order, and register with the ROS master in that order at one instant, too."""
     config.nodes.reverse()
     config.nodes.sort(key=lambda node: not roles.is_time_master(node))
     started = [node for node in config.nodes if roles.name_of(node) in taking]
@@ -309,7 +323,7 @@ def _reverse(config, taking):
 
 
 def _named(config):
-    """Full names of those who take part and may be started by somebody else."""
+    """Return the full names of the participants that the launch file names. Something else may start them."""
     return [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
 
 

@@ -1,4 +1,4 @@
-"""What kind of program a file is: whether it is a rospy or a roscpp one, and so can take part in lockstep."""
+"""Find out whether a program uses rospy or roscpp, and so can take part in lockstep."""
 import ast
 import os
 import re
@@ -14,26 +14,26 @@ from ..lockstep.programs import command_line, recorders
 from ..lockstep.programs.binary import links_to_roscpp
 from ..lockstep.programs.shell_scripts import programs_in
 
-_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
-_EXTENDS = re.compile(rb"^__extended_path = ['\"]([^'\"\n]+)['\"]", re.MULTILINE)  # of catkin, for a package there
+_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # in catkin's relay scripts of a devel space
+_EXTENDS = re.compile(rb"^__extended_path = ['\"]([^'\"\n]+)['\"]", re.MULTILINE)  # in catkin's packages there
 _IMPORT = re.compile(rb'^[ \t]*(?:from|import)[ \t]+([A-Za-z_][\w.]*(?:[ \t]*,[ \t]*[A-Za-z_][\w.]*)*)', re.MULTILINE)
 _FROM = re.compile(rb'^[ \t]*from[ \t]+(\.*[A-Za-z_][\w.]*|\.+)[ \t]+import[ \t]+(\([^)]*\)|[^\n;#(]+)', re.MULTILINE)
 _LIBRARIES = tuple(os.path.join(folder, '') for folder in (*site.getsitepackages(), '/usr/lib/python3/dist-packages'))
 _COMMENT = re.compile(rb'#[^\n]*')
-_ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # and those that import it
+_ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # rospy, and libraries that import it
 _ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
-# Not looked into: those of ROS are known, and the others import no ROS but have hundreds of files.
+# Libraries that are not searched: those of ROS are known, and the others do not import ROS but have hundreds of files.
 _CLOSED = (*_ROS, 'numpy', 'scipy', 'matplotlib', 'pandas', 'networkx', 'PIL', 'yaml', 'cv2', 'sklearn', 'torch')
-# By the topic's name, or if that is none in quotes by the message's.
+# A publisher of /clock: by the topic's name, or by the type of the message if the name is not in quotes.
 _CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?(?:["\']/?clock["\']|(?!["\'])[^(),]+,\s*(?:data_class\s*=\s*)?'
                     rb'(?:rosgraph_msgs\.msg\.)?Clock\b)')
-_LARGEST = 1 << 20  # bytes of a source that are looked at
+_LARGEST = 1 << 20  # bytes of a source that are read
 _MOST_FILES = 300
 _LONGEST_FIRST_LINE = 200  # bytes
 
 
 def kind_of(path):
-    """Return 'rospy' or 'roscpp', or None and why the program at ``path`` cannot take part: a pair."""
+    """Return ('rospy', '') or ('roscpp', ''), or (None, why the program at ``path`` cannot take part)."""
     try:
         kind, path, _ = command_line.find([path])
         if kind == 'binary':
@@ -50,12 +50,12 @@ def _kind_of_shell(path):
     if recorders.becomes_recorder(text):
         return 'roscpp', ''
     if b'python' in text and any(name.split('.')[0] in _ROSPY for name in _imports(text)):
-        return 'rospy', ''  # both at once: to the shell, and to the Python that it has read the file
+        return 'rospy', ''  # a file that is both: a script for the shell, and one for the Python that the shell starts
     for found in programs_in(path, text.decode('utf-8', 'replace'), _package, _nodes):
         if command_line.kind_of(found) == 'script' and uses_rospy(found):
             return 'rospy', ''
-    return None, 'it is a shell script, and no rospy program can be seen in it (binaries that one starts are not ' \
-                 'followed; --participant has it take part)'
+    return None, 'it is a shell script, and no rospy program can be seen in it (binaries that it starts are not ' \
+                 'followed; --participant makes it take part)'
 
 
 def _package(name):
@@ -73,7 +73,7 @@ def _nodes(package, kind):
 
 
 def uses_rospy(path):
-    """Return whether a script, or a module that it imports, imports rospy; found by reading, without running it."""
+    """Return whether a script, or a module that it imports, imports rospy. The files are read, and not run."""
     return any(name.split('.')[0] in _ROSPY for source in _sources(path) for name in _imports(source))
 
 
@@ -87,12 +87,12 @@ def publishes_clock(path):
 
 
 def mentions(path, word):
-    """Return whether a word stands in a program's own file; what it imports is not looked into: each start would be."""
+    """Return whether ``word`` (bytes) is in a program's own file. Its imports are not searched, to save time."""
     return word in _read(_behind_relay(path))
 
 
 def missing_interpreter(path):
-    """Return the interpreter that a script names and is not here, or ''."""
+    """Return the interpreter that a script names in its first line, if it is not here, or ''."""
     first = _read(path)[:_LONGEST_FIRST_LINE].partition(b'\n')[0].decode('utf-8', 'replace')
     words = first[2:].strip(' ').split(' ') if first.startswith('#!') else []
     name = words[1] if len(words) > 1 and os.path.basename(words[0]) == 'env' else ''.join(words[:1])
@@ -100,7 +100,7 @@ def missing_interpreter(path):
 
 
 def cannot_start(path):
-    """Return why a Python script cannot even be imported here, or ''. It is read, not run."""
+    """Return why a Python script cannot be imported here, or ''. The script is read, and not run."""
     try:
         kind, path, _ = command_line.find([path])
         path = _behind_relay(path)
@@ -131,13 +131,13 @@ def _is_importable(name, folders):
         if spec is None:
             return False
         if not spec.submodule_search_locations:
-            return True  # what a module has below its name, its own code says (os.path)
+            return True  # the code of a module decides which names are below it (os.path)
         folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
     return True
 
 
 def _sources(path):
-    """Yield the text of a script and of the modules that it imports, but not those of ROS."""
+    """Yield the text of a script and of the modules that it imports, but not of those in _CLOSED."""
     path = _behind_relay(path)
     folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
     waiting, seen = [path], {path}
@@ -172,7 +172,7 @@ def _imports(source):
 
 
 def _from(source, path):
-    """Yield what may be modules of packages: PACKAGE.NAME of each `from PACKAGE import NAME`, also of `from .` ones."""
+    """Yield PACKAGE.NAME for each `from PACKAGE import NAME`, also with dots: NAME may be a module of the package."""
     for found, words in _FROM.findall(source):
         package = found.decode('ascii', 'ignore')
         dots = len(package) - len(package.lstrip('.'))
@@ -209,13 +209,13 @@ def _files_of(name, folders):
 
 
 def _extended(origin, package):
-    """Return the folders in which catkin's devel space says that the package is."""
+    """Return the folders of the package according to its file in catkin's devel space."""
     found = _EXTENDS.search(_read(origin)) if origin else None
     return [os.path.join(folder, package) for folder in os.fsdecode(found.group(1)).split(';')] if found else []
 
 
 def _is_of_user(path):
-    """Return whether a file is neither of a library installed for this Python nor of messages: these are many."""
+    """Return whether a file belongs neither to a library installed for this Python nor to messages: these are many."""
     return not path.startswith(_LIBRARIES) and os.path.basename(os.path.dirname(path)) not in ('msg', 'srv')
 
 

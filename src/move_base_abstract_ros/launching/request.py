@@ -1,4 +1,4 @@
-"""What the warm process of `lockstep_launch` is asked for: to become a node. Bytes on a pair of sockets."""
+"""Requests to the warm process of `lockstep_launch` to become a node, and its answers, on a pair of sockets."""
 import array
 import json
 import socket
@@ -9,7 +9,11 @@ _LENGTH = struct.Struct('<I')
 
 
 class Request(NamedTuple):
-    """``outputs``: descriptors of the standard output and the standard error output."""
+    """A request to start a node.
+
+    ``words``: the command line; ``cwd``: the working folder; ``outputs``: descriptors of the standard output and the
+    standard error output. Only the first request is another one: its words are the paths of scripts to come.
+    """
 
     words: list
     environment: dict
@@ -26,7 +30,7 @@ def send(sock, asked):
 
 
 def receive(sock):
-    """Return the next Request, or None when the other end is closed."""
+    """Return the next Request, or None if the other end is closed."""
     outputs = array.array('i')
     head, ancillary, _, _ = sock.recvmsg(_LENGTH.size, socket.CMSG_SPACE(2 * outputs.itemsize))
     for level, kind, data in ancillary:
@@ -37,13 +41,13 @@ def receive(sock):
 
 
 def answer(sock, value):
-    """Send a number or a list."""
+    """Send an answer: a number or a list."""
     body = json.dumps(value).encode()
     sock.sendall(_LENGTH.pack(len(body)) + body)
 
 
 def receive_answer(sock):
-    """Return what was answered. :raises OSError: if nobody answers any more."""
+    """Return the next answer. :raises OSError: if the warm process does not answer any more."""
     head = _read(sock, _LENGTH.size)
     body = None if head is None else _read(sock, _LENGTH.unpack(head)[0])
     if body is None:
@@ -52,7 +56,7 @@ def receive_answer(sock):
 
 
 def _read(sock, size):
-    """Return so many bytes, or None when the other end is closed."""
+    """Return ``size`` bytes, or None if the other end is closed."""
     found = b''
     while len(found) < size:
         part = sock.recv(size - len(found))

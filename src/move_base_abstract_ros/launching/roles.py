@@ -1,4 +1,4 @@
-"""Who of a launch file's nodes takes part in lockstep, and who is left to look on, and why."""
+"""Decide which nodes of a launch file take part in lockstep, which look on, and why."""
 import os
 import shlex
 from typing import NamedTuple
@@ -11,12 +11,12 @@ from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
 from . import programs
 
-#: the program whose node takes part for a script that starts runs
+#: the program of the deputy, the node that takes part for a script that starts runs
 DEPUTY = 'lockstep_series'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
               'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
               'property_monitor', DEPUTY)
-#: own nodes that are done when the run is over: what they know is in the event log, or written already
+#: own nodes that have nothing to do when the run is over: their results are in the event log, or are written already
 _WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
                        'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
                        DEPUTY)
@@ -30,21 +30,25 @@ _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd'
 _OWN_PREFIX = 'move_base_abstract lockstep'
 
 
-#: the original package's time master: whatever its node is to be called, it is ours, and so /time_master
+#: the original package's time master. Whatever its node is called in the file, it becomes our /time_master
 ORIGINAL_TIME_MASTER = 'sim_time_controller'
 
 
 class Role(NamedTuple):
-    """What a node does in the run. ``kind``: 'rospy', 'roscpp' or 'itself' takes part; None looks on, and why."""
+    """The role of a node in the run.
+
+    ``kind``: 'rospy', 'roscpp' or 'itself' (a node of this package, or one that the file starts by our launcher) if it
+    takes part; None if it looks on. ``why``: the reason why it looks on.
+    """
 
     name: str
     kind: str
     why: str
-    records: bool = False  # whether it writes bags, as far as its program shows it
+    records: bool = False  # whether it writes bags, as far as its program shows
 
     @property
     def takes_part(self):
-        """Whether simulated time waits for it."""
+        """Whether the node is a participant: simulated time waits for it."""
         return self.kind is not None
 
 
@@ -54,14 +58,14 @@ def name_of(node):
 
 
 def is_time_master(node):
-    """Whether a roslaunch Node is our time master."""
+    """Return whether a roslaunch Node is our time master."""
     return node.package == PACKAGE and node.type in ('time_master', ORIGINAL_TIME_MASTER)
 
 
 def has_clock(node, kept=()):
-    """Whether a node publishes /clock, as far as is known by its kind, or by the text of a Python program.
+    """Return whether a node publishes /clock, as far as its kind or the text of its Python program shows.
 
-    :param kept: full names of nodes whose text is not asked.
+    :param kept: full names of nodes whose text is not searched.
     """
     if (node.package, node.type) in _CLOCKS or (
             (node.package, node.type) == ('rosbag', 'play') and '--clock' in (node.args or '').split()):
@@ -76,7 +80,8 @@ def has_clock(node, kept=()):
 def role_of(node, forced=(), kept_out=(), with_respawned=False):
     """Return the Role of a roslaunch Node.
 
-    :param forced, kept_out: full names of nodes that shall take part, or look on, whatever they are.
+    :param forced, kept_out: full names of nodes that take part, or look on, because the user asks for it.
+    :param with_respawned: whether nodes with respawn take part.
     """
     kind, why = _kind(node, name_of(node), forced, kept_out, with_respawned)
     return Role(name_of(node), kind, why, recorders.is_recorder(node) or _starts_recorder(node))
@@ -107,7 +112,7 @@ def _is_by_itself(node):
 
 
 def _outside(node, with_respawned):
-    """Return why a node cannot take part whatever its program is, or None."""
+    """Return why a node cannot take part, whatever its program is, or None."""
     if node.package in _LOOK_ON:
         return _LOOK_ON[node.package]
     if (node.package, node.type) == ('rosbag', 'play'):
@@ -123,7 +128,7 @@ def _outside(node, with_respawned):
 
 
 def has_last_words(node):
-    """Return whether a roslaunch Node may have something to do once the run is over, and is not to be killed then."""
+    """Return whether a roslaunch Node may have something to do after the run, so that it must not be killed then."""
     return not (node.package == PACKAGE and node.type in _WITHOUT_LAST_WORDS)
 
 
@@ -136,13 +141,13 @@ def is_shell(node):
 
 
 def _without(node):
-    """Return the kind of a node whose program is not there, and how ours is started in its place, if there is one."""
+    """Return the kind of a node whose program is missing, and the option that starts our stand-in, if we have one."""
     kind, own = '{}/{}'.format(node.package, node.type), _STAND_INS.get((node.package, node.type))
     return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 
 def is_nodelet_loader(node):
-    """Return whether a roslaunch Node loads a nodelet into a manager: it sleeps by the wall, and runs nobody's code."""
+    """Return whether a roslaunch Node loads a nodelet into a manager. It only sleeps, by the wall clock."""
     return (node.package, node.type) == ('nodelet', 'nodelet') and (node.args or '').split()[:1] == ['load']
 
 
@@ -150,13 +155,13 @@ def program_of(node):
     """Return the path of a roslaunch Node's program, or None."""
     try:
         found = packages.find_node(node.package, node.type)
-    except Exception:  # roslaunch says it in its own words when it starts the node
+    except Exception:  # roslaunch reports the error when it starts the node
         return None
     return found[0] if found else None
 
 
 def prefix_of(node, launcher):
-    """Return the launch prefix with the words of our launcher in it: before a Python, behind anything else."""
+    """Return the node's launch prefix with the words of our launcher in it: before a Python, otherwise at the end."""
     words = shlex.split(node.launch_prefix or '')
     if is_nodelet_loader(node):
         launcher = [*launcher, '--sleep', 'simulated']

@@ -1,4 +1,4 @@
-"""A ROS master of a run's own: on a free port of 127.0.0.1, in a process forked from this one."""
+"""A ROS master for one run: on a free port of 127.0.0.1, in a process forked from this one."""
 import contextlib
 import os
 import select
@@ -15,11 +15,14 @@ _REGISTERED_S, _LOOK_S = 10.0, 0.01  # wall
 
 
 class MasterError(SimulatorError):
-    """The ROS master did not come up."""
+    """The ROS master did not start, or refused a parameter."""
 
 
 def start(output):
-    """Start a ROS master; return (process id, URI). ``output``: the path of a file for what it prints."""
+    """Start a ROS master; return (process id, URI). ``output``: the path of a file for its output.
+
+    :raises MasterError: if it does not start within 20 s of wall time.
+    """
     read, write = os.pipe()
     pid = processes.fork(lambda: _serve(read, write), output)
     os.close(write)
@@ -29,7 +32,7 @@ def start(output):
     finally:
         os.close(read)
     if not uri:
-        raise MasterError(f'the ROS master did not come up; what it printed is in {output}')
+        raise MasterError(f'the ROS master did not start; its output is in {output}')
     return pid, uri
 
 
@@ -43,7 +46,7 @@ def _serve(read, write):
 
 
 def serve(tell):
-    """Be a ROS master; ``tell(uri)`` is called when it is there."""
+    """Be a ROS master until the end of the process. Call ``tell(uri)`` when it answers."""
     from rosmaster.master import Master
     master = Master(0)
     master.start()
@@ -55,7 +58,7 @@ def serve(tell):
 
 
 def set_parameters(uri, parameters):
-    """Set parameters, (key, value) pairs, in their order and in one call. :raises MasterError: if one cannot be set."""
+    """Set parameters, (key, value) pairs, in this order and in one call. :raises MasterError: if one cannot be set."""
     calls = xmlrpc.client.MultiCall(xmlrpc.client.ServerProxy(uri))
     for key, value in parameters:
         calls.setParam('/experiment', key, value)
@@ -70,7 +73,8 @@ def set_parameters(uri, parameters):
 def await_registered(uri, pid, name, statuses):
     """Wait until a ROS master knows the node ``name``, its process has ended, or 10 s of wall time are over.
 
-    It may wait for one that starts later. Into ``statuses`` go those of children that have ended (see processes).
+    The time is limited because the node may wait for one that starts later. ``statuses`` gets the statuses of children
+    that have ended, see processes.reap.
     """
     master, deadline = xmlrpc.client.ServerProxy(uri), time.monotonic() + _REGISTERED_S
     while pid not in statuses and time.monotonic() < deadline:

@@ -1,4 +1,4 @@
-"""Run a Plan: roslaunch's own parent, that ends a run in order and says how it ended."""
+"""Run a Plan with roslaunch's own parent, end the run in order, and say how it ended."""
 import subprocess
 import sys
 import threading
@@ -16,17 +16,17 @@ from .sleeps import Sleeps
 from .watched_process import Watched
 
 _STATE_TIMEOUT = 5.0  # s, wall
-_EACH_TIMEOUT = 10.0  # s, wall, for a node to take part before the next one starts; it may wait for that one
-_BEFORE_ASKING_S = 1.0  # wall: at the end of a run participants may be gone before the time master is
-_LEAVERS_S = 2.0  # wall, that who has left before the end may take to end
+_EACH_TIMEOUT = 10.0  # s, wall, for a node to take part before the next one starts; it may wait for the next one
+_BEFORE_ASKING_S = 1.0  # wall: at the end of a run participants may end before the time master does
+_LEAVERS_S = 2.0  # wall, for the process of a node that has left before the end of the run to end
 _LOOK_S = 0.01  # wall
 GOOD, BAD = 0, 1
 
 
 class Parent(roslaunch.parent.ROSLaunchParent):
-    """roslaunch's parent of a Plan.
+    """roslaunch's parent, for a Plan.
 
-    ``code`` is the exit code when spin() has returned, GOOD or BAD; ends() then says how the processes ended.
+    After spin(), ``code`` is the exit code, GOOD or BAD, and ends() says how the processes ended.
     """
 
     def __init__(self, run_id, plan, log, warm=None, **options):
@@ -50,7 +50,7 @@ class Parent(roslaunch.parent.ROSLaunchParent):
             self.runner.launch_node = lambda node, core=False: self._launch_and_wait(launch, node, core)
 
     def _launch_and_wait(self, launch, node, core):
-        """Launch a node, and wait until it takes part, or is not going to."""
+        """Launch a node. If it is a participant, wait until it takes part or the run has begun, at most 10 s."""
         started = launch(node, core)
         name, deadline = roles.name_of(node), time.monotonic() + _EACH_TIMEOUT
         while started[1] and name in self._plan.participants and time.monotonic() < deadline:
@@ -85,11 +85,11 @@ class Parent(roslaunch.parent.ROSLaunchParent):
                 one.is_told = one.look() is None
             kill_all()
         self.pm.register = watch
-        # Time stops before anybody goes; else those that are left would live on for as long as the wall clock pleases.
+        # Time stops before any node ends. Otherwise the others would go on for a time that depends on the wall clock.
         self.pm._post_run = end_in_order
 
     def process_died(self, process_name, exit_code):
-        """Hear from roslaunch that a process is gone; ``process_name`` ends in a number of roslaunch's."""
+        """Note that a process has ended; roslaunch calls this. ``process_name``: ends in a number of roslaunch."""
         if self._over.is_set():
             return
         name = _name_of(process_name)
@@ -103,9 +103,10 @@ class Parent(roslaunch.parent.ROSLaunchParent):
                 threading.Thread(target=self._look_for_waiting, daemon=True).start()
 
     def _look_for_waiting(self):
-        """Complain of a participant that has gone and is waited for, in a thread of its own: nothing waits for this.
+        """Report a participant that has ended while the time master waits for it, and end the run.
 
-        The time master is asked once the run cannot be about to end, and not again when time has started.
+        This runs in a thread of its own. It asks the time master after a while, because the run may be about to end,
+        and does not ask again once time has started.
         """
         while not self._over.wait(_BEFORE_ASKING_S):
             state = ask_state(_STATE_TIMEOUT)
@@ -123,10 +124,11 @@ class Parent(roslaunch.parent.ROSLaunchParent):
                 return
 
     def _complain(self, name, exit_code):
-        """Say that a participant has gone before time started, and what it has said last, or what to do about it."""
+        """Print that a participant has ended before time started, with its last lines, or with what to do about it."""
         print('lockstep_launch: {} ended ({}) before it took part, so that time never starts.{}'.format(
             name, ends.described(exit_code) if exit_code else 'exit code 0', ' It said last:' if exit_code else
-            ' If it is no node that goes on, leave it as an onlooker: --onlooker {}'.format(name)), file=sys.stderr)
+            ' If it is a node that does not go on running, make it an onlooker: --onlooker {}'.format(name)),
+            file=sys.stderr)
         for line in ends.plain_lines(self._watched[name].process(name, True)) if exit_code else ():
             print('    ' + line, file=sys.stderr)
 
@@ -140,14 +142,14 @@ class Parent(roslaunch.parent.ROSLaunchParent):
                     self.code = BAD
 
     def _await_leavers(self):
-        """Give who has left before the end, as its event log says, the time to end: its exit code counts."""
+        """Wait for the processes of nodes that left before the end, by the event log: their exit codes count."""
         leavers = [self._watched[name] for name in ends.read_log(self._log_path).departures if name in self._watched]
         deadline = time.monotonic() + _LEAVERS_S
         while any(one.look(is_early=True) is None for one in leavers) and time.monotonic() < deadline:
             time.sleep(_LOOK_S)
 
     def ends(self):
-        """Return an ends.End of each process of the run, of those too that could not be started."""
+        """Return [ends.End] of all processes of the run, including those that could not be started."""
         nodes = {roles.name_of(node): node for node in self.config.nodes if is_machine_local(node.machine)}
         return ends.judge([self._process(*one) for one in nodes.items()], ends.read_log(self._log_path))
 
@@ -159,7 +161,7 @@ class Parent(roslaunch.parent.ROSLaunchParent):
 
 
 class _Starting:
-    """Stands for the module subprocess in roslaunch's class of processes."""
+    """Takes the place of the module subprocess in roslaunch's module of processes. ``popen`` starts the processes."""
 
     def __init__(self, popen):
         self.Popen = popen
@@ -169,12 +171,12 @@ class _Starting:
 
 
 def _name_of(process_name):
-    """Return the node's name of a name of roslaunch's for its process, which ends in a number."""
+    """Return the full name of the node to which roslaunch's name for its process belongs; this ends in a number."""
     return '/' + process_name.rpartition('-')[0]
 
 
 def ask_state(timeout):
-    """Return what the time master says of itself, or None. Its state is latched and comes again and again."""
+    """Return the time master's TimeState, or None if there is none within ``timeout`` [s, wall]. It is latched."""
     import rospy
 
     from move_base_abstract.msg import TimeState

@@ -1,4 +1,4 @@
-"""The sleeps of roslaunch's process monitor, which looks ten times a second: they end when a run does."""
+"""Shorten the sleeps of roslaunch's process monitor, which looks ten times a second, when a run ends."""
 import threading
 import time
 
@@ -9,9 +9,9 @@ _SHORT_S = 0.01  # wall, between two looks while a run ends
 
 
 class Sleeps:
-    """Stands for the module time in roslaunch's monitor from now on: its sleeps are short ones once hurry() was called.
+    """Takes the place of the module time in roslaunch's monitor. After a call of hurry() all sleeps are short.
 
-    A run's end otherwise waits for a tenth of a second three times in a row.
+    Otherwise the end of a run would wait for a tenth of a second three times in a row.
     """
 
     def __init__(self):
@@ -19,18 +19,18 @@ class Sleeps:
         roslaunch.pmon.time = roslaunch.nodeprocess.time = self
 
     def hurry(self):
-        """Have who sleeps wake up, and sleep for moments only from now on; from any thread."""
+        """End all sleeps that go on, and make all later ones short. May be called from any thread."""
         self._hurries.set()
 
     def hurry_when(self, popen):
-        """Do so when a process has ended."""
+        """Call hurry() when the process ``popen`` has ended."""
         def wait():
             popen.wait()
             self.hurry()
         threading.Thread(target=wait, daemon=True).start()
 
     def sleep(self, seconds):
-        """Sleep [s, wall]."""
+        """Sleep for ``seconds`` of wall time, or shorter after hurry()."""
         if self._hurries.is_set():
             time.sleep(min(seconds, _SHORT_S))
         else:

@@ -20,9 +20,9 @@ from .conditions import CONDITIONS, every_core_busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
 _BROKEN = 4  # exit code of lockstep_launch: the run has come to its end
-_GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
+_GRACE_S = 60.0  # wall, from SIGINT to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
-_MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
+_MOST_BAG_BYTES = 1 << 30  # of the first run's bags, which are kept to be compared with others message by message
 
 
 class Run(NamedTuple):
@@ -33,14 +33,14 @@ class Run(NamedTuple):
     output: str  # path
     end: dict  # of the log
     wall: float  # s
-    message_bytes: str  # path of a file with what participants have sent each other
+    message_bytes: str  # path of a file with the messages between participants
     bags: dict  # {(node, number of its bag from 1 on): path}
-    crashes: list  # of its nodes, in words; they are allowed
-    fleets: list  # [name, why it cannot be in several processes; '': it can]
+    crashes: list  # the crashes of its nodes, in words; the user allows them
+    fleets: list  # [name, why it cannot be split into several processes, or ''] of each fleet
 
     @property
     def labels(self):
-        """Why the run is not called repeatable, or is called degraded."""
+        """The reasons why the run is not called repeatable, or is called degraded."""
         return event_log.labels_of(self.end)
 
 
@@ -53,10 +53,10 @@ class Unfinished(Exception):
 
 
 class Verification:
-    """Runs of one launch file, each in a folder of its own below ``folder``; ``say`` takes lines for people."""
+    """Runs of one launch file, each in a folder of its own below ``folder``. ``say(line)`` prints a line."""
 
     def __init__(self, words, launch, folder, time_limit, say):
-        """words: of lockstep_launch; launch: those of them that name the file; time_limit: s, wall, of a run."""
+        """words: for lockstep_launch; launch: those of them that name the file; time_limit: of each run [s, wall]."""
         self._words = words
         self._launch = launch
         self._folder = folder
@@ -65,9 +65,10 @@ class Verification:
         self.runs = []
 
     def verify(self, names):
-        """Run under the conditions of these names, until two runs differ; return the exit code.
+        """Run under the conditions of these names until a run differs from the first; return the exit code.
 
-        :raises Unfinished, OutputError, EventLogError: if that cannot be said.
+        :raises Unfinished: if a run does not come to its end; OutputError: if a folder cannot be made;
+            EventLogError: if an event log cannot be read.
         """
         for condition in (condition for condition in CONDITIONS if condition.name in names):
             if condition.name == 'split' and self.runs and not self._can_split():
@@ -84,7 +85,7 @@ class Verification:
         return self._conclude()
 
     def _can_split(self):
-        """Return whether the first run's fleets may run in two processes each, and be compared with it; say why not."""
+        """Return whether the first run's fleets can run in two processes each and be compared with it; say why not."""
         first = self.runs[0]
         names = [name for name, _why in first.fleets]
         crashed = [crash for crash in first.crashes if crash.partition(' ')[0] in names]
@@ -116,7 +117,7 @@ class Verification:
         said = _outcome(outcome)
         crashes = said['crashes']
         if code != 0 and crashes:
-            raise Unfinished("nodes crashed in the run '{}', so that nothing can be said of it; --crashes allow "
+            raise Unfinished("nodes crashed in the run '{}', so that it is not compared; --crashes allow "
                              'compares such runs, too:\n{}\nall output of the nodes: {}'.format(
                                  condition.name, '\n'.join('    ' + one for one in crashes), output), CRASHED)
         if code not in (0, _BROKEN):
@@ -133,7 +134,7 @@ class Verification:
         try:
             return process.wait(self._time_limit)
         except subprocess.TimeoutExpired:
-            raise Unfinished('a run was not over after {:g} s of wall time (--time-limit). An end can be given to it: '
+            raise Unfinished('a run was not over after {:g} s of wall time (--time-limit). It needs an end: '
                              '--until S, a node with required="true", or nothing left to do. Its last lines:\n{}'
                              .format(self._time_limit, _last_lines(output))) from None
         finally:
@@ -166,7 +167,7 @@ class Verification:
         self._say('likely causes:')
         for line in difference_report.cause_lines(found.difference, first, run):
             self._say('  ' + line)
-        self._say_next('both runs to look at, side by side: rosrun move_base_abstract replay {} {}', first.log, run.log)
+        self._say_next('both runs side by side: rosrun move_base_abstract replay {} {}', first.log, run.log)
         for one in (first, run):
             _remove(one)
         return False
@@ -183,7 +184,7 @@ class Verification:
             self._say('but {} (--crashes allow)'.format(crash))
         labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
         if not is_compared:
-            labels.append('but one run says nothing of another: more --conditions make more runs')
+            labels.append('but one run has no other to be compared with: more --conditions make more runs')
         if not (counts.events or counts.messages or self.runs[0].bags):
             labels.append('but there was nothing to compare: no robot did anything, and no message went from one '
                           'participant to another')
@@ -191,7 +192,7 @@ class Verification:
             self._say(label)
         if labels:
             self._say_next('which nodes take part, and which look on: rosrun move_base_abstract lockstep_launch --list '
-                           '{}; of a program that is named in a label, change what is at its place', *self._launch)
+                           '{}; if a label names a program and a place in it, change the program there', *self._launch)
         else:
             self._say_next('the search for another order of equal events that breaks it: rosrun move_base_abstract '
                            'chaos {}', *self._launch)
@@ -199,7 +200,7 @@ class Verification:
         return LABELLED if labels else IDENTICAL
 
     def _say_next(self, text, *words):
-        """Say what can be typed next; ``words`` come into the text, or all into its one place."""
+        """Print what the user can type next. ``words`` fill the places in ``text``; if it has only one, all fill it."""
         told = [shlex.quote(word) for word in words]
         self._say('next: ' + text.format(*(told if text.count('{}') == len(told) else [' '.join(told)])))
 
@@ -211,15 +212,15 @@ class Verification:
 
 
 def _outcome(path):
-    """Return what lockstep_launch says of a run: its bags, fleets and crashes; nothing if it says nothing."""
+    """Return the outcome of a run as lockstep_launch wrote it: bags, fleets, crashes; empty lists if it wrote none."""
     with contextlib.suppress(FileNotFoundError), open(path, encoding='utf-8') as stream:
-        os.unlink(path)  # this run's lockstep_launch has made it, for nobody else
+        os.unlink(path)  # this run's lockstep_launch has made it, only for this function
         return json.load(stream)
     return {'bags': [], 'fleets': [], 'crashes': []}
 
 
 def _by_number(bags):
-    """Return {(node, number of its bag from 1 on): path} of [node, path]."""
+    """Return {(node, number of its bag from 1 on): path} for the pairs [node, path]."""
     counts, found = {}, {}
     for node, path in bags:
         counts[node] = counts.get(node, 0) + 1
@@ -228,7 +229,10 @@ def _by_number(bags):
 
 
 def _keep(run):
-    """Copy the bags of a run beside its log, since the next run may write over them; return their new places."""
+    """Copy the bags of a run beside its log, since the next run may write over them; return their new paths.
+
+    The path is '' if a bag was not copied.
+    """
     kept = {}
     left = _MOST_BAG_BYTES
     for number, (key, path) in enumerate(sorted(run.bags.items())):
@@ -241,13 +245,13 @@ def _keep(run):
 
 
 def _remove(run):
-    """Remove what was only kept to be compared."""
+    """Remove the file of a run's messages, which was kept only to compare runs."""
     with contextlib.suppress(OSError):
         os.unlink(run.message_bytes)  # this run's time master has made it
 
 
 def _end(process):
-    """End a run that is not over: politely, so that roslaunch ends its nodes; by SIGKILL if that does not help."""
+    """End a run that is not over: by SIGINT, so that roslaunch ends its nodes; by SIGKILL if that does not help."""
     for number in (signal.SIGINT, signal.SIGKILL):
         if process.poll() is not None:
             return
@@ -267,7 +271,7 @@ def _read_end(path):
 
 
 def _simulated(path):
-    """Return how much simulated time a run took, to its last event [s]."""
+    """Return the simulated time [s] from the first event of a run to its last."""
     with event_log.open_text(path) as stream:
         first = last = None
         for event in EventLog(stream, path):

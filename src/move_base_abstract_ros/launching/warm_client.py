@@ -1,6 +1,6 @@
-"""Starting Python nodes by the warm process (warm_process): sooner, and else as if they had been started.
+"""Start Python nodes with the warm process (see warm_process). They start faster, and are otherwise the same.
 
-Where that process cannot be started, or is gone, nodes are started as ever.
+If that process cannot be started, or has ended, nodes are started as usual.
 """
 import os
 import socket
@@ -14,15 +14,15 @@ from . import request
 
 _CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '
          'become = main({}, {!r}, {}); become and become()')
-_SPACE = ' ' * 4000  # of the command line, in which each fork shows its own
-_ANSWER_S = 30.0  # wall; then somebody has stopped it
+_SPACE = ' ' * 4000  # room on the command line, in which each fork shows its own command line
+_ANSWER_S = 30.0  # wall; a process that does not answer for so long was stopped
 
 
 class WarmClient:
-    """A warm process. To be made in the main thread: the kernel ends it with that."""
+    """A warm process. Make it in the main thread, because the kernel ends the process with the thread."""
 
     def __init__(self, folder, has_master):
-        """folder: of this package's programs. has_master: whether it is to start a ROS master."""
+        """folder: that of this package's programs. has_master: whether the warm process starts a ROS master."""
         self._folder = folder
         self._socket, self._process = None, None
         processes.adopt_orphans()
@@ -40,12 +40,12 @@ class WarmClient:
         its.close()
 
     def master(self):
-        """Return (processes.Forked, URI) of the ROS master, when it is there; None: there is none."""
+        """Wait for the ROS master and return (processes.Forked, URI); None if there is none."""
         answer = self._answer()
         return None if answer is None else (processes.Forked(answer[0]), answer[1])
 
     def prepare(self, paths):
-        """Say which scripts are going to be asked for, before the first popen(): what they import is imported once."""
+        """Import what the scripts at ``paths`` import, in the warm process. Call this before the first popen()."""
         try:
             if self._socket is not None:
                 request.send(self._socket, request.Request(list(paths), {}, '', []))
@@ -53,7 +53,7 @@ class WarmClient:
             self.close()
 
     def popen(self, words, **how):
-        """As subprocess.Popen, as roslaunch calls it."""
+        """Start a process as subprocess.Popen does, with the arguments that roslaunch gives. Return it or its like."""
         if self._socket is not None and self._is_fit(words, how):
             outputs = [number if stream is None else stream.fileno()
                        for number, stream in ((1, how['stdout']), (2, how['stderr']))]
@@ -63,14 +63,14 @@ class WarmClient:
         return subprocess.Popen(words, **how)
 
     def _is_fit(self, words, how):
-        """Whether it is worth asking: a Python program of this package, and nothing that roslaunch complains of."""
+        """Return whether the warm process may start it: a Python program of this package that roslaunch could start."""
         streams = how['stdout'], how['stderr']
         return (os.path.dirname(words[0]) == self._folder and os.access(words[0], os.X_OK)
                 and processes.interpreter_of(words[0]) and os.path.isdir(how['cwd'])
                 and all(stream is None or hasattr(stream, 'fileno') for stream in streams))
 
     def _answer(self, asked=None):
-        """Ask, and return the answer, or None from the moment on that there is nobody to ask."""
+        """Send a request, if there is one, and return the answer; None if the warm process has ended."""
         if self._socket is None:
             return None
         try:
@@ -82,7 +82,7 @@ class WarmClient:
             return None
 
     def close(self):
-        """End the warm process; nodes that it has started go on."""
+        """End the warm process. Nodes that it has started go on."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None

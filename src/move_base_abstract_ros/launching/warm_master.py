@@ -1,14 +1,14 @@
-"""A Loopback whose ROS master is a fork of the warm process, if that is there."""
+"""A Loopback whose ROS master is a fork of the warm process, if there is one."""
 import os
 
 from ..loopback import Loopback
 
 
 class WarmMaster(Loopback):
-    """A Loopback. To be made when the warm process has been started with a ROS master."""
+    """A Loopback with the warm process's ROS master, or with its own if there is none."""
 
     def __init__(self, warm):
-        """warm: a WarmClient, or None."""
+        """warm: a WarmClient that was made with ``has_master``, or None."""
         super().__init__()
         self._warm = warm
 

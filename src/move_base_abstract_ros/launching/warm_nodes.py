@@ -1,7 +1,7 @@
-"""How a node is started: as a program, or, where that is the same, in a fork of this process, which has all imported.
+"""Start a node as a program, or, if the result is the same, as a fork of this process, which has all imports done.
 
-It is the same for our launcher of Python programs and for this package's own nodes, where the node's environment asks
-for what this process was started with. Everything else is started as a program.
+A fork is possible for our launcher of Python programs and for this package's own nodes, if the node's environment asks
+for the settings with which this process was started. Everything else is started as a program.
 """
 import builtins
 import contextlib
@@ -21,8 +21,8 @@ _HASH_SEED = 'PYTHONHASHSEED'
 _LOG_SETTINGS = 'ROS_PYTHON_LOG_CONFIG_FILE'
 _NODES = 'move_base_abstract_ros.nodes'
 _OWN_NODE = re.compile(rb"^start\('(\w+)'\)", re.MULTILINE)
-_LARGEST = 1 << 20  # bytes of a script that are looked at
-#: what is imported before the fork: messages and libraries of others, and our own nodes
+_LARGEST = 1 << 20  # bytes of a script that are read
+#: modules that are imported before the fork: messages and libraries of others, and our own nodes
 MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.server', 'geometry_msgs.msg',
            'move_base_msgs.msg', 'nav_msgs.msg', 'numpy', 'std_msgs.msg', 'std_srvs.srv', 'tf2_msgs.msg', 'tf2_ros',
            'visualization_msgs.msg', 'roslaunch.config', 'roslaunch.node_args', 'roslaunch.substitution_args',
@@ -37,7 +37,9 @@ MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.serv
 def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
     """Start a node; return (process id, whether it is a fork).
 
-    words: program and arguments. launcher: path of our launcher; own_folder: of this package's programs.
+    words: program and arguments. environment: {name: value}. output: the path of a file for its output. cwd: the
+    working folder. launcher: path of our launcher; own_folder: that of this package's programs. is_warm: whether a fork
+    is allowed.
     """
     environment = with_log_settings(environment)
     if is_warm and is_fit(words, environment, launcher, own_folder):
@@ -46,11 +48,11 @@ def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
 
 
 def is_fit(words, environment, launcher, own_folder):
-    """Return whether a fork of this process may become a Python program of a command line in an environment."""
+    """Return whether a fork of this process may become the Python program of a command line in an environment."""
     is_own = words[0] != launcher
     if is_own and os.path.dirname(words[0]) != own_folder:
         return False
-    # Own nodes may run in an environment over their Python (venv) as well; what others run is left to their own.
+    # Own nodes may also run in a virtual environment over their Python; programs of others need their own Python.
     python = processes.interpreter_of(words[0])
     if python != sys.executable and not (python and os.path.realpath(python) == os.path.realpath(sys.executable) and (
             is_own or sys.prefix == sys.base_prefix)):
@@ -59,12 +61,12 @@ def is_fit(words, environment, launcher, own_folder):
 
 
 def may_become(words, environment, launcher):
-    """Return whether a fork may become a Python program that else this process's Python would be started for anew."""
+    """Return whether a fork may become a Python program for which otherwise this process's Python would start anew."""
     if getattr(sys.flags, 'safe_path', False) or words[0] == launcher and _is_shadowed(words[1:]):
         return False
     if any(environment.get(name, '1') != '1' for name in processes.ONE_THREAD):
         return False
-    # Own nodes do not depend on it, and have none unless somebody asks; then it is that.
+    # Own nodes do not depend on the hash seed. They have one only if their environment sets it, and then the same.
     own_seed = os.environ.get(_HASH_SEED, '')
     return environment.get(_HASH_SEED, own_seed) == own_seed and all(
         environment.get(name) == os.environ.get(name) for name in {*environment, *os.environ}
@@ -72,9 +74,9 @@ def may_become(words, environment, launcher):
 
 
 def _is_shadowed(words):
-    """Return whether the folder of the script that our launcher is to run has a module of a name that is imported here.
+    """Return whether the folder of the launcher's script has a module with the name of one that is imported here.
 
-    Python would take that one. words: of the launcher.
+    Python itself would import the one in that folder. words: the arguments of the launcher.
     """
     from ..lockstep.programs import command_line
     path = command_line.script_of(words)
@@ -87,7 +89,7 @@ def _is_shadowed(words):
 
 
 def import_for(path, own_folder):
-    """Import what the script at ``path`` imports first: of our own programs all, of others' their libraries of ROS."""
+    """Import beforehand what the script at ``path`` imports: for our own programs all, for others those of MODULES."""
     with contextlib.suppress(OSError), open(path, 'rb') as stream:
         _import_for(stream.read(_LARGEST), os.path.dirname(path) == own_folder)
 
@@ -97,13 +99,13 @@ def _import_for(text, is_own):
     names = [f'{_NODES}.{own.group(1).decode()}'] if own else [
         name for name in MODULES if re.search(rb'^[ \t]*(from|import)\b.*\b%b\b' % name.encode(), text, re.MULTILINE)]
     for name in names:
-        with contextlib.suppress(Exception):  # the node itself will say it
+        with contextlib.suppress(Exception):  # the node itself will report the error
             importlib.import_module(name)
 
 
 @functools.lru_cache(maxsize=None)
 def log_settings():
-    """Return the path of rospy's log settings for all users, which each node else seeks in all packages, or ''."""
+    """Return the path of rospy's log settings for all users, or ''. Otherwise each node would search all packages."""
     import rospkg
     folder = rospkg.get_etc_ros_dir()
     if not _has_settings(folder):
@@ -116,7 +118,7 @@ def log_settings():
 
 
 def with_log_settings(environment):
-    """Return an environment that names log_settings(), unless it names others or its ROS_HOME has some."""
+    """Return ``environment`` with log_settings() in it, unless it names other settings or its ROS_HOME has some."""
     home = environment.get('ROS_HOME', os.path.expanduser('~/.ros'))
     if environment.get(_LOG_SETTINGS) or _has_settings(os.path.join(home, 'config')) or not log_settings():
         return environment
@@ -128,10 +130,10 @@ def _has_settings(folder):
 
 
 def be_or_start(words, environment, launcher):
-    """Be the program of a command line in this process, which is a fork, or where that is not the same, start it."""
+    """Become the program of a command line, in a fork. If a fork cannot be the same, execute the program."""
     environment = with_log_settings(environment)
     if words[0] == launcher:
-        environment = {_HASH_SEED: os.environ[_HASH_SEED], **environment}  # else the launcher would start again
+        environment = {_HASH_SEED: os.environ[_HASH_SEED], **environment}  # otherwise the launcher would start again
     if is_fit(words, environment, launcher, os.path.dirname(launcher)):
         become(words, environment)
     else:
@@ -139,7 +141,7 @@ def be_or_start(words, environment, launcher):
 
 
 def become(words, environment):
-    """Be the Python program of a command line, as if Python had been started with it."""
+    """Become the Python program of a command line, as if Python had been started with it."""
     import rospy.names
     from rosgraph.names import get_ros_namespace, load_mappings
     os.environ.clear()
@@ -150,7 +152,7 @@ def become(words, environment):
         vars(sys)['orig_argv'] = [sys.executable, *words]
     tempfile.tempdir = None
     sys.path[0] = os.path.dirname(os.path.realpath(path))
-    # What rospy read from the command line and the environment when it was imported.
+    # rospy reads these from the command line and the environment when it is imported.
     rospy.names._mappings = load_mappings(sys.argv)
     rospy.names._caller_namespace = get_ros_namespace()
     rospy.names._caller_id = rospy.names._caller_namespace + 'unnamed'

@@ -1,8 +1,8 @@
-"""The warm process of `lockstep_launch`: it has imported what Python nodes import, and becomes each of them by a fork.
+"""The warm process of `lockstep_launch`: it has imported what Python nodes import, and becomes each node by a fork.
 
-It forks twice, and who has started it adopts orphans: each node is that one's own child, whose status comes to where it
-is waited for, and which does not end with this process. What a fork cannot be like a Python of its own is started as a
-program, by the fork. This process has one thread, and ends with its client.
+It forks twice, and its client adopts orphans. So each node is a child of the client: the client gets its status, and
+the node does not end with this process. If a fork cannot be the same as a Python that was started, the fork executes
+the program. This process has one thread, and ends with its client.
 """
 import contextlib
 import functools
@@ -23,21 +23,25 @@ _NAME = 'lockstep_launch: the warm process, which Python nodes are forked from'
 
 
 def main(descriptor, launcher, has_master):
-    """Serve until the client has gone. In a fork this returns what that one is to call."""
+    """Serve until the client has gone, then return None. In a fork, return the function that the fork must call.
+
+    descriptor: of the socket to the client; launcher: the path of our launcher; has_master: whether to start a ROS
+    master first.
+    """
     processes.die_with(os.getppid())
-    if address_layout.choose(os.environ):  # once: with one layout of memory, as the launcher does it
+    if address_layout.choose(os.environ):  # start again, once, with one layout of memory, as the launcher does
         native_library.preload(os.environ)
         with open('/proc/self/cmdline', 'rb') as stream:
             os.execv(sys.executable, stream.read().split(b'\0')[:-1])
     processes.show_name('python3', _NAME)
-    os.setsid()  # Ctrl-C is not for it
+    os.setsid()  # so that Ctrl-C does not reach it
     client = socket.socket(fileno=descriptor)
     become = _fork_master(client) if has_master else None
     return become or _serve(client, launcher)
 
 
 def _fork_master(client):
-    """Fork a ROS master, which says itself where it is. Return what the fork is to call; here None."""
+    """Fork a ROS master, which sends its URI to the client. Return None; in the fork, the function that it calls."""
     importlib.import_module('rosmaster.master')
     if _fork():
         return None
@@ -57,7 +61,7 @@ def _fork_master(client):
 
 
 def _serve(client, launcher):
-    """Import what nodes do, and serve()."""
+    """Import what nodes import, and serve()."""
     for name in _NODES:
         importlib.import_module(name)
     from ..replacing.replaced import look_up
@@ -78,13 +82,13 @@ def _become(asked, launcher):
 
 
 def serve(client, become):
-    """Fork for each request, until the client has gone. In a fork this returns what that one is to call, else None.
+    """Fork for each request until the client has gone, then return None. In a fork, return the function that it calls.
 
-    That calls ``become`` with the request. Only forks read these: they all begin with the same memory, whoever was
-    started before.
+    That function has no arguments, and calls ``become(request)``. Only forks read requests, so that they all begin with
+    the same memory, whatever was started before.
     """
     gc.collect()
-    gc.freeze()  # so that no collection in a fork touches, and so copies, what there is now
+    gc.freeze()  # so that no garbage collection in a fork touches, and so copies, the present objects
     while True:
         select.select([client], [], [])
         taken, take = os.pipe()
@@ -98,7 +102,7 @@ def serve(client, become):
         asked = request.receive(client)
         if asked is None:
             os._exit(0)
-        os.setsid()  # before anybody knows whom to send a signal to
+        os.setsid()  # before the client knows the process to which it may send signals
         os.write(take, b'1')
         request.answer(client, os.getpid())
         client.detach()
@@ -107,7 +111,10 @@ def serve(client, become):
 
 
 def _fork(*not_for_fork):
-    """Fork twice; return whether this is no fork. The second one goes on when it is an orphan."""
+    """Fork twice; return True in this process and False in the second fork, which goes on once it is an orphan.
+
+    The second fork closes the descriptors ``not_for_fork``.
+    """
     processes.assert_one_thread()
     gate, opener = os.pipe()
     first = os.fork()
@@ -127,7 +134,7 @@ def _fork(*not_for_fork):
 
 
 def _be_started(asked):
-    """Be as a program that was just started: files, folder, outputs."""
+    """Make this process like a program that has just started: its open files, working folder and outputs."""
     for target, output in zip((1, 2), asked.outputs):
         os.dup2(output, target)
     for name in os.listdir('/proc/self/fd'):

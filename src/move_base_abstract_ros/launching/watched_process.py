@@ -1,4 +1,4 @@
-"""A process of roslaunch's, watched: its exit codes, each time that it is started, and what it says of errors."""
+"""Watch a process of roslaunch: the exit code of each start, and the lines that it prints about errors."""
 import collections
 import os
 import sys
@@ -6,22 +6,22 @@ import threading
 
 from move_base_abstract.runs import ends
 
-_LONGEST = 1 << 16  # bytes of a line that are looked at
-_END_S = 1.0  # wall, in which the last lines of a process that has ended come in
+_LONGEST = 1 << 16  # bytes of a line; longer lines are read in parts
+_END_S = 1.0  # wall, to wait for the last lines of a process that has ended
 
 
 class Watched:
-    """Watches a roslaunch Process from before its start. Its standard error output goes on to this process's."""
+    """Watches a roslaunch Process from before its start. Copies its standard error output to that of this process."""
 
     def __init__(self, process, follow=None):
-        """follow: takes the Popen of each start, if given."""
+        """follow: called with the Popen of each start, if given."""
         self._process = process
         self._popens = []
-        self._early = []  # exit codes while the run went on
+        self._early = []  # exit codes of processes that ended while the run went on
         self._lines = collections.deque(maxlen=ends.LAST_LINES)
         self._shown = []
         self._readers = []
-        self.is_told = False  # whether it gets a signal of ours
+        self.is_told = False  # whether we send a signal to it
         self._is_over = False
         start, configure = process.start, process._configure_logging
 
@@ -40,7 +40,7 @@ class Watched:
         process.start, process._configure_logging = watched_start, watched_logging
 
     def look(self, is_early=False):
-        """Return its present exit code, None while it runs; ``is_early``: the run goes on, so that an end is noted."""
+        """Return the exit code of the last start, None while it runs. ``is_early``: the run goes on: note the end."""
         code = self._popens[-1].poll() if self._popens else None
         if is_early:
             self._early = [one.returncode for one in self._popens if one.poll() is not None]
@@ -49,7 +49,7 @@ class Watched:
         return code
 
     def process(self, name, takes_part):
-        """Return the ends.Process of the node ``name``, when all is over."""
+        """Return the ends.Process of the node ``name``. Call it when the run is over."""
         bad = [code for code in self._early if code]
         code = bad[0] if bad else self.look()
         for reader in self._readers if code else ():
@@ -58,7 +58,7 @@ class Watched:
                             tuple(self._shown), was_started=bool(self._popens))
 
     def _pipe(self):
-        """Return the end of a new pipe that a process writes to; who starts it closes it."""
+        """Return the writing end of a new pipe for a process. The caller that starts the process closes it."""
         read, write = os.pipe()
         reader = threading.Thread(target=self._read, args=(read,), daemon=True)
         reader.start()
@@ -77,4 +77,4 @@ class Watched:
                     sys.stderr.buffer.write(line)
                     sys.stderr.buffer.flush()
                 except (OSError, ValueError):
-                    pass  # nobody reads it; the process is not to wait for that
+                    pass  # our output cannot be written; the process must not wait for that

@@ -1,4 +1,4 @@
-"""One module per executable, each with a main()."""
+"""The executables of this package: one module for each, with a main()."""
 import errno
 import importlib
 import os
@@ -9,10 +9,13 @@ _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 def start(name):
-    """Run the program of the module ``name``. Ctrl-C and an output that nobody takes are no reason for a traceback."""
+    """Run main() of the module ``name`` and exit with its code.
+
+    There is no traceback if the user presses Ctrl-C, or if the output cannot be written.
+    """
     is_main = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if is_main:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # while it imports, which is most of a second
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # during the imports, which take most of a second
     main = importlib.import_module('.' + name, __name__).main
     if is_main:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -23,7 +26,7 @@ def start(name):
     except KeyboardInterrupt:
         code = 130
     except BrokenPipeError:
-        code = _end_output(1)  # who read it has had enough
+        code = _end_output(1)  # the reader of the output has gone
     except OSError as error:
         what = error.filename or ('the output cannot be written' if error.errno in _NO_ROOM else 'error')
         print('{}: {}: {}'.format(os.path.basename(sys.argv[0]), what, error.strerror or error), file=sys.stderr)
@@ -32,9 +35,9 @@ def start(name):
 
 
 class _Remembering:
-    """The standard output. What it could not write is told by flush(): argparse says nothing of it.
+    """The standard output. An error of write() is raised again by flush(), because argparse hides it.
 
-    (Of a buffered output that is so anyway; Python 3.13 does not buffer what is written to a device.)
+    (A buffered output raises it at flush() anyway. Python 3.13 does not buffer what is written to a device.)
     """
 
     def __init__(self, stream):
@@ -45,7 +48,7 @@ class _Remembering:
         return getattr(self._stream, name)
 
     def write(self, text):
-        """As of any stream."""
+        """Write ``text``, as any stream does."""
         try:
             return self._stream.write(text)
         except OSError as error:
@@ -53,7 +56,7 @@ class _Remembering:
             raise
 
     def flush(self):
-        """As of any stream."""
+        """Flush, as any stream does. Raise the last OSError of write(), once."""
         if self._error is not None:
             error, self._error = self._error, None
             raise error
@@ -72,6 +75,6 @@ def _code_of(main):
 
 
 def _end_output(code):
-    """Have nothing more written at the end, and return ``code``."""
+    """Make the last flush of Python write nothing, and return ``code``."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return code

@@ -20,15 +20,15 @@ def _namespace(text):
 
 _ARGUMENTS = (('robot_name', _namespace), ('backend', str), ('max_speed', float), ('start_x', float),
               ('start_y', float), ('pose_update_freq', float), ('acceleration', float))
-#: parameters, any of which says where the global frame lies in Stage's world
+#: parameters that say where the global frame lies in Stage's world; one of them is enough
 STAGE_PLACE = ('stage_offset_x', 'stage_offset_y', 'stage_offset_yaw', 'stage_world_frame')
-ORIGINAL_OFFSET = (-162.0, -110.0)  # m, written into its source
+ORIGINAL_OFFSET = (-162.0, -110.0)  # m, as written in the source of the original
 _USAGE = ('usage: move_base_abstract_actionserver '
           '[robot_name [simulator [max_speed [x [y [pose_update_freq [acceleration]]]]]]]')
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when an argument or a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if an argument or a parameter cannot be used."""
     arguments = rospy.myargv(sys.argv)[1:]
     if arguments and arguments[0] in ('-h', '--help'):
         print('{}\n{}'.format(__doc__, _USAGE))
@@ -41,9 +41,9 @@ def main():
 
 
 def _describe(values):
-    """Return names, overrides and tf prefix of the robot, once the node knows its own namespace.
+    """Return (names, overrides, tf prefix) of the robot. The node must have been initialised: it knows its namespace.
 
-    As in the original, the namespace alone says where the robot's topics and frames are.
+    As in the original, only the namespace decides the names of the robot's topics and frames.
     """
     _tell(values.pop('robot_name', ''), values.get('backend'))
     names = RobotNames(rospy.get_namespace())
@@ -56,14 +56,14 @@ def _tell(robot_name, backend):
         rospy.loginfo("%s: robot_name is '%s'; topics and frames are named after the namespace, '/%s', as in the "
                       'original', rospy.get_name(), robot_name, namespace)
     if backend in STAGE and not any(rospy.has_param('~' + name) for name in STAGE_PLACE):
-        rospy.logwarn('%s: the original adds %g, %g to the positions that it sends to Stage; here nothing is added: '
+        rospy.logwarn('%s: the original adds %g, %g to the positions that it sends to Stage; this node adds nothing: '
                       'set ~stage_offset_x and ~stage_offset_y, to these or to 0', rospy.get_name(), *ORIGINAL_OFFSET)
 
 
 def read_arguments(arguments):
-    """Return {parameter: value} of the positional ``arguments``, any number of them up to seven.
+    """Return {parameter: value} of the positional ``arguments``, of which there are at most seven.
 
-    :raises ConfigurationError: if there are more, or one is no number where a number belongs.
+    :raises ConfigurationError: if there are more, or if an argument that must be a number is none.
     """
     if len(arguments) > len(_ARGUMENTS):
         raise ConfigurationError('got {} arguments; allowed: at most {}. {}'.format(

@@ -1,4 +1,4 @@
-"""Find what another order of equal events breaks: rosrun move_base_abstract chaos; see docs/chaos.md."""
+"""Find faults that another order of equal events causes: rosrun move_base_abstract chaos; see docs/chaos.md."""
 import sys
 
 

@@ -2,10 +2,10 @@
 
     rosrun move_base_abstract compare A B
 
-Prints `identical`, or the first difference: both events with their line numbers, and how many events each log has.
-The events are compared, by value, in their order, and the digests of the bags of those who took part; one log may be
-JSON lines and the other CSV. A run that was degraded, not repeatable, or did not end properly is named too. A and B may
-be bags themselves: then the first message that differs is named.
+Prints `identical`, or the first difference: both events with their line numbers, and the number of events in each log.
+The events are compared by value and in their order. The digests of the participants' bags are compared too. One log
+may be JSON lines and the other CSV. The command also names a run that was degraded, not repeatable, or did not end
+properly. A and B may be bags: then the command names the first message that differs.
 
 Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong arguments.
 """
@@ -29,7 +29,7 @@ def main(words=None):
     parser.add_argument('second', metavar='B', help='event log (JSON lines or CSV), or bag')
     arguments = parser.parse_args(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are no text
+        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are not text
     try:
         compare = _compare_bags if arguments.first.endswith('.bag') else _compare
         sys.exit(compare(arguments.first, arguments.second))
@@ -66,13 +66,13 @@ def _compare(first_path, second_path):
             print(f'{log.name}:{event.line}: {event.text}' if event else f'{log.name}: no more events')
         print(f'{first.name} has {first.events} events, {second.name} has {second.events}')
     for node in alone:
-        print(f'note: of the bags of {node} only one log has digests: they are not compared')
+        print(f'note: only one log has digests of the bags of {node}: they are not compared')
     for log in (first, second):
         for remark in log.remarks():
             print(f'note: {log.name} {remark}' if log.end is None else f'note: {log.name} is {remark}')
     is_same = result.identical and bags is None
     if not is_same:
-        print('next: both runs to look at, side by side: rosrun move_base_abstract replay {} {}; what is likely to '
-              'cause it: rosrun move_base_abstract verify FILE, of their launch file'.format(
+        print('next: both runs side by side: rosrun move_base_abstract replay {} {}; the likely cause: '
+              'rosrun move_base_abstract verify FILE, with their launch file'.format(
                   shlex.quote(first_path), shlex.quote(second_path)))
     return 0 if is_same else 1

@@ -4,7 +4,8 @@
          [--robots N] [--goals K] [--orders N] [--policy NAME] [--seed S] [--speed V] [--routes] [--rviz]
          [--event-log FILE] [--replay FILE]
 
-Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
+Exit codes: 0 the mission is done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted by Ctrl-C;
+143 ended by SIGTERM.
 """
 
 import argparse
@@ -27,8 +28,8 @@ from move_base_abstract_ros.nodes.demo_run.run_log import RunLog
 from move_base_abstract_ros.replacing import rospy_start
 
 LAST_LOOK_SECONDS = 1.0  # wall
-FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master
-MAX_COUNT = 10000  # of robots, and of each one's goals
+FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # the limits of the time master
+MAX_COUNT = 10000  # the limit for the number of robots, of goals of each robot, and of orders
 
 
 def main():
@@ -50,7 +51,7 @@ def _exit_on_sigterm(_number, _frame):
 
 
 def _run(arguments):
-    """Start everything, carry it out, report and make the replay page; return the exit code."""
+    """Start all nodes, carry the mission out, report, and make the replay page; return the exit code."""
     with RunLog(arguments.replay, arguments.event_log) as log:
         if arguments.world:
             _run_warehouse(arguments, log)
@@ -103,9 +104,9 @@ def _run_warehouse(arguments, log):
 
 @contextlib.contextmanager
 def _master(arguments, log, start, topics):
-    """Give a ROS master on which ``start(ros)`` has started all nodes: (Loopback, participant or None).
+    """Start a ROS master, and on it all nodes, by ``start(ros)``. The context gives (Loopback, participant or None).
 
-    On the scaled clock ``log`` (RunLog) listens to ``topics``.
+    In lockstep this process takes part. On the scaled clock ``log`` (RunLog) listens to ``topics``.
     """
     with Loopback() as ros:
         ros.adopt()
@@ -127,7 +128,7 @@ def _master(arguments, log, start, topics):
 
 
 def _name_who_died(ros):
-    """Raise ChildEnded if a node has died; a lost connection is noticed a little before the death itself."""
+    """Raise ChildEnded if a node has died. It looks for a while: a lost connection is noticed before the death."""
     deadline = time.monotonic() + LAST_LOOK_SECONDS
     while time.monotonic() < deadline:
         ros.check()
@@ -135,14 +136,14 @@ def _name_who_died(ros):
 
 
 def _speed(clock):
-    """Return the clock's parameters in words."""
+    """Return the speed that the clock's parameters ask for, in words."""
     if clock['mode'] == 'scaled':
         return f"factor {clock['factor']:g}"
     return f"lockstep, at most {clock['speed_limit']:g}x" if clock['speed_limit'] else 'lockstep'
 
 
 def _carry_out(run, ros, progress):
-    """Let ``run`` come to its end with a ``progress`` display and an eye on the nodes."""
+    """Carry ``run`` out to its end, show its ``progress``, and raise ChildEnded if a node dies."""
     def tick():
         ros.check()
         progress.show(run.done, *run.elapsed())

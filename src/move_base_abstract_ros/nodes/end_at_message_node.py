@@ -1,7 +1,7 @@
 """The node ``end_at_message``: takes part in a run, and leaves it at the first message on a topic.
 
-Its private parameter ``topic`` names it. A run that ends with this node (the time master's ``end_with``) ends there, at
-the same instant each time.
+The private parameter ``topic`` names the topic. If the time master's parameter ``end_with`` names this node, the run
+ends at that message, at the same instant each time.
 """
 import sys
 
@@ -15,7 +15,7 @@ from ..replacing import rospy_start
 
 
 def main():
-    """Wait for the message, and exit; with 1 when the parameter is missing, or the run ends before."""
+    """Wait for the message, and exit; with 1 if the parameter is missing, or if the run ends before the message."""
     parse_no_arguments('end_at_message', __doc__)
     rospy_start.prepare()
     rospy.init_node('end_at_message', disable_rosout=True)

@@ -1,4 +1,7 @@
-"""Run any system many times: rosrun move_base_abstract experiment run|status|rerun|report; see docs/experiments.md."""
+"""Run any system many times: rosrun move_base_abstract experiment run|status|rerun|report; see docs/experiments.md.
+
+It is not a node; its code is in the package ``move_base_abstract_experiments``.
+"""
 
 
 def main():

@@ -1,4 +1,4 @@
-"""The node ``fleet``: many robots in one process, each under move_base's interface in a namespace of its own."""
+"""The node ``fleet``: many robots in one process. Each has the interface of move_base in a namespace of its own."""
 import itertools
 import resource
 import time
@@ -21,7 +21,7 @@ _LAST_WORDS_SECONDS = 0.2
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter or the scenario cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter or the scenario cannot be used."""
     parse_no_arguments('fleet', __doc__)
     begin = time.monotonic()
     _allow_many_connections()
@@ -47,7 +47,7 @@ def _build():
     namespace = rospy.get_namespace()
     if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
         return None
-    # Robots that are added later get indices that no other process gives.
+    # Robots that are added later get indices that no other process of this fleet uses.
     host = Host(clock, timing, is_crowded=True, zones=scenario.zones,
                 encounters=make_encounters(clock.simulation, scenario))
     fleet = FleetServer(namespace, host, specs, scenario, itertools.count(len(scenario.robots) + part, parts))
@@ -56,17 +56,17 @@ def _build():
 
 
 def _allow_many_connections():
-    """Each client of a robot needs some connections, and the usual limit of 1,024 is soon reached."""
+    """Raise the limit of open files: each client of a robot needs some connections, and the usual limit is 1,024."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def _share(robots, part, parts):
-    """Return the (index, robot) pairs of the ``part``-th of ``parts`` processes: neighbours stay together."""
+    """Return the (index, robot) pairs of process number ``part`` (from 0) of ``parts``; neighbours stay together."""
     begin, end = (len(robots) * number // parts for number in (part, part + 1))
     return list(enumerate(robots))[begin:end]
 
 
 def _say_goodbye(fleet):
     fleet.shut_down()
-    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them
+    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

@@ -1,13 +1,13 @@
-"""Run an unchanged launch file in lockstep: our launcher before each rospy and roscpp node, and a time master.
+"""Run an unchanged launch file in lockstep: with the launcher before each rospy and roscpp node, and a time master.
 
     rosrun move_base_abstract lockstep_launch [options] FILE [ARG:=VALUE ...]
     rosrun move_base_abstract lockstep_launch [options] PACKAGE FILE [ARG:=VALUE ...]
 
-Nodes that cannot take part are named and left to look on. It has a ROS master of its own on 127.0.0.1 unless told
-otherwise.
+The first lines name the nodes that cannot take part and look on. The run has a ROS master of its own on 127.0.0.1,
+unless --use-master is given.
 
-Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this; 3 it did,
-but a node crashed; 4 a property is broken (--check, --properties).
+Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not come to its end; 2 the file cannot be run
+like this; 3 the run came to its end, but a node crashed; 4 a property is broken (--check, --properties).
 """
 import argparse
 import atexit
@@ -42,16 +42,16 @@ def main(words=None):
     parser, options = read_words(sys.argv[1:] if words is None else words)
     warm = None if options.list else warm_client.WarmClient(
         os.path.dirname(os.path.abspath(sys.argv[0])), not options.use_master)
-    # Only now, beside the warm process: it takes a while.
+    # Only now, while the warm process works beside this one: these imports take a while.
     with light_imports.light():
-        from ..launching import runner  # noqa: F401 - which imports all the others
+        from ..launching import runner  # noqa: F401 - it imports all other modules that are needed
         from ..loopback import LoopbackError
     from roslaunch.core import RLException
     from rospkg import ResourceNotFound
     series = options.series and load_json_mapping(options.series)
     files = list(map(tuple, series['files'])) if series else files_of(parser, options.command)
     options.deputy = (series['deputy'], series['address']) if series else ()
-    sys.argv[1:] = []  # roslaunch would take arguments of its files from there
+    sys.argv[1:] = []  # otherwise roslaunch would read arguments of launch files from there
     try:
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
@@ -59,7 +59,7 @@ def main(words=None):
         print('lockstep_launch: {}'.format(next_step.with_next(error, files[0][0], options.adopt)), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
-    leave(code)  # taking all apart, as Python does it, would take a while
+    leave(code)  # Python's own end, with all its destructors, would take a while
 
 
 def _end_as_python(warm):
@@ -67,12 +67,12 @@ def _end_as_python(warm):
         warm.close()
     core = sys.modules.get('rospy.core')
     if core is not None and not core.is_initialized():
-        atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
+        atexit.unregister(core._ros_atexit)  # this process is not a node, so that it has no use; it would take 0.1 s
     atexit._run_exitfuncs()
 
 
 def read_words(words):
-    """Return the parser, and the options of a command line; ``command``: the words behind them."""
+    """Return (parser, options) of a command line. ``options.command`` holds the words after the options."""
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unmodified launch file in lockstep. First steps: '
         '--list FILE says which nodes take part. --adopt --list FILE says what is done with a file for Gazebo, Stage '
@@ -92,7 +92,7 @@ def read_words(words):
                         help='check all properties when the run is over; implies --end-when-idle')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI instead of '
                         'one for this run')
-    # From `verify`: what came out, for programs; conditions that must not matter.
+    # From `verify`: a file for the outcome, which programs read, and conditions that must not change the run.
     parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
@@ -108,7 +108,7 @@ def read_words(words):
 
 
 def add_plan_options(parser):
-    """Add what `lockstep_launch` and `verify` share: what the run is."""
+    """Add the options that `lockstep_launch` and `verify` share. They say what the run is."""
     parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
     add_node_options(parser)
     adopting_options.add_arguments(parser)
@@ -120,7 +120,7 @@ def add_plan_options(parser):
 
 
 def add_node_options(parser):
-    """Add what those two share with `chaos`: which nodes there are, and who of them takes part."""
+    """Add the options that those two share with `chaos`: which nodes there are, and which of them take part."""
     parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
                         help='make this node take part, whatever it looks like')
     parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
@@ -132,7 +132,7 @@ def add_node_options(parser):
 
 
 def words_of(options):
-    """Return the words of a command line that say what add_plan_options has read, without the files."""
+    """Return the words of a command line for the options of add_plan_options, without the launch files."""
     words = ['--seed', str(options.seed), *kinds.words_of(kinds.of_arguments(RunOptions, options))]
     words += ['--until', repr(options.until)] if options.until else []
     words += ['--no-respawn'] if options.no_respawn else []
@@ -145,7 +145,10 @@ def words_of(options):
 
 
 def files_of(parser, words):
-    """Return [(path, arguments)] of FILE or PACKAGE FILE, and ARG:=VALUE words."""
+    """Return [(path, arguments)] of the words FILE or PACKAGE FILE, and ARG:=VALUE.
+
+    If they are anything else, ``parser`` ends the program with an error.
+    """
     from roslaunch import rlutil
     from roslaunch.core import RLException
     arguments = [word for word in words if ':=' in word]
@@ -162,7 +165,7 @@ def files_of(parser, words):
 
 
 def wishes_of(options, parameters, **others):
-    """Return what the options ask of a plan; ``parameters``: of the time master."""
+    """Return the options as Wishes for a plan. ``parameters``: more parameters of the time master."""
     from ..launching.plan import Wishes
     given = {**({'end_at': options.until} if options.until else {}),
              **network.resolve(kinds.parameters_of(kinds.of_arguments(RunOptions, options)))}
@@ -212,9 +215,9 @@ def _run(options, files, warm):
 
 
 def _adopted(config, wishes, options):
-    """Tell what is done with a file of others, and return the wishes that say it.
+    """Print what --adopt does with the file, and return the wishes that do it.
 
-    :raises ConfigurationError: if something cannot work.
+    :raises ConfigurationError: if something in the file cannot work.
     """
     from ..launching import adoption
     found = adoption.adopt(config, wishes)
@@ -236,7 +239,7 @@ def _printable(line):
 
 
 def _conclude(parent, made, found, log, options):
-    """Tell of bags, crashes and broken properties; return the exit code. ``log``: path of the event log."""
+    """Report bags, crashes and broken properties; return the exit code. ``found``: the bags; ``log``: the event log."""
     _tell_bags(made, found)
     ends = parent.ends()
     crashed = [end for end in ends if end.crash is not None]
@@ -263,14 +266,14 @@ def _conclude(parent, made, found, log, options):
 
 
 def _fleets(made):
-    """Return [name, why it cannot be split into processes; '': it can] of each fleet that lives in one."""
+    """Return [name, why] for each fleet that is one process; why it cannot be split into several, '' if it can."""
     from ..fleet.fleet_scenario import why_one_process
     params = {key: param.value for key, param in made.config.params.items()}
     return [[shown_text(name), shown_text(why_one_process(params, name))] for name in made.fleets]
 
 
 def _tell_bags(made, found):
-    """Say what the bags of the run are, and write it into the event log."""
+    """Print the bags of the run, and write them into the event log."""
     from ..launching import bags
     for line in bags.lines(found):
         _say(line)
@@ -289,7 +292,7 @@ def _lines(made):
         if not role.takes_part:
             yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
     if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
-        yield 'programs that are not here: --leave-out NODE; of a file that was written for Gazebo, Stage or real ' \
+        yield 'if a program is not here: --leave-out NODE; if the file was written for Gazebo, Stage or real ' \
               'robots, --adopt --list says what else it needs'
     for name in made.left_out:
         yield '{} is not started'.format(shown_text(name))
@@ -301,7 +304,7 @@ def _lines(made):
 
 @contextmanager
 def _ros_master(is_given, warm):
-    """Have this process, and what it starts, use a ROS master of its own on 127.0.0.1, unless one is given."""
+    """Make this process, and all that it starts, use a ROS master of its own on 127.0.0.1, unless one is given."""
     if is_given:
         yield
         return

@@ -1,12 +1,12 @@
-"""Make a participant of lockstep of an unmodified program.
+"""Run an unmodified program as a participant of lockstep.
 
     lockstep [--rank N] [--sleep wall|simulated] [--seed S] [--strict] PROGRAM [ARGUMENTS]
     lockstep [...] -m MODULE [ARGUMENTS]
     <node launch-prefix="rosrun move_base_abstract lockstep" .../>
 
-A Python script runs in this process, behind hooks that join when it calls rospy.init_node; a binary gets a library
-preloaded; a shell script is followed to the Python program that it becomes. Where the time master does not work in
-lockstep the program runs as if this were not here.
+A Python script runs in this process, behind hooks that join the run when the script calls rospy.init_node. A binary
+gets a preloaded library. A shell script is followed to the Python program that it becomes. If the time master does not
+work in lockstep, the program runs as if the launcher were not there.
 """
 import argparse
 import os
@@ -24,7 +24,7 @@ _AS_SCRIPT = '--as-script'
 
 
 def main():
-    """Run the program; its exit code is this one's."""
+    """Run the program, and exit with its exit code."""
     options, command = _parse(sys.argv[1:])
     try:
         is_new_layout = address_layout.choose(os.environ)
@@ -34,7 +34,7 @@ def main():
         kind, path, arguments = _behind_front_end(kind, path, arguments)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
-    # Only what this kind of program needs is imported: for a binary that is little, and takes a tenth of the time.
+    # Import only what this kind of program needs. For a binary that is little, and takes a tenth of the time.
     if kind == 'binary':
         from ..lockstep.programs import binary
         binary.execute(path, arguments, options)
@@ -46,13 +46,13 @@ def main():
 
 
 def _is_binary(word):
-    """Whether the program is a binary that is no Python: it does not matter to it with which Python this one runs."""
+    """Return whether the program is a binary other than Python: any Python can start such a binary."""
     path = None if word == '-m' or PYTHON.match(os.path.basename(word)) else path_of(word)
     return path is not None and kind_of(path) == 'binary'
 
 
 def _behind_front_end(kind, path, arguments):
-    """Return (kind, path, arguments) of the binary that a script is a front end of, or those of the script."""
+    """Return (kind, path, arguments) of the binary behind a script that is its front end; otherwise those given."""
     if kind != 'script' or os.path.basename(path) != 'rosbag':
         return kind, path, arguments
     from ..lockstep.programs import recorders
@@ -71,7 +71,7 @@ def _parse(words):
                         help="seed of the program's random numbers, together with the node's name (default: 0)")
     parser.add_argument('--strict', action='store_true',
                         help='end the run with an error at the first reason not to call it repeatable')
-    # From this launcher to itself: the words after a Python interpreter, which it has started again with.
+    # From this launcher to itself, when it starts again with a Python interpreter: the words after that are a script's.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     split = own_words(words)
@@ -96,9 +96,10 @@ def _rank(text):
 
 
 def _start_again(launcher, command, is_new_layout):
-    """Start again, once, with the Python that the program wants, with one order of sets and one layout for all runs.
+    """Start again, once, with the Python that the program wants, one order of sets and one layout for all runs.
 
-    That order is left alone if the user has chosen one. What stands in front of libc is preloaded, if it can be.
+    If the user has chosen an order of sets (PYTHONHASHSEED), it stays. The library that stands in front of libc is
+    preloaded, if it can be.
     """
     interpreter, words = split_interpreter(command)
     is_as_wanted = interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ

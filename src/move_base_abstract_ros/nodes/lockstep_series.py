@@ -1,11 +1,12 @@
-"""Run an unchanged Python script that starts launch files by ROSLaunchParent: each becomes a run in lockstep.
+"""Run an unchanged Python script that starts launch files by ROSLaunchParent: each of them becomes a run in lockstep.
 
     rosrun move_base_abstract lockstep_series [--logs FOLDER] [options of lockstep_launch] SCRIPT [ARGUMENTS]
 
-What the script asks rospy for is done in the run, by a node that takes part for it; what it computes takes no simulated
-time. When it calls shutdown(), the run ends at that instant. Each run has a ROS master and an event log of its own.
+A node takes part in each run for the script, and does what the script asks rospy for. What the script computes takes no
+simulated time. When the script calls shutdown(), the run ends at that instant. Each run has a ROS master and an event
+log of its own. The event logs are written to FOLDER (default: lockstep_series_logs).
 
-Exit codes: the script's; else the worst of lockstep_launch; 2: it cannot be run like this.
+Exit codes: that of the script; if that is 0, the worst one of lockstep_launch. 2: the script cannot be run like this.
 """
 import os
 import runpy
@@ -18,12 +19,12 @@ from ..loopback import LoopbackError, find_executable
 
 _DEPUTY = '--deputy'
 _FOLDER = 'lockstep_series_logs'
-_NO_MASTER = 'http://127.0.0.1:1/'  # where nobody listens: a script must not reach a system that runs elsewhere
+_NO_MASTER = 'http://127.0.0.1:1/'  # no program listens there: a script must not reach a system that runs elsewhere
 _CANNOT = 2
 
 
 def main():
-    """Run the script, or be the node that takes part for one."""
+    """Run the script; or, in a process that a run has started, be the node that takes part for the script."""
     if sys.argv[1:2] == [_DEPUTY]:
         from .series_run import deputy
         deputy.main(sys.argv[2])
@@ -55,7 +56,7 @@ def _parse(words):
 
 
 def _hash_alike():
-    """Start anew where texts would be hashed in another way each time: a script may go through a set of them."""
+    """Start again with a fixed hash seed, if hashes would differ in each run: a script may iterate over a set."""
     if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
         os.environ['PYTHONHASHSEED'] = '0'
         os.execv(sys.executable, [sys.executable, *sys.argv])
@@ -97,14 +98,14 @@ def _execute(series, words):
 
 
 def _name(path):
-    """Return the name of the node that takes part for a script: that of its file."""
+    """Return the name of the node that takes part for a script: the name of its file, made valid."""
     stem = ''.join(letter if letter.isalnum() and letter.isascii() else '_' for letter in
                    os.path.basename(path).partition('.')[0])
     return stem if stem[:1].isalpha() else 'script_' + stem
 
 
 def _time(deputised):
-    """Return the module time as the script gets it: its sleeps are of simulated time while a run is under way."""
+    """Return the module time for the script: while a run is under way, its own calls of sleep take simulated time."""
     import time
     made = types.ModuleType('time', time.__doc__)
     made.__dict__.update({key: value for key, value in vars(time).items() if not key.startswith('__')})

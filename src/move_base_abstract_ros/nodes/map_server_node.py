@@ -1,4 +1,4 @@
-"""The node ``map_server``: the real one where it is installed, else a stand-in with its command line and interface.
+"""The node ``map_server``: the real one if it is installed, otherwise a stand-in with its command line and interface.
 
 Topics (latched): ``map``, ``map_metadata``. Services: ``static_map``, ``change_map``. Parameter: ``~frame_id``; with
 the old form of the command line also ``~negate``, ``~occupied_thresh``, ``~free_thresh``.
@@ -28,20 +28,23 @@ from move_base_abstract_ros.process.node_process import run_node
 try:
     from nav_msgs.srv import LoadMap, LoadMapResponse
 except ImportError:
-    LoadMap = None  # nav_msgs of Debian 11 and before: nobody there can ask for another map
+    LoadMap = None  # nav_msgs of Debian 11 and before: there is no service change_map there
 
 _USAGE = ('USAGE: map_server MAP.yaml\n'
           '  MAP.yaml: the description of a map\n'
           'DEPRECATED USAGE: map_server IMAGE RESOLUTION\n'
           '  IMAGE: an image file\n'
           '  RESOLUTION: the side of a pixel [m]')
-_FAILED = 255  # the exit code of the real one, too
+_FAILED = 255  # also the exit code of the real map_server
 _POLL_SECONDS = 0.02
 _REMINDER_SECONDS = 5.0
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 255 if there is no map to be had."""
+    """Run the node until ROS shuts down; exits with 255 if the arguments or the map cannot be used.
+
+    If the real map_server is installed, it takes the place of this process.
+    """
     real = find_real_map_server()
     if real:
         os.execv(real, [real] + sys.argv[1:])
@@ -57,7 +60,7 @@ def main():
 
 
 def find_real_map_server():
-    """Return the path of the executable of the package map_server, or None where that is not installed."""
+    """Return the path of the executable of the package map_server, or None if that is not installed."""
     try:
         paths = packages.find_node('map_server', 'map_server')
     except rospkg.ResourceNotFound:
@@ -97,13 +100,13 @@ def _describe_old_form(arguments, raw, where):
 
 
 class MapServer:
-    """Publishes one map, hands it out, and exchanges it on request."""
+    """Publishes one map, returns it to callers of ``static_map``, and replaces it when ``change_map`` asks."""
 
     def __init__(self, frame_id, occupancy):
         self._frame_id = frame_id
         self._lock = threading.Lock()
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
-        # numpy_msg: the cells go out as they are, instead of one Python number each
+        # numpy_msg: rospy sends the array of cells as it is, instead of one Python number for each cell
         self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
         self._grid = None
         _wait_for_time()
@@ -114,7 +117,7 @@ class MapServer:
             self._services.append(rospy.Service('change_map', LoadMap, self._change_map))
 
     def show(self, occupancy):
-        """Publish ``occupancy`` from now on."""
+        """Publish ``occupancy`` (OccupancyMap) from now on."""
         grid = numpy_msg(OccupancyGrid)()
         grid.header.frame_id = self._frame_id
         grid.header.stamp = grid.info.map_load_time = rospy.Time.now()
@@ -133,7 +136,7 @@ class MapServer:
         return numpy_msg(GetMapResponse)(self._grid)
 
     def _change_map(self, request):
-        """Show the map of another YAML file; if that fails, the old one stays."""
+        """Show the map of another YAML file; if that fails, the old map stays."""
         try:
             self.show(load_map(_describe(to_path(request.map_url))))
         except ConfigurationError as error:
@@ -159,7 +162,7 @@ def to_path(url):
 
 
 def _wait_for_time():
-    """Wait for the first /clock where time is simulated: a stamp of 0 means something else."""
+    """Wait for the first /clock if time is simulated, because a stamp of 0 has another meaning."""
     warned = time.monotonic()
     while rospy.Time.now().is_zero() and not rospy.is_shutdown():
         time.sleep(_POLL_SECONDS)

@@ -1,10 +1,10 @@
-"""The node ``message_recorder``: takes part in a run, and writes what is said on some topics to a file.
+"""The node ``message_recorder``: takes part in a run, and writes the messages of some topics to a file.
 
-Private parameters: ``topics``, a list of names; ``path``, of the file. Each line is a message as JSON:
+Private parameters: ``topics``, a list of topic names; ``path``, the path of the file. Each line is a message as JSON:
 
     {"time_ns":2500000000,"topic":"/idleness","type":"std_msgs/Float64","message":{"data":1.5}}
 
-``time_ns`` is the simulated instant at which it came. The file is equal for equal runs.
+``time_ns`` is the simulated instant at which the message came. Equal runs write equal files.
 """
 import json
 import math
@@ -22,7 +22,7 @@ from ..replacing import rospy_start
 
 
 def main():
-    """Record until the run is over; exits with 1 when a parameter is missing."""
+    """Record until the run is over; exits with 1 if a parameter is missing or the file cannot be written."""
     parse_no_arguments('message_recorder', __doc__)
     rospy_start.prepare()
     rospy.init_node('message_recorder', disable_rosout=True)
@@ -33,7 +33,8 @@ def main():
             _record(topics, stream)
             rospy.spin()
     except KeyError as error:
-        sys.exit('{}: the parameter {} is missing; topics (a list) and path are wanted'.format(rospy.get_name(), error))
+        sys.exit('{}: the parameter {} is missing; topics (a list) and path must be given'.format(
+            rospy.get_name(), error))
     except (SimulatorError, OSError) as error:
         sys.exit('{}: {}'.format(rospy.get_name(), error))
 
@@ -55,7 +56,7 @@ def _record(topics, stream):
 
 
 def plain(value):
-    """Return a message, or a value in one, as JSON has it: times in s, bytes as numbers, null for what is no number."""
+    """Return a message, or a value in one, as JSON has it: times in s, bytes as numbers, null for NaN and infinity."""
     if isinstance(value, genpy.Message):
         return {name: plain(getattr(value, name)) for name in value.__slots__}
     if isinstance(value, genpy.rostime.TVal):

@@ -1,4 +1,4 @@
-"""The node ``move_base``: one robot, in the place and under the interface of move_base."""
+"""The node ``move_base``: one abstract robot that stands in for move_base and has its interface."""
 import time
 from dataclasses import replace
 
@@ -16,29 +16,35 @@ from move_base_abstract_ros.robot.names import RobotNames
 from move_base_abstract_ros.transforms.tf_lookup import listen_to_static_frames
 
 _LAST_WORDS_SECONDS = 0.1
-#: private parameters that are read elsewhere
+#: private parameters that other modules read: they are not settings of a robot
 LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
 _INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter cannot be used."""
     parse_no_arguments('move_base', __doc__, is_strict=False)
     run('move_base_node', lambda: (_names(), {}, None))
 
 
 def _names():
-    """Return the robot's names; as with upstream, a remap of move_base renames the action, and nothing else."""
+    """Return the robot's names. As upstream, a remap of move_base renames only the action."""
     return RobotNames(rospy.get_namespace(), rospy.get_name(), rospy.resolve_name('move_base'))
 
 
 def run(node_name, describe):
-    """Host a robot. ``describe()``, called when the node is there, returns what :func:`_build` takes."""
+    """Run the node ``node_name`` with one robot until ROS shuts down.
+
+    ``describe()`` is called once the node is initialised. It returns the arguments of :func:`_build`.
+    """
     run_node(node_name, lambda: _build(*describe()), _say_goodbye)
 
 
 def _build(names, overrides, default_tf_prefix):
-    """Return the server of ``names``; ``overrides`` are parameters that come before those of the parameter server."""
+    """Return the robot's server, or None if ROS shuts down first.
+
+    ``overrides``: {name: value} of parameters that take precedence over those of the parameter server.
+    """
     timing = make_timing()
     clock = timing.make_clock()
     settings = read_robot_settings(overrides, default_tf_prefix, timing.base_settings)
@@ -50,15 +56,16 @@ def _build(names, overrides, default_tf_prefix):
 
 
 def start(clock, timing, robots):
-    """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile."""
+    """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs. Return False if ROS shuts down meanwhile."""
     return clock.start() and timing.await_surroundings(
         clock, listen_to_static_frames, lambda participant: wait_for_maps(robots, participant))
 
 
 def read_robot_settings(overrides, default_tf_prefix, base):
-    """Return the settings in the node's private namespace and tell where the important ones come from.
+    """Return the settings in the node's private namespace, and log where the important ones come from.
 
-    ``overrides`` come before those, ``base`` behind them.
+    ``overrides`` take precedence over the private parameters, and these over ``base``. All are {name: value}.
+    :raises ConfigurationError: if a parameter cannot be used.
     """
     where = rospy.get_name()
     raw = own_parameters()
@@ -75,7 +82,10 @@ def read_robot_settings(overrides, default_tf_prefix, base):
 
 
 def _inherited(raw):
-    """Return the parameters that are found further up, as {name: value}: a footprint, as costmaps do, a profile."""
+    """Return {name: value} of the parameters that a namespace further up may hold: a footprint or radius, a profile.
+
+    Costmaps look for their footprint in the same way.
+    """
     found = {name: rospy.search_param(name) for name in _INHERITED if name not in raw}
     return {name: rospy.get_param(path) for name, path in found.items() if path}
 
@@ -96,4 +106,4 @@ def _report(settings, where):
 
 def _say_goodbye(server):
     server.shut_down()
-    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them
+    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

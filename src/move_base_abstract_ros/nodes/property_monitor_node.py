@@ -1,10 +1,11 @@
-"""The node ``property_monitor``: takes part in a run, and takes statements about it from the topic ``/properties``.
+"""The node ``property_monitor``: takes part in a run, and reads statements about it from the topic ``/properties``.
 
-For nodes in any language. A message is a std_msgs/String with JSON:
+Nodes in any language can make such statements. A message is a std_msgs/String with JSON:
 
     {"kind": "always", "holds": false, "text": "a task has one owner", "details": {"task": 7}}
 
-It counts as a statement of the node that has sent it. What is no such message is named in the log, once for each node.
+A message counts as a statement of the node that sent it. If a message is not a statement, the log says so, once for
+each node.
 """
 import json
 
@@ -25,7 +26,7 @@ _KEYS = {'kind': str, 'holds': bool, 'text': str}
 
 
 class Monitor:
-    """Hears what nodes state. ``tell(node, row)`` gets what is news."""
+    """Hears the statements of nodes. It calls ``tell(node, row)`` for each row that is to be in the event log."""
 
     def __init__(self, tell):
         self._tell = tell
@@ -33,7 +34,7 @@ class Monitor:
         self._named = set()
 
     def hear(self, message):
-        """Take a message of some node."""
+        """Take a message from any node. If it is not a statement, log that, once for each node."""
         node = message._connection_header.get('callerid', 'somebody')
         try:
             rows = self._rows(node, message.data)
@@ -51,8 +52,8 @@ class Monitor:
         said = json.loads(text)
         if not isinstance(said, dict) or not all(type(said.get(key)) is kind for key, kind in _KEYS.items()) or (
                 not isinstance(said.get('details', {}), dict)):
-            raise ValueError('kind and text (texts), holds (true or false) and perhaps details (an object) are wanted, '
-                             'got {}'.format(shown(text)))
+            raise ValueError('got {}; allowed: an object with kind and text (texts), holds (true or false) and, if '
+                             'there are any, details (an object)'.format(shown(text)))
         return self._made.setdefault(node, Statements()).take(said['kind'], said['holds'], said['text'],
                                                               said.get('details', {}))
 

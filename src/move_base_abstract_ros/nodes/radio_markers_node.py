@@ -1,6 +1,7 @@
-"""The node ``radio_markers``: shows in RViz how the links of a radio are; it looks on.
+"""The node ``radio_markers``: shows the state of a radio's links in RViz. It is an onlooker.
 
-It hears /time_master/links and tells /radio_markers, in the frame of its private parameter ``frame_id`` ('map').
+It hears /time_master/links and publishes /radio_markers, in the frame that its private parameter ``frame_id`` names
+(default: 'map').
 """
 import rospy
 from visualization_msgs.msg import MarkerArray

@@ -1,10 +1,10 @@
-"""A test of rostest that runs a launch file in lockstep to its end and checks its properties.
+"""Run a launch file in lockstep to its end and check its properties, as a test of rostest.
 
     <test pkg="move_base_abstract" type="run_checked" test-name="mission" time-limit="120"
           args="$(find my_study)/launch/system.launch robots:=3"/>
 
-Arguments are those of lockstep_launch. The run has a ROS master of its own, and a time limit that is rostest's. Its
-result file has a case for the run's end, for each property that is built in, and for each statement that was made.
+The arguments are those of lockstep_launch. The run has a ROS master of its own; rostest's time limit holds for it. The
+result file has a case for the end of the run, for each built-in property, and for each statement that was made.
 """
 import collections
 import json
@@ -26,10 +26,10 @@ _GOOD, _BROKEN = 0, 4  # of lockstep_launch
 
 
 def main(words=None):
-    """Run it and exit with 0, or 1 if something is broken."""
+    """Run the launch file and exit with 0, or with 1 if a property is broken or the run did not come to its end."""
     words = sys.argv[1:] if words is None else words
     results = [word[len(_OUTPUT):] for word in words if word.startswith(_OUTPUT)]
-    # Of rostest are also remappings of names that begin with two underscores.
+    # rostest adds options of its own, and remappings that begin with two underscores.
     words = [word for word in words if not word.startswith(('--gtest_', '__')) and word != '--text']
     name = next((word[len('__name:='):] for word in sys.argv if word.startswith('__name:=')), 'run_checked')
     cases = _run(words)
@@ -48,7 +48,7 @@ def _run(words):
         last, signals = collections.deque(maxlen=_LAST_LINES), []
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors='replace') as process:
-            for each in (signal.SIGINT, signal.SIGTERM):  # of rostest, when time is up: nothing is to stay behind
+            for each in (signal.SIGINT, signal.SIGTERM):  # from rostest, when time is up: no process must stay behind
                 signal.signal(each, lambda number, _: (signals.append(number), process.send_signal(signal.SIGINT)))
             for line in process.stdout:
                 print(line, end='', flush=True)
@@ -67,7 +67,7 @@ def _run(words):
 def _cases(told):
     cases = {'{}: {}'.format(*one): '' for one in BUILT_IN.items()}
     for node, kind, text, _outcome in told['statements']:
-        if kind != SOMETIMES:  # which one run alone does not break
+        if kind != SOMETIMES:  # a single run cannot break a `sometimes`
             cases['{}: {}: {}'.format(kind, node, text)] = ''
     for one in told['broken']:
         kind = one['property']
@@ -78,7 +78,7 @@ def _cases(told):
 
 
 def _write(path, name, cases):
-    """Write the result file, as JUnit has it."""
+    """Write the result file in JUnit's format."""
     suite = ElementTree.Element('testsuite', name=name, tests=str(len(cases)), errors='0',
                                 failures=str(sum(map(bool, cases.values()))), time='0')
     for case, problem in cases.items():

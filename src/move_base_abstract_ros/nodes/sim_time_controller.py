@@ -1,6 +1,6 @@
-"""The name that the original package gives its time master: the program ``time_master`` takes this one's place.
+"""The time master under the name that it has in the original package: this program becomes ``time_master``.
 
-Its node is /time_master whatever this one was to be called: its services and parameters are known by that name.
+The node is always /time_master, whatever name it was given here, because its services and parameters have that name.
 """
 import os
 import sys
@@ -11,7 +11,7 @@ _OWN = ('__name:=', '__ns:=')
 
 
 def main():
-    """Be the time master; never returns."""
+    """Become the time master; never returns."""
     try:
         program = find_executable('time_master')
     except LoopbackError as error:

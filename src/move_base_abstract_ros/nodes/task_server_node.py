@@ -1,4 +1,4 @@
-"""The node ``task_server``: the actions TimedTask and, with places, PlaceTask for some robots, in one process."""
+"""The node ``task_server``: serves the action TimedTask for some robots, and with places the action PlaceTask too."""
 import time
 
 import rospy
@@ -27,13 +27,13 @@ _LAST_WORDS_SECONDS = 0.1
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter cannot be used."""
     parse_no_arguments('task_server', __doc__)
     run_node('task_server', _build, _say_goodbye)
 
 
 def _build():
-    """Read the parameters, wait for the clock, and return the servers."""
+    """Read the parameters, wait for the clock, and return the servers; None if ROS shuts down meanwhile."""
     where = rospy.get_name()
     raw, values = own_values(TASK_SERVER, ('places', *LOCKSTEP_PARAMETERS))
     timing = make_timing()
@@ -63,7 +63,7 @@ def _below(robot, name_):
 
 
 def _read_places(raw, values, where):
-    """Return the scenario that says which places there are."""
+    """Return the scenario that holds the places: of the file, of the parameter ``places``, or an empty one."""
     if values['scenario'] and 'places' in raw:
         raise ConfigurationError('parameters {0}/scenario and {0}/places: only one of them may be given'.format(where))
     if values['scenario']:
@@ -72,7 +72,7 @@ def _read_places(raw, values, where):
 
 
 def _work_servers(host, values, scenario):
-    """Return the servers of tasks at places, of robots that somebody else moves."""
+    """Return the servers of tasks at places, for robots that another node moves."""
     rooms = Rooms(host.clock.simulation, scenario.places)
     settings = {**values, 'frame': str(scenario.defaults.get('global_frame', 'map'))}
     servers = []
@@ -87,4 +87,4 @@ def _work_servers(host, values, scenario):
 def _say_goodbye(servers):
     for server in servers:
         server.shut_down(NODE_KILLED)
-    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them
+    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

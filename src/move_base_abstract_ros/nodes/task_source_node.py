@@ -1,4 +1,4 @@
-"""The node ``task_source``: tasks and orders as they arrive, at random instants or at those of a file."""
+"""The node ``task_source``: publishes tasks and orders as they arrive, at random instants or at those of a file."""
 from functools import partial
 
 import rospy
@@ -16,12 +16,12 @@ from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_values
 from .move_base_node import LOCKSTEP_PARAMETERS
 
-#: the scenario itself, instead of a file
+#: parameters that hold the scenario itself, if no file is given
 _INLINE = tuple(parameter.name for parameter in TASK_SOURCE_INLINE)
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter cannot be used."""
     parse_no_arguments('task_source', __doc__)
     run_node('task_source', _build)
 
@@ -52,7 +52,7 @@ def _read_scenario(raw, values, where):
 
 
 class TaskSource:
-    """Publishes the tasks and the orders of a scenario, each on a topic of its own."""
+    """Publishes the tasks of a scenario on one topic, and its orders on another."""
 
     def __init__(self, clock, timing, scenario, values):
         frame = str(scenario.defaults.get('global_frame', 'map'))
@@ -70,7 +70,10 @@ def _packed(to_message, frame, item, stamp_ns):
 
 
 class _Source:
-    """Publishes each of ``items`` at the instant of its arrival, counted from when somebody begins to listen."""
+    """Publishes each of ``items`` at its arrival. Arrivals count from the instant at which a node begins to listen.
+
+    Without ``needs_listener`` they count from the start.
+    """
 
     def __init__(self, clock, timing, items, topic, kind, pack, needs_listener):
         self._clock = clock
@@ -85,7 +88,7 @@ class _Source:
         self._look()
 
     def _look(self):
-        """Begin, if somebody listens."""
+        """Begin, if a node listens or none is needed."""
         if self._outlet is None or self._begin_ns is not None:
             return
         if not self._needs_listener or self._timing.is_audience(self._outlet.is_heard()):
@@ -111,7 +114,7 @@ class _Source:
 
 
 class _Arrivals(Outlet):
-    """The topic of what arrives; ``came()`` is called when somebody begins to listen."""
+    """The topic of a _Source. It calls ``came()`` when a node begins to listen."""
 
     def __init__(self, topic, kind, came):
         self.what = kind.__name__.lower() + 's'
@@ -119,5 +122,5 @@ class _Arrivals(Outlet):
         super().__init__(topic, kind, queue_size=1000, tcp_nodelay=True)
 
     def greet(self, _peer_publish):
-        """Tell that somebody has come."""
+        """Call ``came()``, because a node begins to listen."""
         self._came()

@@ -4,11 +4,12 @@
     rosrun move_base_abstract verify [options] PACKAGE FILE [ARG:=VALUE ...]
     rosrun move_base_abstract verify [options] --chaos FILE
 
-Runs it in lockstep, as lockstep_launch does: twice as it is, then with every core busy, at a limited speed, with random
-delays, other hash seeds, other addresses, the fleet in two processes. Says `identical`, or the first difference.
+Runs the file in lockstep, as lockstep_launch does: twice as it is, then with every core busy, at a limited speed, with
+random delays, other hash seeds, other addresses, and the fleet in two processes. Prints `identical`, or the first
+difference.
 
-Exit codes: 0 identical, and called repeatable; 1 different; 2 it cannot be run like this; 3 a run did not come to its
-end; 4 identical, but labelled: not called repeatable, or degraded; 5 a node crashed.
+Exit codes: 0 identical, and called repeatable; 1 different; 2 the file cannot be run like this; 3 a run did not come to
+its end; 4 identical, but labelled (not called repeatable, or degraded), or nothing to compare; 5 a node crashed.
 """
 import argparse
 import math
@@ -35,7 +36,7 @@ def main(words=None):
     words = sys.argv[1:] if words is None else words
     options, launch_words = _parse(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are no text
+        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are not text
     try:
         code = _verify(options, launch_words)
     except verification.Unfinished as error:
@@ -48,12 +49,15 @@ def main(words=None):
 
 
 def _verify(options, launch_words):
-    """Return the exit code. A folder of our own goes again where all is well."""
+    """Verify, and return the exit code.
+
+    Without --output the folder is temporary. It is removed if all runs are identical, or the file cannot be run.
+    """
     folder = options.output
     if folder is None:
         folder = tempfile.mkdtemp(prefix='move_base_abstract_verify_')
     else:
-        folder = os.path.abspath(folder)  # nodes have a folder of their own
+        folder = os.path.abspath(folder)  # because nodes run in another working folder
         if os.path.isdir(folder) and os.listdir(folder):
             parser_error = "{}: is not empty (it holds '{}'); name a new folder, or an empty one"
             raise verification.Unfinished(parser_error.format(folder, sorted(os.listdir(folder))[0]),
@@ -66,7 +70,7 @@ def _verify(options, launch_words):
         return code
     finally:
         if options.output is None and code in (verification.IDENTICAL, verification.CANNOT):
-            shutil.rmtree(folder)  # made above, by this process
+            shutil.rmtree(folder)  # this process made it above
         else:
             print('verify: logs and outputs are in {}'.format(folder), flush=True)
 
@@ -78,14 +82,14 @@ def _say(line):
 def _names(options):
     if options.conditions is not None:
         return options.conditions
-    # What chaos decides follows from the names of nodes, of which a fleet in two processes has others.
+    # The decisions of chaos follow from the names of nodes, and a fleet in two processes has other names.
     left_out = ('split',) if options.chaos is not None or options.chaos_seed else ()
     return [name for k, name in enumerate(conditions.NAMES)
             if (options.runs is None or k < options.runs) and name not in left_out]
 
 
 def _parse(words):
-    """Return the options, and the words for lockstep_launch."""
+    """Return (options, words for lockstep_launch)."""
     parser = argparse.ArgumentParser(
         prog='verify', description='Check that a launch file runs the same, whatever the machine does.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
@@ -111,10 +115,10 @@ def _parse(words):
 
 
 def _words_of_chaos(parser, options):
-    """Return the words for lockstep_launch of a file of `chaos`, which says all of them."""
+    """Return the words for lockstep_launch that a file of `chaos` holds; it holds all of them."""
     from move_base_abstract_experiments.chaos import replay_file
     if options.command:
-        parser.error('--chaos: the file says what is run, got {} besides'.format(shown(' '.join(options.command))))
+        parser.error('--chaos: the file says what is run; got {} besides'.format(shown(' '.join(options.command))))
     try:
         made = replay_file.read(options.chaos)
         options.command = list(made.launch)
@@ -136,7 +140,7 @@ def _conditions(text):
         if name not in conditions.NAMES:
             raise argparse.ArgumentTypeError('must be of {}, got {}'.format(', '.join(conditions.NAMES), shown(name)))
     if len(set(names)) < 2:
-        raise argparse.ArgumentTypeError('two are wanted at least, got {}'.format(shown(text)))
+        raise argparse.ArgumentTypeError('must be two conditions at least, got {}'.format(shown(text)))
     return names
 
 

@@ -2,8 +2,8 @@
 
     rosrun move_base_abstract why [--json] [--timeout S] [--ns /time_master]
 
-Asks the time master once: what is going on, who owes what since when, the next wake-up, which nodes time does not wait
-for, and what keeps the run from being repeatable.
+Asks the time master once, and prints its state: what each participant owes and since when, the next wake-up, the nodes
+for which time does not wait, and the reasons why the run is not called repeatable.
 
 Exit codes: 0 the time master has answered; 1 it has not; 2 wrong arguments.
 """
@@ -27,22 +27,22 @@ from move_base_abstract_ros.replacing import rospy_start
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
         'ros::Duration::sleep); a wait for a file, a socket or another process holds up all nodes until it is over; '
         'a long computation only needs patience')
-_CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as its thread has told it
+_CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as a thread of it reports it: file + offset
 _ADDR2LINE_SECONDS = 10.0  # wall
-#: by what a lockstep run does: what can be typed next; FILE is its launch file
+#: phase of a run in lockstep: a command that helps next; FILE is the launch file of the run
 NEXT = {
     'waiting_for_participants': 'which node is waited for, and whether it takes part at all: rosrun move_base_abstract '
                                 'lockstep_launch --list FILE',
     'paused': 'rosservice call {}/resume',
-    'limited': 'as fast as it goes: without --speed-limit',
-    'idle': 'a run that is to end here: lockstep_launch --end-when-idle FILE',
+    'limited': 'a run as fast as possible: without --speed-limit',
+    'idle': 'a run that ends here: lockstep_launch --end-when-idle FILE',
     'deadlock': 'which node waits for which, in the log: lockstep_launch --check --log-messages --event-log '
     'RUN.jsonl FILE',
     'zero_delay_loop': 'the messages that go round, in its log: lockstep_launch --log-messages --event-log RUN.jsonl '
                        'FILE',
-    'ended': 'the run to look at: rosrun move_base_abstract replay RUN.jsonl, its --event-log',
+    'ended': 'the run as a replay: rosrun move_base_abstract replay RUN.jsonl, its --event-log',
 }
-SHOWN = 10  # participants of a kind that are named one by one
+SHOWN = 10  # how many nodes of a kind are named
 
 PHASES = {
     'waiting_for_participants': 'stands still: the run has not started',
@@ -92,12 +92,15 @@ def _seconds(text):
 
 
 def _ask(topic, timeout):
-    """Return the TimeState that the time master sends. Raises rospy.ROSException if none comes in time."""
+    """Return the time master's TimeState on ``topic``. ``timeout`` [s, wall].
+
+    :raises rospy.ROSException: if there is no ROS master, or no TimeState comes in time.
+    """
     if not rosgraph.is_master_online():
         raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of '
                                  'its own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
                                  'move_base_abstract why')
-    # Without ROS time: the question must not make this node one of those that use the clock.
+    # Without ROS time: otherwise this node would count as one that uses the clock.
     rospy_start.prepare()
     rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)
     try:
@@ -110,7 +113,7 @@ def _ask(topic, timeout):
 
 
 def shown(text):
-    """Return a text with what would command a terminal, or end the line, as its codes."""
+    """Return a text in which characters that control a terminal or end the line are replaced by their codes."""
     return ''.join(c if c.isprintable() else c.encode('unicode_escape').decode() for c in text)
 
 
@@ -129,7 +132,7 @@ def as_data(message):
 
 
 def lines(state, name='/time_master'):
-    """Return the answer of the time master of that name as lines for people."""
+    """Return the lines that are printed for a TimeState. ``name``: that of the time master."""
     if state.mode != 'lockstep':
         return _scaled_lines(state)
     return [f'time {PHASES.get(state.phase, state.phase)}',
@@ -178,7 +181,7 @@ def _waiting_lines(state):
 
 
 def _with_line(place):
-    """Return a place in a binary with the line of its source, if addr2line is there and the binary knows it."""
+    """Return a place in a binary, with the line of its source if addr2line is installed and finds the line."""
     path, offset = place.groups()
     program = shutil.which('addr2line')
     if program is None or not os.path.isfile(path):

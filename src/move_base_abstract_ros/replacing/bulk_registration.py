@@ -1,9 +1,9 @@
-"""Telling the ROS master of thousands of topics and services in a few calls instead of one call each.
+"""Register thousands of topics and services with the ROS master in a few calls, instead of one call for each.
 
-rospy registers each topic by a call of its own, which is most of the time that a large fleet needs to start. Here the
-registrations are collected while the objects are made and sent together, as rospy itself does when it unregisters,
-and parameters are read from one copy of the tree. The topics made here open a file descriptor when the first
-connection comes instead of one each from the start: a thousand robots would need more than a process may have.
+rospy registers each topic by a call of its own, which takes most of the time that a large fleet needs to start. Here
+the registrations are collected while the objects are made, and then sent together, as rospy itself does when it
+unregisters. Parameters are read from one copy of the tree. A topic that is made here opens a file descriptor when its
+first connection comes, not from the start: a thousand robots would need more than a process may have.
 """
 import threading
 import xmlrpc.client
@@ -19,19 +19,19 @@ from .replaced import replace, replaced
 
 _CALLS_AT_ONCE = 500
 
-#: held while registrations are collected: who holds it registers at once, whatever other threads do
+#: held while registrations are collected. A thread that holds it registers at once, whatever other threads do
 at_once = threading.RLock()
 
 
 class _State:
-    """The bulk registration that is under way, if any."""
+    """The bulk registration that is under way, if there is one."""
 
     collector = None
 
 
 @contextmanager
 def bulk_registration():
-    """Within this context, publishers, subscribers, services and :func:`set_params` reach the master at its end."""
+    """Give a context: publishers, subscribers, services and :func:`set_params` in it reach the master at its end."""
     with at_once, _collecting():
         yield
 
@@ -70,7 +70,7 @@ def get_namespace(name):
 
 
 def set_params(namespace, values):
-    """Set {key: value} below ``namespace``, an absolute name; what else is there stays."""
+    """Set {key: value} below ``namespace``, an absolute name. Other parameters there stay."""
     if _State.collector is None:
         for key, value in values.items():
             rospy.set_param('{}/{}'.format(namespace, key), value)
@@ -88,12 +88,12 @@ def delete_params(namespace, keys):
     gone = [namespace] if all(key in keys for key in there) else [
         '{}/{}'.format(namespace, key) for key in keys if key in there]
     for name in gone:
-        with suppress(KeyError):  # somebody else was faster
+        with suppress(KeyError):  # another node was faster
             rospy.delete_param(name)
 
 
 def _check_only_what_is_connected(manager):
-    """Make rospy's regular search for broken connections pass over topics that have none."""
+    """Make rospy's regular search for broken connections skip topics without connections."""
     def check_all():
         with manager.lock:
             topics = [topic for group in (manager.pubs, manager.subs) for topic in group.values() if topic.connections]
@@ -104,13 +104,13 @@ def _check_only_what_is_connected(manager):
 
 
 class _PlainTransport(xmlrpc.client.Transport):
-    """Asks for answers that are not compressed: they come from the same machine, or one near by."""
+    """Asks for answers without compression, because they come from this machine or one near by."""
 
     accept_gzip_encoding = False
 
 
 class _LazyPoller:
-    """rospy's watch over a topic's connections, made when there is one."""
+    """Makes rospy's Poller of a topic's connections when the first connection comes."""
 
     _Poller = rospy.topics.Poller
 
@@ -118,23 +118,23 @@ class _LazyPoller:
         self._poller = None
 
     def add_fd(self, fd):
-        """Watch a connection."""
+        """Watch a connection, by its file descriptor."""
         if self._poller is None:
             self._poller = self._Poller()
         self._poller.add_fd(fd)
 
     def remove_fd(self, fd):
-        """Watch it no more."""
+        """Stop watching a connection."""
         if self._poller is not None:
             self._poller.remove_fd(fd)
 
     def error_iter(self):
-        """Return those that have failed."""
+        """Return the connections that have failed."""
         return self._poller.error_iter() if self._poller is not None else ()
 
 
 class _Collector(RegistrationListener):
-    """Keeps what would have been said to the master."""
+    """Collects the calls to the ROS master, and sends them together."""
 
     _METHODS = {Registration.PUB: 'registerPublisher', Registration.SUB: 'registerSubscriber',
                 Registration.SRV: 'registerService'}
@@ -142,11 +142,11 @@ class _Collector(RegistrationListener):
     def __init__(self, managers):
         self._managers = managers
         self.calls = []
-        # Not rospy.get_param: of '/' it returns no more than what it keeps in its cache.
+        # Not rospy.get_param: for '/' it returns only the parameters in its cache.
         self.parameters = rosgraph.Master(rospy.get_name()).getParam('/')
 
     def set_params(self, namespace, values):
-        """Note parameters; a namespace is set as a whole, in one call, where nothing else is in it."""
+        """Note parameters to be set. If the namespace is empty, it is set as a whole, in one call."""
         there = get_namespace(namespace)
         if not there:
             self.calls.append(('setParam', (namespace, values), None))
@@ -160,12 +160,12 @@ class _Collector(RegistrationListener):
                            resolved_name if reg_type == Registration.SUB else None))
 
     def reg_removed(self, resolved_name, data_type_or_uri, reg_type):
-        """Pass on at once that something is gone: it was there before."""
+        """Unregister something at once, because it was registered before."""
         for manager in self._managers:
             manager.reg_removed(resolved_name, data_type_or_uri, reg_type)
 
     def send(self):
-        """Tell the master all, and the subscribers of the publishers that there are."""
+        """Send all calls to the ROS master, and connect subscribers to the publishers that it names."""
         master = xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), transport=_PlainTransport())
         for begin in range(0, len(self.calls), _CALLS_AT_ONCE):
             calls = self.calls[begin:begin + _CALLS_AT_ONCE]
@@ -180,7 +180,7 @@ class _Collector(RegistrationListener):
                     self._connect(topic, value)
 
     def _connect(self, topic, uris):
-        """Have the publishers connected to; without new ones there is nothing to do."""
+        """Connect the subscription of ``topic`` to its publishers, unless all of them are connected."""
         subscription = get_topic_manager().get_subscriber_impl(topic)
         if subscription is None or all(subscription.has_connection(uri) for uri in uris):
             return

@@ -1,4 +1,4 @@
-"""A log file that cannot be written: said once, in a line, instead of by a traceback for each message."""
+"""Report a log file that cannot be written once, in a line, instead of by a traceback for each message."""
 import sys
 
 from move_base_abstract.common.shown import shown_text
@@ -9,12 +9,12 @@ _told = set()
 
 
 def survive_full_disk():
-    """Have each handler of the process tell its first error of the disk. To be called before rospy.init_node."""
+    """Make each log handler of the process report only its first error. Call this before rospy.init_node."""
     replace('logging.Handler.handleError', lambda _original: _handle_error)
 
 
 def _handle_error(handler, _record):
-    """Stand in for logging's own, which prints a traceback; it is called from within an ``except``."""
+    """Take the place of logging's own function, which prints a traceback. It is called inside an ``except``."""
     error = sys.exc_info()[1]
     if id(handler) in _told:
         return
@@ -24,4 +24,4 @@ def _handle_error(handler, _record):
         print('the log {} cannot be written: {}; the node goes on without it'.format(
             shown_text(name), getattr(error, 'strerror', None) or shown_text(str(error))), file=sys.stderr, flush=True)
     except OSError:
-        pass  # nobody reads that either
+        pass  # the standard error output cannot be written either

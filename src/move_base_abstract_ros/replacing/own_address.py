@@ -1,7 +1,7 @@
-"""On which address this process listens: the one that ROS_IP or ROS_HOSTNAME names, and no other.
+"""Make this process listen only on the address that ROS_IP or ROS_HOSTNAME names.
 
-Unless that is a loopback address, rospy listens on all addresses of the computer. Whoever reaches the computer can then
-call a node's XML-RPC server, which shuts the node down when it is asked to.
+Unless that is a loopback address, rospy listens on all addresses of the computer. Then any other computer that reaches
+this one can call a node's XML-RPC server, which shuts the node down if it is asked to.
 """
 import os
 import re
@@ -13,14 +13,14 @@ _ALL = '0.0.0.0'  # noqa: S104
 
 
 def set_default(environment=os.environ):
-    """Set ROS_IP to 127.0.0.1 where nothing says what it is, and the ROS master is named as one of this computer."""
+    """Set ROS_IP to 127.0.0.1, if neither it nor ROS_HOSTNAME is set, and ROS_MASTER_URI names this computer."""
     if 'ROS_IP' not in environment and 'ROS_HOSTNAME' not in environment and _LOCAL_MASTER.match(
             environment.get('ROS_MASTER_URI', 'http://localhost:11311')):
         environment['ROS_IP'] = _LOOPBACK
 
 
 def listen_there_only():
-    """Have what rospy listens with use the announced address. To be called before rospy.init_node."""
+    """Make rospy's servers listen on the announced address. Call this before rospy.init_node."""
     import rosgraph.network
 
     from .replaced import replace
@@ -35,7 +35,7 @@ def listen_there_only():
 
 
 def _resolved(name):
-    """Return the address if it is one of this computer's, or None: it may be that of one in front of it."""
+    """Return the address of ``name`` if it is one of this computer, or None: it may be that of a router before it."""
     try:
         with socket.socket() as trial:
             trial.bind((socket.gethostbyname(name), 0))

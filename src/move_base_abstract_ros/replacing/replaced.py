@@ -1,8 +1,8 @@
-"""The one table of all that is replaced in rospy, actionlib, rosgraph and Python's own library, and the way to do it.
+"""The one table of everything that is replaced in rospy, actionlib, rosgraph and Python's library, and how to do it.
 
-Who replaces something names its row here; a name without a row is an error. What the functions looked like for which
-the replacements were made is known by a digest of their source: others are named in a warning at the start
-(:func:`unknown`). docs/replaced_names.md shows the table.
+Code that replaces something names its row here. A name without a row is an error. Each replacement was made for certain
+sources of the original function, which are known by their digests. If a function has another source, a warning at the
+start names it (:func:`unknown`). docs/replaced_names.md shows the table.
 """
 import functools
 import hashlib
@@ -15,9 +15,9 @@ import tokenize
 from contextlib import contextmanager
 from typing import NamedTuple, Tuple
 
-#: the versions of Python whose names of these fit
+#: the first and the last version of Python in which these names are as the replacements need them
 PYTHON = (3, 8), (3, 13)
-#: the sources whose digests are known
+#: the packages and versions whose digests are known
 SOURCES = 'rospy and rosgraph 1.14.13 to 1.16.0 (Noetic; Debian 11 and 12), actionlib 1.12.0 to 1.14.0'
 
 ALWAYS, START = 'each node of this package', 'a node of this package, while its topics are made'
@@ -38,7 +38,7 @@ SERIES = '`lockstep_series`, for its script'
 
 
 class Row(NamedTuple):
-    """What is replaced: its dotted name, where, why, and the digests of the sources that the replacement fits."""
+    """A replacement: the dotted name, where it is made, what it does, and the digests of the sources that it fits."""
 
     name: str
     where: str
@@ -48,22 +48,22 @@ class Row(NamedTuple):
 
 _WAIT = 'gives the turn away and ends at its instant'
 _LOOK = 'is counted, so that a loop that waits by looking goes on'
-_MASTER = ('has parameters take effect with their rounds, and those who are there named in one order, after the others '
-           'have done what they do at this instant')
+_MASTER = ('makes parameters take effect with their rounds, and names nodes and topics in one order, after the other '
+           'participants have done their work of this instant')
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
 _SORTED = 'sorts what the file system has in any order'
-_ROUNDS = 'has garbage collected after so many rounds, or not'
-_TOLD = 'labels the run where the program calls it'
+_ROUNDS = 'turns on, or off, that garbage is collected after a number of rounds'
+_TOLD = 'labels the run if the program calls it'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
-_UNCAUGHT = 'tells the event log of an exception that nobody catches'
-_UNASKED = 'tells the event log of an exception of a job for which nobody asks'
+_UNCAUGHT = 'writes an exception that nothing catches into the event log'
+_UNASKED = 'writes an exception of a job into the event log, if the program never asks for its outcome'
 _CORES = 'says four on every computer'
-_OWN_CORES = 'knows the cores that the program may use by itself, wherever the time master keeps it'
-_SQLITE = "has the database's chance and dates be the run's"
-_LOCK = 'gives the turn away where another thread of the program holds it'
+_OWN_CORES = 'knows the cores that the program itself may use, on whatever core the time master keeps it'
+_SQLITE = "makes the database's random numbers and dates those of the run"
+_LOCK = 'gives the turn away if another thread of the program holds it'
 
 _ROWS = (
     Row('rospy.timer.sleep', LOCKSTEP, _WAIT, ('6d1b0eff1e91',)),
@@ -85,13 +85,13 @@ _ROWS = (
     Row('rospy.topics._TopicManager._remove', LOCKSTEP,
         'tells the time master that a topic is gone', ('de96b0e81978',)),
     Row('rospy.topics._SubscriberImpl.receive_callback', LOCKSTEP,
-        'has what comes from outside wait for the next grant', ('8edd5c500e8a',)),
+        'makes messages from outside wait for the next grant', ('8edd5c500e8a',)),
     Row('rospy.topics._PublisherImpl.add_connection', LOCKSTEP,
-        'refuses connections among participants, and tells the program of no onlooker', ('11f18204b563',)),
+        'refuses connections between participants, and hides onlookers from the program', ('11f18204b563',)),
     Row('rospy.topics._PublisherImpl.publish', LOCKSTEP,
         'counts the messages of participants only, so that no onlooker changes a header', ('9486c44240ef',)),
     Row('rospy.topics._PublisherImpl.remove_connection', LOCKSTEP,
-        'tells the program of participants that listen no more, not of onlookers', ('10b24a0193f3',)),
+        'tells the program if a participant stops listening, not if an onlooker does', ('10b24a0193f3',)),
     Row('rospy.topics._SubscriberImpl.add_callback', LOCKSTEP, _HEARS, ('90f7f53760a6',)),
     Row('rospy.topics._SubscriberImpl.remove_callback', LOCKSTEP, _HEARS, ('228e3a0979b0',)),
     Row('actionlib.action_client.GoalManager.init_goal', LOCKSTEP, _HEARS, ('275ffe4ed965',)),
@@ -101,23 +101,23 @@ _ROWS = (
     Row('rospy.topics._TopicImpl.get_num_connections', LOCKSTEP,
         'counts each participant that listens, and no onlooker', ('f6d31ffea7a9',)),
     Row('rospy.topics._TopicImpl.has_connection', LOCKSTEP,
-        'knows participants; a goal topic of a large fleet never seeks itself', ('7dc485b6c037',)),
+        'counts participants as connected; a goal topic of a large fleet never connects to itself', ('7dc485b6c037',)),
     Row('rospy.service.ServiceManager.register', LOCKSTEP,
         'tells the time master of a new service', ('954957f90e11',)),
     Row('rospy.service.ServiceManager.unregister', LOCKSTEP,
         'tells the time master that a service is gone', ('ec6728198a41',)),
     Row('rospy.impl.tcpros_service.ServiceImpl._handle_request', LOCKSTEP,
-        'has calls from outside wait for the next grant', ('0a5516683f10',)),
+        'makes calls from outside wait for the next grant', ('0a5516683f10',)),
     Row('rospy.impl.tcpros_service.ServiceProxy.call', LOCKSTEP,
         'calls participants through the time master', ('5a5320897053', 'd9e4cd94b92c',)),
     Row('xmlrpc.client.ServerProxy._ServerProxy__request', LOCKSTEP, _MASTER),
     Row('rospy.core._LockedServerProxy._ServerProxy__request', LOCKSTEP, _MASTER, ('0167df407a53',)),
     Row('rospy.msproxy.MasterProxy.get_param_cached', LOCKSTEP,
-        'asks the ROS master each time: what that tells by itself comes by the wall clock', ('e537fa3e8378',)),
+        'asks the ROS master each time, because its own updates come by the wall clock', ('e537fa3e8378',)),
     Row('rospy.impl.simtime._set_rostime', LOCKSTEP,
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
     Row('rospy.core.signal_shutdown', LOCKSTEP,
-        'tells the time master first, where a signal or another node ends this one', ('1be84b9b1b33', '51e015a07699')),
+        'tells the time master first, if a signal or another node ends this one', ('1be84b9b1b33', '51e015a07699')),
     Row('rospy.topics._SubscriberImpl._invoke_callback', LOCKSTEP, _UNCAUGHT, ('81c97c7de4c4',)),
     Row('rospy.impl.tcpros_service.ServiceImpl.error_handler', LOCKSTEP, _UNCAUGHT, ('0c79cd978086',)),
     Row('actionlib.simple_action_server.SimpleActionServer.__init__', LOCKSTEP, _UNCAUGHT),
@@ -136,7 +136,7 @@ _ROWS = (
     Row('multiprocessing.pool.IMapIterator.__next__', POOLS, _UNASKED),
     Row('threading.excepthook', LOCKSTEP, _UNCAUGHT),
     Row('sys.unraisablehook', LOCKSTEP, _UNCAUGHT),
-    Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
+    Row('threading._shutdown', LOCKSTEP, 'makes the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP,
         _UNCAUGHT + '; keeps quiet about the end of lockstep, which is not an error of the program'),
     Row('threading._allocate_lock', THREADS, _LOCK),
@@ -145,14 +145,14 @@ _ROWS = (
     Row('queue.SimpleQueue', THREADS, 'is made of locks that give the turn away'),
     Row('threading._time', THREADS, "is simulated for time-outs of the program's threads"),
     Row('queue.time', THREADS, "is simulated for time-outs of the program's threads"),
-    Row('threading.Thread.start', THREADS, 'has a new thread wait for its first turn'),
+    Row('threading.Thread.start', THREADS, 'makes a new thread wait for its first turn'),
     Row('_thread.start_new_thread', THREADS, "starts one of Python's threads for the program, which is followed"),
     Row('_thread.start_new', THREADS, "starts one of Python's threads for the program, which is followed"),
     Row('threading.Thread.join', THREADS, _WAIT),
     Row('threading.Thread.is_alive', THREADS, "says no as soon as the thread's last turn is over"),
     Row('rospy.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
     Row('rospy.client.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
-    Row('time.sleep', LAUNCHER, 'is told once where the program sleeps, and is simulated if --sleep says so'),
+    Row('time.sleep', LAUNCHER, 'names once the place where the program sleeps, and is simulated if --sleep says so'),
     Row('time.time', LAUNCHER, _CLOCK),
     Row('time.time_ns', LAUNCHER, _CLOCK),
     Row('time.monotonic', LAUNCHER, _CLOCK),
@@ -211,9 +211,9 @@ _ROWS = (
     Row('threading.active_count', LAUNCHER, _TOLD),
     Row('threading.enumerate', LAUNCHER, _TOLD),
     Row('rospy.msproxy.MasterProxy.__getitem__', LAUNCHER,
-        'labels the run where the program asks for what roslaunch makes anew for each run'),
+        'labels the run if the program asks for a value that roslaunch makes anew for each run'),
     Row('rosgraph.masterapi.Master.getParam', LAUNCHER,
-        'labels the run where the program asks for what roslaunch makes anew for each run'),
+        'labels the run if the program asks for a value that roslaunch makes anew for each run'),
     Row('os.sched_yield', LAUNCHER, 'is a sleep of no length'),
     Row('os.getrandom', LAUNCHER, _CHANCE),
     Row('os.cpu_count', LAUNCHER, _CORES),
@@ -226,10 +226,10 @@ _ROWS = (
     Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
     Row('asyncio.base_events.BaseEventLoop.time', LOOPS, _CLOCK),
     Row('asyncio.selector_events.BaseSelectorEventLoop.__init__', LOOPS,
-        'has the loop wait in a selector that gives the turn away'),
-    Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS, 'wakes a loop that waits so'),
+        'makes the loop wait in a selector that gives the turn away'),
+    Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS, 'wakes a loop that waits in it'),
     Row('asyncio.unix_events._UnixSelectorEventLoop._handle_signal', LOOPS, 'labels the run'),
-    Row('asyncio.events.TimerHandle.__init__', LOOPS, 'has of equal timers that one come first which was made first'),
+    Row('asyncio.events.TimerHandle.__init__', LOOPS, 'puts equal timers in the order in which they were made'),
     Row('asyncio.tasks.Task', LOOPS, _NUMBERED + '; ' + _UNASKED),
     Row('asyncio.futures.Future', LOOPS, _NUMBERED + '; ' + _UNASKED),
     Row('asyncio.base_events.BaseEventLoop.default_exception_handler', LOOPS, _UNCAUGHT),
@@ -243,12 +243,12 @@ _ROWS = (
     Row('roslaunch.parent.ROSLaunchParent', SERIES, 'is a run in lockstep on a ROS master of its own'),
     Row('roslaunch.scriptapi.ROSLaunch', SERIES, 'is refused: its nodes come one by one, without a launch file'),
     Row('threading.Thread.isAlive', ALWAYS,
-        'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
+        'exists again in Python 3.9 and later, which have removed it: rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),
     Row('rosgraph.network.get_bind_address', NODES,
-        'is the address that ROS announces, also where that is no loopback address', ('023e614c77a8',)),
+        'is the address that ROS announces, also if that is not a loopback address', ('023e614c77a8',)),
     Row('rospy.impl.init.time', NODES,
-        'sleeps a thousandth of a second between two looks whether the node is registered'),
+        'sleeps 1 ms between two checks whether the node is registered'),
     Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,
         'makes one connection to a publisher; rospy may make two and lose what came on the first', ('6b2504f73639',)),
     Row('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled', START,
@@ -276,7 +276,7 @@ def replace(name, make, on=None):
 
 @contextmanager
 def replaced(name, make, on=None):
-    """As :func:`replace`, for the time of a context."""
+    """Do the same as :func:`replace` inside a context, and undo it at the end."""
     owner, attribute = _place(name)
     target = owner if on is None else on
     before = inspect.getattr_static(target, attribute) if on is None else getattr(target, attribute)
@@ -300,7 +300,7 @@ def note(name, original):
 
 
 def look_up():
-    """Look up what :func:`note` will ask about what is imported, for the processes that are forked from this one."""
+    """Compute the digests that :func:`note` needs of imported modules, for processes that are forked from this one."""
     for row in _ROWS:
         if row.digests and any(row.name.startswith(module + '.') for module in sys.modules):
             owner, attribute = _place(row.name)
@@ -313,12 +313,12 @@ def name_of(function):
 
 
 def done():
-    """Return the names that have been replaced in this process, in the order in which that happened."""
+    """Return the names that have been replaced in this process, in the order of the replacements."""
     return tuple(_done)
 
 
 def unknown():
-    """Return a text that names what has been replaced here without being known, '' if there is nothing."""
+    """Return a text that names the replaced functions with an unknown source, and an unknown Python; '' if none."""
     found = list(_unknown)
     if not PYTHON[0] <= sys.version_info[:2] <= PYTHON[1]:
         found.append('Python {}.{}'.format(*sys.version_info[:2]))
@@ -331,7 +331,7 @@ def unknown():
 
 @functools.lru_cache(maxsize=None)
 def digest(function):
-    """Return a digest of a function's source that comments, its docstring and white space do not change, or ''."""
+    """Return a digest of a function's source without comments, docstring and white space; '' if there is no source."""
     try:
         source = textwrap.dedent(inspect.getsource(inspect.unwrap(function)))
         tokens = list(_words(source))
@@ -357,7 +357,7 @@ def _words(source):
 
 @functools.lru_cache(maxsize=None)
 def _place(name):
-    """Return the object that has the last part of a dotted name, and that part."""
+    """Return (the object that has the last part of a dotted name, that part)."""
     *path, attribute = name.split('.')
     for length in range(len(path), 0, -1):
         try:

@@ -1,7 +1,7 @@
-"""Two waits of rospy, at a node's start and at its end, that last longer than what they wait for.
+"""Shorten two waits of rospy, at a node's start and at its end, which last longer than they must.
 
-rospy.init_node looks every tenth of a second whether the ROS master knows the node, which takes a hundredth; and the
-thread that registers topics is told of the end just before there is one, so that it sleeps for half a second more.
+rospy.init_node checks every tenth of a second whether the ROS master knows the node, which takes a hundredth. And the
+thread that registers topics is woken just before the end has come, so that it sleeps for half a second more.
 """
 import threading
 import time
@@ -13,11 +13,11 @@ from .replaced import replace
 
 _LOOK_S = 0.001  # wall
 _TRIES = 20
-_sleep = time.sleep  # as it is before a launched program's is another one
+_sleep = time.sleep  # the real one, before the launcher replaces it for a program
 
 
 class _Time:
-    """The module time, but for a sleep that is never longer than a look."""
+    """The module time with another sleep, which never takes longer than 1 ms."""
 
     def __getattr__(self, name):
         return getattr(time, name)
@@ -28,13 +28,13 @@ class _Time:
 
 
 def shorten():
-    """Have both last as long as they must, in this process. To be called before rospy.init_node."""
+    """Shorten both waits in this process. Call this before rospy.init_node."""
     replace('rospy.impl.init.time', lambda _module: _Time())
     rospy.core.add_shutdown_hook(_wake)
 
 
 def _wake(_reason):
-    """Have the threads that rospy waits for next see that it has shut down."""
+    """Wake the threads for which rospy waits next, so that they see that it has shut down."""
     for thread in list(rospy.core._shutdown_threads):
         condition = getattr(getattr(getattr(thread, '_target', None), '__self__', None), 'cond', None)
         if condition is None or thread is threading.current_thread():

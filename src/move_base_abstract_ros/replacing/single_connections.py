@@ -1,8 +1,8 @@
-"""One connection of this process to each publisher of a topic.
+"""Make this process have only one connection to each publisher of a topic.
 
-rospy connects to all publishers of a topic whenever the ROS master tells it of one more. If the connection to the
-others is still being made at that moment, it makes a second one and drops the first, with all that is on its way:
-the first goal of a client that was there before the server, say.
+rospy connects to all publishers of a topic whenever the ROS master tells it of one more. If a connection to one of the
+others is still being made at that moment, rospy makes a second one and drops the first, with all messages on it: for
+example the first goal of a client that started before the server.
 """
 import threading
 
@@ -13,7 +13,10 @@ from .replaced import replace
 
 
 class _OneAtATime:
-    """rospy's way of connecting, which looks first whether there is a connection; one call per publisher at a time."""
+    """Calls rospy's function for connecting to a publisher, one call at a time for each publisher of a topic.
+
+    That function checks first whether there is a connection already.
+    """
 
     def __init__(self, connect):
         self._connect = connect
@@ -36,7 +39,7 @@ class _OneAtATime:
 
 
 def connect_one_at_a_time():
-    """Have rospy never make two connections to one publisher of a topic at once. May be said twice."""
+    """Make rospy never make two connections to one publisher of a topic at once. May be called twice."""
     for manager in get_registration_listeners().listeners:
         handler = getattr(manager, 'handler', None)
         if handler is not None and not isinstance(handler._connect_topic, _OneAtATime):
@@ -46,7 +49,7 @@ def connect_one_at_a_time():
 def keep_apart(topic):
     """Do not connect this process's subscription of ``topic`` (absolute) to its own publisher.
 
-    To be said before the ROS master knows of the subscription: within a bulk_registration.
+    Call this before the ROS master knows of the subscription, inside a bulk_registration.
     """
     subscription = get_topic_manager().get_subscriber_impl(topic)
     own_uri = rospy.get_node_uri()

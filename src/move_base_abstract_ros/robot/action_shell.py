@@ -12,7 +12,7 @@ from ..messages import packing
 from ..messages.outbox import Outbox
 from ..messages.outlets import LatchedOutlet, Outlet
 
-# A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
+# A client that misses the acceptance of its goal misses only its active_cb, so a shorter wait is enough.
 _ACCEPTANCE_SHARE = 0.25
 _KEPT_ARRIVALS = 1000
 
@@ -28,11 +28,11 @@ class ActionTypes(NamedTuple):
 class ActionShell:
     """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for one action of ``types``.
 
-    ``id_prefix`` is what the ids begin with that goals without one get. ``min_answer_delay`` [s, wall] is the shortest
-    time between the arrival of a goal and its final answer, and a quarter of it the shortest before any status that
-    shows the goal, as far as the host's timing wants such a delay. The :class:`Host` repeats the status.
+    ``id_prefix``: the beginning of the ids that it gives to goals without one. ``min_answer_delay`` [s, wall]: the
+    shortest time between the arrival of a goal and its final answer. A quarter of it is the shortest time before any
+    status that shows the goal. In lockstep there is no such delay. The :class:`Host` repeats the status.
 
-    Has what a GoalLedger asks for: ``publish_status()`` and ``new_id(now_ns)``.
+    It has the methods that a GoalLedger needs: ``publish_status()`` and ``new_id(now_ns)``.
     """
 
     def __init__(self, ns, id_prefix, host, types, min_answer_delay):
@@ -55,13 +55,13 @@ class ActionShell:
         self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
         self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True)
         self.has_feedback_listeners = self._feedback.is_heard
-        #: who listens to feedback, as of Outlet.hearers
+        #: returns the nodes that listen to feedback, as Outlet.hearers does
         self.hearers = self._feedback.hearers
 
     def open(self, ledger, feedback_frequency):
-        """Show the goals of ``ledger`` (GoalLedger); the clock's time is the present.
+        """Publish the status of the goals of ``ledger`` (GoalLedger) from now on.
 
-        ``feedback_frequency()`` [Hz, simulated] is how often feedback comes.
+        ``feedback_frequency()`` returns the rate of the feedback [Hz, simulated].
         """
         self._ledger = ledger
         with self._clock.lock:
@@ -75,14 +75,14 @@ class ActionShell:
                                      self._status.hearers_of_repetition)]
 
     def listen(self, on_goal, on_cancel):
-        """Hand messages over from now on: ``on_goal(message)``, of the class for it, and ``on_cancel(GoalID)``."""
+        """Call ``on_goal(message)``, of the class ``types.goal_in``, and ``on_cancel(GoalID)`` from now on."""
         size = self._host.options.sub_queue_size
         self._subscribers = (
             rospy.Subscriber(self.ns + '/cancel', GoalID, on_cancel, queue_size=size, tcp_nodelay=True),
             rospy.Subscriber(self.ns + '/goal', self._types.goal_in, on_goal, queue_size=size, tcp_nodelay=True))
 
     def close(self):
-        """Take no more goals and leave the graph."""
+        """Take no more goals, and unregister all topics."""
         self._host.status_heartbeat.remove(self._repeat_status)
         for told in self._told:
             self._host.rates.remove(told)
@@ -90,27 +90,27 @@ class ActionShell:
             topic.unregister()
 
     def forget_arrivals(self):
-        """Forget when goals came; they will not be answered."""
+        """Forget when goals came: they will get no answer."""
         self._arrivals.clear()
 
     def arrived(self, goal_id, wall):
-        """Note that a goal with this id ('': none) came at ``wall`` [s, time.monotonic]; the caller holds the lock."""
+        """Note that a goal with this id (or '') came at ``wall`` [s, time.monotonic]. The caller holds the lock."""
         if self._min_answer_delay:
             self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
             if goal_id:
                 self._arrivals.setdefault(goal_id, wall)
-                if len(self._arrivals) > _KEPT_ARRIVALS:  # of an id that has ended already nobody asks any more
+                if len(self._arrivals) > _KEPT_ARRIVALS:  # the oldest ones are of ids that were answered long ago
                     del self._arrivals[next(iter(self._arrivals))]
 
     def publish_feedback(self, record, feedback, stamp_ns):
-        """Publish ``feedback``, the bytes of the action's own part, on the goal ``record`` at ``stamp_ns`` [ns]."""
+        """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns]."""
         told = self._pack(record) + feedback
         self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
 
     def publish_result(self, record, result, stamp_ns):
         """Publish that the goal ``record`` (GoalRecord, Ended or TaskEnded) ended at ``stamp_ns`` [ns].
 
-        ``result`` is the action's own part, bytes.
+        ``result``: the action's own part of the message, as bytes.
         """
         arrived = self._arrivals.pop(record.goal_id, None)
         told = self._pack(record) + result
@@ -118,7 +118,7 @@ class ActionShell:
                           0.0 if arrived is None else arrived + self._min_answer_delay)
 
     def publish_status(self):
-        """Publish which goals there are; who comes later gets it, too. Of a silent ledger nothing."""
+        """Publish the status of all goals, and latch it for later listeners. If the ledger is silent, do nothing."""
         if self._ledger.is_silent:
             return
         now_ns = self._clock.simulation.now_ns
@@ -128,7 +128,7 @@ class ActionShell:
             self._status.show(now_ns)
 
     def flush(self):
-        """Send what is held back, now."""
+        """Send now all messages that are held back."""
         self._outbox.flush()
 
     def new_id(self, now_ns):
@@ -141,7 +141,7 @@ class ActionShell:
         return lambda seq: packing.statuses(seq, told, now_ns)
 
     def _pack(self, record):
-        """Return the bytes of the GoalStatus of ``record``; those of the latest are kept, which is told again."""
+        """Return the bytes of the GoalStatus of ``record``. The latest are kept, since they are often sent again."""
         said = record.goal_id, record.stamp_ns, record.state, record.text
         if said != self._packed[0]:
             self._packed = said, packing.status(said[0], said[1], record.state.value, said[3])

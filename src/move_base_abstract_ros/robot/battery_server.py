@@ -16,7 +16,7 @@ from ..messages.outlets import LatchedOutlet
 
 
 class BatteryServer:
-    """``battery`` is the robot's Battery. Made with the clock's lock."""
+    """Shows a robot's Battery in ROS, and lets services change it. The caller of the constructor holds the lock."""
 
     def __init__(self, names, settings, host, robot_index, battery):
         self._names = names
@@ -38,17 +38,17 @@ class BatteryServer:
             self._series.start(now_ns)
 
     def serve(self):
-        """Take requests from now on; no lock is held."""
+        """Offer the services from now on. The caller holds no lock."""
         self._services = (rospy.Service(self._names.own('set_battery'), SetCharge, self._set),
                           rospy.Service(self._names.own('set_tool'), SetBool, self._set_tool))
 
     def changed(self, now_ns):
-        """Tell the state at ``now_ns`` [ns]."""
+        """Publish the state at ``now_ns`` [ns]."""
         with lockstep.sender(self._robot_index):
             self._outlet.show(now_ns)
 
     def close(self):
-        """Leave the graph; the caller holds no lock."""
+        """Unregister the services and the topic. The caller holds no lock."""
         for service in self._services:
             service.shutdown('the robot is removed')
         with self._clock.lock:

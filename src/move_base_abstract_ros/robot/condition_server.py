@@ -1,4 +1,4 @@
-"""The condition of one robot in ROS: the services ``~fail`` and ``~repair``, and what it tells on ``/diagnostics``."""
+"""The condition of one robot in ROS: the services ``~fail`` and ``~repair``, and its status on ``/diagnostics``."""
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -12,9 +12,9 @@ from .battery_server import BatteryServer
 
 
 class ConditionServer:
-    """Of a robot that can fail or has a battery; of another it has nothing at all. ``condition`` is its Condition.
+    """Shows a robot's ``condition`` (Condition) in ROS. If the robot cannot fail and has no battery, it does nothing.
 
-    Made with the clock's lock.
+    The caller of the constructor holds the clock's lock.
     """
 
     def __init__(self, names, settings, host, robot_index, condition, stream):
@@ -33,7 +33,7 @@ class ConditionServer:
             Charging: self._battery_changed})
 
     def serve(self):
-        """Take requests from now on; no lock is held."""
+        """Offer the services from now on. The caller holds no lock."""
         names = self._names
         if self._battery is not None:
             self._battery.serve()
@@ -50,7 +50,7 @@ class ConditionServer:
         self._changed(event)
 
     def close(self):
-        """Leave the graph; the caller holds no lock."""
+        """Unregister the services and topics. The caller holds no lock."""
         for service in self._services:
             service.shutdown('the robot is removed')
         if self._battery is not None:

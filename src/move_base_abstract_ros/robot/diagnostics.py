@@ -1,4 +1,4 @@
-"""The condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
+"""Publish the condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from move_base_abstract.common.units import NS_PER_S
@@ -9,12 +9,12 @@ from ..messages import conversions, packing
 from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat
 
-_FREQUENCY = 1.0  # Hz, simulated; that of upstream's updaters
+_FREQUENCY = 1.0  # Hz, simulated; as upstream's updaters have it
 _RATE_CAP = 5.0  # Hz, wall
 
 
 class Diagnostics:
-    """The topic and the heartbeat of a process: made for the first robot that has anything to tell."""
+    """The topic and the heartbeat of a process. It is made for the first robot that needs it."""
 
     def __init__(self, host):
         self.outlet = Outlet('/diagnostics', DiagnosticArray, queue_size=100)
@@ -22,12 +22,15 @@ class Diagnostics:
         self._rates = host.rates
 
     def add(self, robot_index, name, tell):
-        """Have the robot ``name`` in: ``tell()`` returns (level, text, {key: value}), of DiagnosticStatus."""
+        """Add the robot ``name``; return its RobotDiagnostics.
+
+        ``tell()`` returns (level, text, {key: value}), as for a DiagnosticStatus.
+        """
         return RobotDiagnostics(self, self._rates, robot_index, name, tell)
 
 
 class RobotDiagnostics:
-    """What one robot tells, in messages of its own, so that they keep their place among all others'."""
+    """The status of one robot, in messages of its own, so that they keep their place in the order of all messages."""
 
     def __init__(self, shared, rates, robot_index, name, tell):
         self._shared = shared
@@ -40,13 +43,13 @@ class RobotDiagnostics:
         self._told = rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
 
     def changed(self, now_ns):
-        """Tell the condition at ``now_ns`` [ns] if it is another than was told last."""
+        """Publish the condition at ``now_ns`` [ns] if it differs from the last one that was published."""
         told = self._tell()
         if self._latest is None or told[:2] != self._latest[:2] or told[2].keys() != self._latest[2].keys():
             self.send(now_ns)
 
     def send(self, now_ns):
-        """Tell the condition at ``now_ns`` [ns], if anybody hears it."""
+        """Publish the condition at ``now_ns`` [ns], if any node hears it."""
         rollback.changes(self, '_latest')
         self._latest = level, text, values = self._tell()
         if self._shared.outlet.is_heard():
@@ -59,15 +62,15 @@ class RobotDiagnostics:
                 self._shared.outlet.send(packing.of_message(message))
 
     def close(self):
-        """Tell nothing any more."""
+        """Publish nothing any more."""
         self._shared.heartbeat.remove(self.send)
         self._rates.remove(self._told)
 
 
 def of_condition(condition):
-    """Return (level, text, values) of a Condition.
+    """Return (level, text, values) of a Condition, as for a DiagnosticStatus.
 
-    An error while the robot has failed or its battery is empty, a warning while it is held or its battery low.
+    The level is ERROR if the robot has failed or its battery is empty, WARN if it is held or its battery is low.
     """
     failing, battery, values = condition.failing, condition.battery, {}
     text = condition.state_text or ('battery low' if battery is not None and battery.is_low else '')

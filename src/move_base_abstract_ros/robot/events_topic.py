@@ -1,4 +1,4 @@
-"""The topic ``~events`` of a process: what happens to its robots, row by row as the event log has it."""
+"""The topic ``~events`` of a process: the events of its robots, each as a row of the event log."""
 from move_base_abstract.msg import RobotEvent
 
 from ..messages import conversions
@@ -9,14 +9,17 @@ _QUEUE_SIZE = 1000  # messages: many robots may do something at one instant
 
 
 class EventsTopic:
-    """Made once per process, when ``clock`` has started."""
+    """Publishes events, and writes them into the event log. Make one in a process, when ``clock`` has started."""
 
     def __init__(self, clock):
         self._clock = clock
         self._outlet = Outlet('~events', RobotEvent, _QUEUE_SIZE)
 
     def record(self, index):
-        """Return what takes rows of the robot with ``index``: for the event log and for listeners."""
+        """Return a function that takes rows of the robot with ``index``, for the event log and for listeners.
+
+        A row is (time [ns], robot, kind, value, ...).
+        """
         log, outlet = self._clock.record(index), self._outlet
 
         def record(row):

@@ -1,4 +1,4 @@
-"""The action MoveBase of one robot: what its messages mean to the navigator, and its endings as messages."""
+"""The action MoveBase of one robot: it passes goals and cancels to the navigator, and publishes how goals end."""
 import time
 
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
@@ -11,14 +11,14 @@ from ..messages.unpacking import GoalIn
 from .action_shell import ActionShell, ActionTypes
 
 _TYPES = ActionTypes(GoalIn, MoveBaseActionResult, MoveBaseActionFeedback)
-_DEAF_SECONDS = 0.1  # wall; how long a robot to whose feedback nobody listens is silent
+_DEAF_SECONDS = 0.1  # wall; the pause of the feedback if no node listens to it
 _NO_RESULT = b''  # of move_base_msgs/MoveBaseResult, which has no fields
 
 
 class GoalServer:
-    """The action MoveBase on the topics of an :class:`ActionShell`; ``stream``: the robot's, ``values``: its settings'.
+    """The action MoveBase on the topics of an :class:`ActionShell`. It is the navigator's GoalClient.
 
-    It is the navigator's GoalClient.
+    ``stream``: the robot's stream of events; ``values``: those of its settings.
     """
 
     def __init__(self, ns, node_name, host, stream, values):
@@ -34,9 +34,9 @@ class GoalServer:
         stream.subscribe('clients', {Departed: self._departed, Ended: self._ended})
 
     def start(self, ledger, navigator, prefetch):
-        """Take goals for ``navigator``, whose book is ``ledger``; ``prefetch(goal)`` is called before each.
+        """Take goals for ``navigator``, whose goals ``ledger`` (GoalLedger) keeps.
 
-        It is called without the lock and may block.
+        ``prefetch(goal)`` is called before each goal, without the lock. It may block.
         """
         self._navigator = navigator
         self._prefetch = prefetch
@@ -44,11 +44,11 @@ class GoalServer:
         self._shell.listen(self._on_goal, self._on_cancel)
 
     def close(self):
-        """Take no more goals and leave the graph."""
+        """Take no more goals, and unregister all topics."""
         self._shell.close()
 
     def reset(self):
-        """Tell that all goals are forgotten."""
+        """Forget when goals came, and publish the status, after all goals have been forgotten."""
         self._shell.forget_arrivals()
         self.publish_status()
 
@@ -56,14 +56,14 @@ class GoalServer:
         self.take(message.name, message.stamp_ns, message.target)
 
     def take(self, goal_id, stamp_ns, goal):
-        """Take a GoalPose in, as from the topic, with id ('': none) and stamp [ns] (0: none).
+        """Take a GoalPose as if it came on the topic, with its id ('' for none) and stamp [ns] (0 for none).
 
-        May block; no lock is held.
+        It may block. The caller holds no lock.
         """
         arrived = time.monotonic()
         try:
             self._prefetch(goal)
-        except Exception as error:  # without it the goal is judged as it is, and so ends
+        except Exception as error:  # the navigator decides on the goal without what is missing, and so the goal ends
             self._clock.simulation.report_fault(self._shell.ns, error)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
@@ -76,7 +76,7 @@ class GoalServer:
             self._navigator.cancel(message.id, message.stamp.to_nsec(), now_ns)
 
     def feedback(self, record, pose, stamp_ns, is_last):
-        """Tell where the robot is, as often as the cap in wall time allows, and at the goal; as of GoalClient."""
+        """Publish where the robot is, as often as the cap in wall time allows, and at the goal; see GoalClient."""
         if not self._shell.has_feedback_listeners():
             return self._clock.wall_to_ns(_DEAF_SECONDS)
         told = (record.goal_id, stamp_ns)
@@ -87,7 +87,7 @@ class GoalServer:
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
     def flush(self):
-        """Send what is held back, now."""
+        """Send now all messages that are held back."""
         self._shell.flush()
 
     def _departed(self, _event):

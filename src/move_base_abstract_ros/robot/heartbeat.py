@@ -1,4 +1,4 @@
-"""What a process tells of all its robots at once, at one rate."""
+"""A heartbeat: it publishes for all robots of a process at once, at one rate."""
 from move_base_abstract.engine.event_queue import NOBODY
 
 #: heartbeats come after the robots' own events of the same instant
@@ -21,13 +21,16 @@ class Heartbeat:
                 series.start(self._clock.now_ns())
 
     def add(self, member, is_heard):
-        """Call ``member(now_ns)`` from now on; ``is_heard()``: who would notice, as of Series."""
+        """Call ``member(now_ns)`` at each beat from now on.
+
+        ``is_heard()`` returns which nodes hear what it publishes: NOBODY, ONLOOKERS or PARTICIPANTS.
+        """
         with self._clock.lock:
             self._members.append(member)
             self._hearers.append(is_heard)
 
     def remove(self, member):
-        """Call ``member`` no more."""
+        """Do not call ``member`` any more."""
         with self._clock.lock:
             place = self._members.index(member)
             del self._members[place], self._hearers[place]

@@ -1,4 +1,4 @@
-"""What the robots of one process share: the clock, heartbeats, and how much may be published in all."""
+"""The things that the robots of one process share: the clock, heartbeats, and a limit of all publications."""
 from dataclasses import dataclass
 
 import rospy
@@ -17,13 +17,13 @@ from .events_topic import EventsTopic
 from .heartbeat import SHARED_INDEX, Heartbeat
 
 _STATUS_RATE_CAP = 5.0  # Hz, wall
-_PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
+_PUBLICATIONS_PER_SECOND = 500.0  # wall; the limit for all robots of a process together
 
 
 
 @dataclass(frozen=True)
 class ActionOptions:
-    """actionlib's own parameters; the queue sizes count messages, the frequency is in Hz of simulated time."""
+    """actionlib's own parameters. The queue sizes count messages; the frequency is in Hz of simulated time."""
 
     pub_queue_size: int = 50
     sub_queue_size: int = 50
@@ -31,9 +31,9 @@ class ActionOptions:
 
 
 def read_action_options(status_frequency):
-    """Return the :class:`ActionOptions` on the parameter server, found the way actionlib finds them.
+    """Return the :class:`ActionOptions` of the parameter server. They are looked for as actionlib does it.
 
-    ``status_frequency`` [Hz, simulated] is that of the status if no parameter says so.
+    ``status_frequency`` [Hz, simulated]: that of the status if no parameter sets it.
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
@@ -51,11 +51,12 @@ def read_action_options(status_frequency):
 
 
 class Host:
-    """Made once per process; ``clock`` has started, ``timing`` made it. ``is_crowded``: there may be very many robots.
+    """The host of all robots of a process. Make one, after ``clock``, which ``timing`` made, has started.
 
-    ``zones``: the Zones of their world; ``encounters``: their Encounters, None: they do not meet.
+    ``is_crowded``: whether there may be very many robots. ``zones``: the Zones of their world. ``encounters``: their
+    Encounters; None if they do not meet.
 
-    :raises ConfigurationError: if one of actionlib's parameters is not allowed.
+    :raises ConfigurationError: if one of actionlib's parameters is not allowed, or the clock has not started.
     """
 
     def __init__(self, clock, timing, is_crowded=False, zones=(), encounters=None):
@@ -72,7 +73,7 @@ class Host:
         self.encounters = encounters
         self._robot_count = 0
         self.surroundings = Surroundings()
-        self._has_warned = False  # of goals outside of what was recorded
+        self._has_warned = False  # about goals beyond the recorded legs of a calibration
         self.rates = Rates(clock.hearers.rates_changed)
         clock.hearers.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
@@ -82,17 +83,17 @@ class Host:
         self.events = EventsTopic(clock)
 
     def warn_of_beyond(self, event):
-        """Warn once that a goal of a robot lies outside of what was recorded; ``event``: Beyond."""
+        """Warn, once, that a robot's goal lies beyond the recorded legs of its calibration. ``event``: Beyond."""
         if not self._has_warned:
             self._has_warned = True
             rospy.logwarn(WARNING.format(event.robot, event.words))
 
     def add_robot(self):
-        """One more robot shares what may be published."""
+        """Count one more robot, which shares the limit of publications."""
         self._robot_count += 1
 
     def remove_robot(self):
-        """One robot less does."""
+        """Count one robot less."""
         self._robot_count -= 1
 
     def tf_heartbeat(self, frequency, rate_cap):
@@ -102,7 +103,7 @@ class Host:
         return self._tf_heartbeats[frequency, rate_cap]
 
     def diagnostics(self):
-        """Return the :class:`.diagnostics.Diagnostics` of the process, made when it is first asked for."""
+        """Return the :class:`.diagnostics.Diagnostics` of the process. The first call makes it."""
         if self._diagnostics is None:
             self._diagnostics = Diagnostics(self)
         return self._diagnostics
@@ -112,5 +113,5 @@ class Host:
         return self.timing.throttle(rate, self.shortest_period)
 
     def shortest_period(self):
-        """Return the time between two publications of one robot when all publish alike [s, wall]."""
+        """Return the shortest time [s, wall] between two publications of one robot, if all robots publish alike."""
         return self._robot_count / _PUBLICATIONS_PER_SECOND

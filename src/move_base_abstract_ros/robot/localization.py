@@ -1,13 +1,14 @@
-"""The services of amcl, which stands beside move_base in most set-ups: the robot is where the core says, exactly."""
+"""The services of amcl, which most systems run beside move_base. Here the robot knows exactly where it is."""
 import rospy
 from nav_msgs.srv import SetMap, SetMapResponse
 from std_srvs.srv import Empty, EmptyResponse
 
 
 class Localization:
-    """``global_localization``, ``request_nomotion_update`` and ``set_map`` in the robot's namespace.
+    """Offers ``global_localization``, ``request_nomotion_update`` and ``set_map`` in the robot's namespace.
 
-    ``show()`` tells once more where the robot is; ``place(header, pose)`` puts it somewhere and returns why not, or ''.
+    ``show()`` publishes the robot's pose once more. ``place(header, pose)`` moves the robot to a pose, and returns ''
+    or the reason why it cannot.
     """
 
     def __init__(self, names, robot_map, show, place):
@@ -20,12 +21,12 @@ class Localization:
                           rospy.Service(names.topic('set_map'), SetMap, self._set_map)]
 
     def close(self):
-        """Leave the graph."""
+        """Shut the services down."""
         for service in self._services:
             service.shutdown('the robot is removed')
 
     def _spread(self, _request):
-        """Do nothing: there are no particles that could be spread, and the pose stays exact."""
+        """Do nothing: there are no particles to spread, and the pose stays exact."""
         rospy.loginfo('%s: global_localization changes nothing: the pose is exact', self._robot)
         return EmptyResponse()
 
@@ -34,7 +35,7 @@ class Localization:
         return EmptyResponse()
 
     def _set_map(self, request):
-        """Judge goals by the map, where the robot uses one, and put the robot where the request says."""
+        """Move the robot to the pose of the request, and use the map of the request, if the robot uses one."""
         initial = request.initial_pose
         text = self._place(initial.header, initial.pose.pose) or self._map.give(request.map)
         if text:

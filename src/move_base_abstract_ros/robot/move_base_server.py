@@ -1,4 +1,4 @@
-"""One robot under move_base's interface: the core's navigator between its topics, services and parameters."""
+"""One robot under move_base's interface: connects the core's navigator with topics, services and parameters."""
 import rospy
 
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
@@ -31,10 +31,13 @@ _REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 
 
 class MoveBaseServer:
-    """One robot of a process's :class:`Host`; ``rooms`` (Rooms): it does tasks at places, too."""
+    """One robot of a process's :class:`Host`."""
 
     def __init__(self, names, settings, host, robot_index=0, traffic=None, rooms=None):
-        """``traffic``: the Traffic in which the robot takes part, None: it is alone."""
+        """``traffic``: the Traffic in which the robot takes part; None if it is alone.
+
+        ``rooms``: the Rooms in which it does tasks at places; None if it does no tasks.
+        """
         clock = host.clock
         self._traffic = traffic
         self._traveller = self._priority = None
@@ -55,7 +58,7 @@ class MoveBaseServer:
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
         clock.follow_restarts(self._restart)
-        host.add_robot()  # last: a robot whose settings are refused takes no share
+        host.add_robot()  # last, so that a robot whose settings are refused does not count
 
     def _set_up(self, robot_index):
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
@@ -64,7 +67,7 @@ class MoveBaseServer:
             self._build(robot_index)
         self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
         self._localization = Localization(names, self._map, self._show, self._teleport.place) if (
-            settings.values['backend'] in backends.BUILTIN) else None  # elsewhere amcl itself may be there
+            settings.values['backend'] in backends.BUILTIN) else None  # with other backends amcl itself may run
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map,
                                                    self._stream)
         self._reconfigure = Reconfigure(names, settings, self)
@@ -72,7 +75,7 @@ class MoveBaseServer:
         if self._traveller is not None:
             self._priority = PriorityTopic(names, clock, self._traveller)
         through_the_topic = host.timing.has_own_goal_connection(host.is_crowded)
-        # First its publisher, then the subscription of the same topic: see single_connections.
+        # The publisher of the goal topic comes before the subscription of the same topic, see single_connections.
         self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
         self._goal_server.start(self._ledger, self.navigator, self._prefetch)
         self._simple_goals.listen()
@@ -118,11 +121,11 @@ class MoveBaseServer:
     def _make_scans(self, robot, backend):
         if not self._settings.laser.rate:
             return None
-        from .scan_publisher import ScanPublisher  # only who scans pays for numpy
+        from .scan_publisher import ScanPublisher  # imported here, because only robots with a laser need numpy
         return ScanPublisher(self._names, self._settings, self._host, robot, backend, self._map)
 
     def shut_down(self):
-        """End the active goal as a killed move_base does, and let the answer leave."""
+        """End the active goal as a killed move_base does, and send its answer."""
         if self._work is not None:
             self._work.shut_down(NODE_KILLED)
         with self._clock.lock:
@@ -130,7 +133,7 @@ class MoveBaseServer:
         self._goal_server.flush()
 
     def close(self):
-        """Take the robot out of the world: its goal ends, its topics and services go."""
+        """Remove the robot from the world: end its goal, and unregister its topics and services."""
         if self._work is not None:
             self._work.close(ROBOT_REMOVED)
         for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
@@ -156,7 +159,7 @@ class MoveBaseServer:
         self._host.remove_robot()
 
     def reset(self):
-        """Be as at the start, but for the time: at the start pose, with the start's limits, without goals."""
+        """Set everything but the time as at the start: the start pose, the first limits, no goals."""
         settings = self._settings
         if self._work is not None:
             self._work.shut_down(ROBOT_RESET)
@@ -180,13 +183,13 @@ class MoveBaseServer:
         self.navigator.restart(before_ns, now_ns)
 
     def set_motion(self, limits, tolerances):
-        """Travel with other limits from the next leg on."""
+        """Use other limits (MotionLimits) and tolerances (Tolerances) from the next leg on."""
         with self._clock.lock:
             self.navigator.robot.set_motion(limits, tolerances)
             self._stream.tell(motion_of(self.navigator.robot, self._clock.look_ns()))
 
     def reconfigure_goals(self, config):
-        """Take over what dynamic_reconfigure says of move_base itself."""
+        """Use the values that dynamic_reconfigure has set for move_base itself. ``config``: {name: value}."""
         policy, behaviors = self._settings.recovery, self._settings.behaviors
         with self._clock.lock:
             self.navigator.set_recovery_policy(RecoveryPolicy(
@@ -210,7 +213,7 @@ class MoveBaseServer:
         rospy.loginfo('%s: %s', robot.name, self._settings.original.compare(robot.leg.distance, robot.limits))
 
     def _warned(self, event):
-        """Log a warning; the same one once in 5 s."""
+        """Log a warning; the same text at most once in 5 s of wall time."""
         if event.text != self._last_warning or self._warning_throttle.ready():
             self._last_warning = event.text
             rospy.logwarn('%s: %s', self._names.robot, event.text)
@@ -225,6 +228,6 @@ class MoveBaseServer:
         self._prefetch_frame(goal.frame_id, goal.stamp_ns)
 
     def _prefetch_frame(self, frame_id, stamp_ns):
-        """Give a foreign frame time to become known; this blocks only the topic that asks for it."""
+        """Wait until a foreign frame is known in tf, or for a while. This blocks only the topic that asks for it."""
         if self._frames.is_foreign(frame_id) and not frame_id.startswith('/'):
             self._lookup.wait_for(frame_id, stamp_ns)

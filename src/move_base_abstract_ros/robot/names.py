@@ -1,10 +1,11 @@
-"""The names of one robot's topics, services and parameters, whatever node hosts it."""
+"""The names of one robot's topics, services and parameters, which do not depend on the node that hosts it."""
 
 
 class RobotNames:
-    """``namespace`` is where the robot's topics live, ``private`` the move_base node's own names; both absolute.
+    """The names of one robot, all of them absolute.
 
-    ``action``: the absolute name of the action, where it is another than move_base in the namespace.
+    ``namespace``: that of the robot's topics. ``node_name``: the name of its move_base node, below which its private
+    names are. ``action``: the absolute name of the action, if it is not move_base in the namespace.
     """
 
     def __init__(self, namespace, node_name='move_base', action=''):
@@ -14,15 +15,15 @@ class RobotNames:
 
     @property
     def robot(self):
-        """The robot's name for people: its namespace without slashes, or the node's."""
+        """The robot's name in messages: its namespace without outer slashes, or if that is empty the node's name."""
         return self.namespace.strip('/') or self.private.strip('/')
 
     def topic(self, name):
-        """Return the absolute name of a topic or service of the robot's namespace."""
+        """Return the absolute name of a topic or service in the robot's namespace."""
         return '{}/{}'.format(self.namespace.rstrip('/'), name)
 
     def action(self, name):
-        """Return the absolute name of a topic of the action, which is not called after the node."""
+        """Return the absolute name of a topic of the action. It does not depend on the node's name."""
         return '{}/{}'.format(self._action, name)
 
     def own(self, name):

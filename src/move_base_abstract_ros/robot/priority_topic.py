@@ -1,10 +1,10 @@
-"""The topic ``~priority`` of one robot: which priority it has where it waits for zones and lanes, from now on."""
+"""The topic ``~priority`` of one robot: it sets the robot's priority when it waits for zones and lanes."""
 import rospy
 from std_msgs.msg import Int32
 
 
 class PriorityTopic:
-    """Of the robot with ``names``, whose place in traffic is ``traveller`` (Traveller)."""
+    """Sets the priority of ``traveller`` (Traveller), which is the robot with ``names`` in the traffic."""
 
     def __init__(self, names, clock, traveller):
         self._clock = clock
@@ -13,7 +13,7 @@ class PriorityTopic:
                                             tcp_nodelay=True)
 
     def close(self):
-        """Leave the graph."""
+        """Unregister the topic."""
         self._subscriber.unregister()
 
     def _on_priority(self, message):

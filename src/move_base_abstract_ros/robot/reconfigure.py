@@ -1,7 +1,7 @@
-"""dynamic_reconfigure of move_base and of its local planner; what is set takes effect on the next leg.
+"""dynamic_reconfigure of move_base and of its local planner. New values take effect on the next leg.
 
-Nothing is written to the parameter server but what somebody sets: upstream's servers write all their fields at the
-start, which would leave a set-up's groups full of values that the user never gave, for the next start to find.
+Only values that a user sets are written to the parameter server. Upstream's servers write all their fields at the
+start: then the namespaces of a system would be full of values that no user gave, and the next start would find them.
 """
 import math
 import threading
@@ -26,7 +26,7 @@ class _SafeServer(Server):
     def __init__(self, config_type, callback, namespace, known):
         self._known = known
         self._written = {}
-        self._made = {}  # names of parameters that were not there before
+        self._made = {}  # names of parameters that did not exist before
         self._lock = threading.Lock()
         super().__init__(config_type, callback, namespace)
 
@@ -42,16 +42,16 @@ class _SafeServer(Server):
             self.config[name] = cast(value)
 
     def _copy_to_parameter_server(self):
-        """Write nothing here: this is called at the start too, and with all fields."""
+        """Write nothing: dynamic_reconfigure calls this at the start, too, and for all fields."""
 
     def update_configuration(self, changes):
-        """Take ``changes`` over and write those that were accepted to the parameter server; return all fields."""
+        """Apply ``changes``, write the accepted ones to the parameter server, and return all fields."""
         namespace = self.ns.rstrip('/')
         with self._lock:
             before = dict(self.config)
             config = super().update_configuration(changes)
             self._written.update(dict.fromkeys(changes))
-            # Those written before too: restore_defaults changes them back.
+            # Also fields that were written before, because restore_defaults changes them back.
             values = {name: config[name] for name in self._written
                       if name in self.type.defaults and config[name] != before[name]}
             there = get_namespace(namespace)
@@ -60,7 +60,7 @@ class _SafeServer(Server):
         return config
 
     def close(self):
-        """Leave the graph, and no parameter that was not there before."""
+        """Unregister the topics and the service, and delete the parameters that did not exist before."""
         self.descr_topic.unregister()
         self.update_topic.unregister()
         self.set_service.shutdown('the robot is removed')
@@ -68,7 +68,7 @@ class _SafeServer(Server):
 
 
 class Reconfigure:
-    """The two servers of one robot, and what their changes mean for its :class:`MoveBaseServer`."""
+    """The two servers of dynamic_reconfigure of one robot. They pass changes to its :class:`MoveBaseServer`."""
 
     def __init__(self, names, settings, server):
         self._server = server
@@ -97,8 +97,8 @@ class Reconfigure:
                         self._planner_start)]
 
     def close(self):
-        """Leave the graph."""
-        for server in reversed(self._servers):  # the planner's namespace lies in that of move_base
+        """Close both servers."""
+        for server in reversed(self._servers):  # the planner's namespace is below that of move_base
             server.close()
         delete_params(self._namespace, ())
 
@@ -128,7 +128,7 @@ class Reconfigure:
         return {key: value for key, value in values.items() if key in config}
 
     def _take_over(self, config, speeds):
-        """Use the planner's limits. Of the two names of the top speed the smaller one counts, if both were set."""
+        """Use the planner's limits. The top speed has two names: if both were set, the smaller value counts."""
         limits = self._server.navigator.robot.limits
         speed = limits.max_speed if speeds is self._speeds else speeds.speed
         limits = MotionLimits(speed, config['acc_lim_x'] or math.inf, limits.turn_rate)

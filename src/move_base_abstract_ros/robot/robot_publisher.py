@@ -1,4 +1,4 @@
-"""What one robot tells the world besides its goals: where it is, what it heads for, that its wheels stop."""
+"""The topics of one robot besides its actions: its pose, its current goal, and that its wheels stop."""
 import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
@@ -12,11 +12,11 @@ from ..messages.outlets import Outlet
 from ..messages.packing import ZERO_TWIST, InFrame
 from ..transforms import tf_hub
 
-_DEAF_SECONDS = 0.1  # wall; how long a robot that stands is silent where nobody hears its odometry
+_DEAF_SECONDS = 0.1  # wall; the pause of the odometry of a robot that stands, if no node hears it
 
 
 class RobotPublisher:
-    """Publishes poses by a backend and the costmaps' topics, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
+    """Publishes a robot's poses (by its backend), costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
     def __init__(self, names, settings, host, robot, backend, costmaps, stream):
         simulation = host.clock.simulation
@@ -45,7 +45,7 @@ class RobotPublisher:
         self._stand(simulation.now_ns)
 
     def _series_at_rest(self, settings, host):
-        """Return what tells the odometry of a robot that stands, or None."""
+        """Return the Series that publishes the odometry of a robot that stands, or None."""
         frequency = settings.values['odom_rate_at_rest']
         if frequency is None:
             frequency = host.timing.frequency_at_rest(settings.values['pose_update_freq'])
@@ -55,7 +55,7 @@ class RobotPublisher:
                                             is_heard=host.timing.when_heard(self._is_odometry_heard))
 
     def _tell_rates(self, pose_frequency, tf_frequency):
-        # Under way, poses go to tf as well.
+        # While the robot drives, its poses go to tf, too.
         return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
                 self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
@@ -81,7 +81,7 @@ class RobotPublisher:
             self._rest.start(now_ns + self._rest.period_ns)
 
     def _place(self, now_ns, is_event=True):
-        """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts, stands or is wrong about it."""
+        """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
         if self._robot.telling.is_mute:
             return
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
@@ -90,7 +90,7 @@ class RobotPublisher:
             self._costmaps.moved(self._robot.telling.pose_at(now_ns), now_ns, is_event)
 
     def restart(self):
-        """Time has started anew: stamps may be earlier than those before."""
+        """Allow stamps that are earlier than those before, because time has started anew."""
         self._backend.restart()
 
     def _lapsed(self, event):
@@ -102,7 +102,7 @@ class RobotPublisher:
                                                                        event.time_ns))
 
     def show(self, now_ns):
-        """Publish once more where the robot is at ``now_ns`` [ns]."""
+        """Publish the robot's pose at ``now_ns`` [ns] once more."""
         self._place(now_ns)
 
     def _wheels_stopped(self, _event):
@@ -128,7 +128,7 @@ class RobotPublisher:
             publisher.unregister()
 
     def _pose_hearers(self):
-        # Not every backend has it: it is asked in lockstep only, where the backend is builtin's.
+        # Not every backend has this method. It is called only in lockstep, where the backend is a builtin one.
         return self._backend.hearers() + self._costmaps.hearers()
 
     def _odometry_hearers(self):
@@ -154,7 +154,7 @@ class RobotPublisher:
         return self._clock.wall_to_ns(pause if self._backend.is_odometry_heard() else max(pause, _DEAF_SECONDS))
 
     def _beat(self, now_ns):
-        """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
+        """Publish the latest pose in tf, so that a look-up of the present need not wait for the next pose."""
         telling = self._robot.telling
         if not (self._updates_beat and self._robot.leg is not None) and not telling.is_mute:
             with lockstep.sender(self._robot.index):

@@ -1,4 +1,4 @@
-"""A robot's laser scans, cast when somebody hears them, with the place of the laser in tf."""
+"""A robot's laser scans, which are computed if any node hears them, and the pose of the laser in tf."""
 from sensor_msgs.msg import LaserScan
 
 from move_base_abstract.common.units import NS_PER_S
@@ -12,9 +12,9 @@ from ..transforms import tf_hub
 
 
 class ScanPublisher:
-    """Tells scans at multiples of their period, and tf at the same instants.
+    """Publishes scans at multiples of their period, and the pose of the laser in tf at the same instants.
 
-    Whether anybody hears the scans changes nothing in tf, as nothing else that robots tell.
+    Whether any node hears the scans changes nothing in tf, nor in any other topic.
     """
 
     def __init__(self, names, settings, host, robot, backend, robot_map):
@@ -37,12 +37,12 @@ class ScanPublisher:
         self.restart(host.clock.simulation.now_ns)
 
     def restart(self, now_ns):
-        """Scan from ``now_ns`` [ns] on, at whole multiples of the period."""
+        """Start to scan at ``now_ns`` [ns], at whole multiples of the period."""
         period_ns = self._series.period_ns
         self._series.start(-(-now_ns // period_ns) * period_ns)
 
     def close(self):
-        """Scan no more."""
+        """Stop scanning, and unregister the topic."""
         self._series.stop()
         self._rates.remove(self._told)
         tf_hub.forget(self._frame)

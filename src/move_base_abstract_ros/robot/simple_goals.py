@@ -1,4 +1,4 @@
-"""Goals from RViz: ``move_base_simple/goal`` is passed on to the action's own goal topic, as move_base does."""
+"""Goals from RViz: pass those on ``move_base_simple/goal`` to the action's own goal topic, as move_base does."""
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseActionGoal
@@ -6,15 +6,16 @@ from move_base_msgs.msg import MoveBaseActionGoal
 from ..messages import conversions
 from ..replacing.single_connections import keep_apart
 
-_CONNECT_SECONDS = 5.0  # of the clock's wait_until
+_CONNECT_SECONDS = 5.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 
 
 class SimpleGoals:
-    """Listens for poses and sends them as any client would, without an id.
+    """Listens for poses and sends them as goals without an id, as any client could.
 
     The publisher on the goal topic is there from the start, before the node itself listens to that topic. It is
-    connected to this node like to any other, unless ``take`` is given: a connection to oneself costs two threads and
-    two sockets per robot. Then ``take(id, stamp_ns, GoalPose)`` gets the goal, and the topic only tells others.
+    connected to this node as to any other, unless ``take`` is given: a connection of a node to itself costs two threads
+    and two sockets for each robot. With ``take``, ``take(id, stamp_ns, GoalPose)`` gets the goal, and only other nodes
+    get it by the topic.
     """
 
     def __init__(self, names, clock, take=None):
@@ -25,14 +26,14 @@ class SimpleGoals:
         self._goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
 
     def listen(self):
-        """Begin; the node listens to the goal topic by now."""
+        """Begin to listen. The node must listen to the goal topic by now."""
         if self._take is not None:
             keep_apart(self._names.action('goal'))
         self._subscriber = rospy.Subscriber(self._names.topic('move_base_simple/goal'), PoseStamped, self._on_pose,
                                             queue_size=1)
 
     def close(self):
-        """Leave the graph."""
+        """Unregister both topics."""
         self._subscriber.unregister()
         self._goals.unregister()
 

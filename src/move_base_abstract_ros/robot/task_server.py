@@ -1,4 +1,4 @@
-"""The action TimedTask of one robot: what its messages mean to the core's TimedTaskRunner, and the answers."""
+"""The action TimedTask of one robot: it passes messages to the core's TimedTaskRunner, and publishes the answers."""
 import struct
 import time
 
@@ -15,7 +15,11 @@ _TYPES = ActionTypes(TimedTaskActionGoal, TimedTaskActionResult, TimedTaskAction
 
 
 class TaskServer:
-    """The action TimedTask on the topics of an :class:`ActionShell`."""
+    """The action TimedTask on the topics of an :class:`ActionShell` at ``ns``.
+
+    ``durations``: the DrawnDurations of the tasks; ``feedback_frequency`` [Hz, simulated]; ``min_answer_delay``
+    [s, wall], as for ActionShell.
+    """
 
     def __init__(self, ns, host, robot_index, durations, feedback_frequency, min_answer_delay):
         self.ns = ns
@@ -36,7 +40,7 @@ class TaskServer:
         host.add_robot()
 
     def shut_down(self, outcome):
-        """End the task that is under way with an Outcome, and let the answer leave."""
+        """End the task that is under way with an Outcome, and send its answer."""
         with self._clock.lock:
             self._tasks.shut_down(outcome, self._clock.now_ns())
         self._shell.flush()
@@ -71,10 +75,10 @@ class TaskServer:
 
 
 def pack_result(took_ns):
-    """Return the bytes of a TimedTaskResult: how long the task took [ns]."""
+    """Return the bytes of a TimedTaskResult: the time that the task took [ns]."""
     return struct.pack('<ii', took_ns // NS_PER_S, took_ns % NS_PER_S)
 
 
 def pack_feedback(elapsed_ns, progress):
-    """Return the bytes of a TimedTaskFeedback: for how long the task is worked on [ns], and the share that is done."""
+    """Return the bytes of a TimedTaskFeedback: the time worked on the task so far [ns], and the share that is done."""
     return struct.pack('<iif', elapsed_ns // NS_PER_S, elapsed_ns % NS_PER_S, progress)

@@ -1,6 +1,6 @@
-"""Putting a robot somewhere: ``initialpose``, ``set_pose``, ``cmd_pose`` (topics), ``set_robot_pose`` (service).
+"""Move a robot to a pose at once: topics ``initialpose``, ``set_pose``, ``cmd_pose``; service ``set_robot_pose``.
 
-With ``compatible_with`` also ``robot_pose``, which the original package takes for the truth, whoever sends it.
+With the parameter ``compatible_with`` also ``robot_pose``: the original package believes it, whichever node sends it.
 """
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
@@ -16,7 +16,7 @@ from ..messages import conversions
 
 
 class Teleport:
-    """Listens for poses and hands them to ``navigator``; what cannot be used moves nothing and is told."""
+    """Listens for poses and passes them to ``navigator``. A pose that cannot be used moves nothing, and is reported."""
 
     def __init__(self, names, settings, clock, navigator, frames, prefetch):
         self._names = names
@@ -29,7 +29,7 @@ class Teleport:
                 'initialpose', message.header, message.pose.pose), queue_size=1),
             rospy.Subscriber(names.topic('set_pose'), Pose, lambda message: self._on_pose(
                 'set_pose', Header(), message), queue_size=1)]
-        if settings.values['backend'] not in STAGE:  # there the topic is Stage's
+        if settings.values['backend'] not in STAGE:  # with Stage, the topic belongs to Stage
             values = settings.values
             self._world = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
             self._subscribers.append(rospy.Subscriber(names.topic('cmd_pose'), Pose, lambda message: self._on_pose(
@@ -41,13 +41,16 @@ class Teleport:
         self._service = rospy.Service(names.topic('set_robot_pose'), SetPose, self._serve)
 
     def close(self):
-        """Listen no more."""
+        """Unregister the topics and the service."""
         for subscriber in self._subscribers:
             subscriber.unregister()
         self._service.shutdown('the robot is removed')
 
     def _on_robot_pose(self, message):
-        """Believe others. On its way the robot is soon shown elsewhere again: there as here it goes on as it was."""
+        """Believe a pose from another node, if the robot stands. A robot that drives goes on as it was.
+
+        In the original, too, such a robot soon publishes its own pose again.
+        """
         if message._connection_header['callerid'] != rospy.get_name() and self._navigator.robot.leg is None:
             self._on_pose('robot_pose', getattr(message, 'header', Header()), getattr(message, 'pose', message))
 
@@ -61,7 +64,10 @@ class Teleport:
         return SetPoseResponse(success=not text, message=text or 'The robot is there.')
 
     def place(self, header, message, origin=Pose2D()):
-        """Put the robot to ``message`` as seen from ``origin`` in the header's frame; return why not, or ''."""
+        """Move the robot to a pose; return '' or the reason why it cannot be used.
+
+        ``message`` (Pose) is seen from ``origin`` (Pose2D), which lies in the frame of ``header``.
+        """
         frame_id = header.frame_id.lstrip('/') or self._frames.global_frame
         self._prefetch(frame_id, 0)
         with self._clock.lock:

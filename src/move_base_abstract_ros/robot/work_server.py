@@ -1,4 +1,4 @@
-"""The action PlaceTask of one robot: what its messages mean to the core's PlaceTaskRunner, and the answers."""
+"""The action PlaceTask of one robot: it passes messages to the core's PlaceTaskRunner, and publishes the answers."""
 import struct
 import time
 
@@ -22,15 +22,15 @@ _TYPES = ActionTypes(PlaceTaskActionGoal, PlaceTaskActionResult, PlaceTaskAction
 
 
 class WorkServer:
-    """The action PlaceTask on the topics of an :class:`ActionShell` at ``ns``; the tasks' TaskClient.
+    """The action PlaceTask on the topics of an :class:`ActionShell` at ``ns``. It is the TaskClient of the tasks.
 
-    ``stream``: the robot's. ``robot`` (Robot) may be None: then nobody asks where it stands. ``has_failed``: as of
-    PlaceTaskRunner.
+    ``stream``: the robot's stream of events. ``robot``: the Robot; if it is None, its place is not checked.
+    ``has_failed()``: whether the robot cannot work now, as for PlaceTaskRunner.
     """
 
     def __init__(self, ns, robot_name, robot_index, host, rooms, settings, stream, robot=None,
                  has_failed=lambda: False):
-        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
+        """``settings``: seed, frame (of poses), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
         self._clock = host.clock
         self._frame = settings['frame']
         self._throttle = host.throttle(50.0)
@@ -47,13 +47,13 @@ class WorkServer:
         self._clock.follow_restarts(self.tasks.restart)
 
     def shut_down(self, outcome):
-        """End the task that is under way with an Outcome, and let the answer leave."""
+        """End the task that is under way with an Outcome, and send its answer."""
         with self._clock.lock:
             self.tasks.shut_down(outcome, self._clock.now_ns())
         self._shell.flush()
 
     def close(self, outcome):
-        """Take no more tasks, end the one under way, and leave the graph."""
+        """Take no more tasks, end the one that is under way, and unregister all topics."""
         self.shut_down(outcome)
         with self._clock.lock:
             self._shell.close()
@@ -64,7 +64,7 @@ class WorkServer:
             self._shell.publish_feedback(self.tasks.ledger.active, pack_feedback(True, 0, 0.0), event.time_ns)
 
     def progress(self, record, elapsed_ns, duration_ns, now_ns):
-        """Tell how much is done, as often as the cap in wall time allows, and at the end; as of TaskClient."""
+        """Publish how much is done, as often as the cap in wall time allows, and at the end; see TaskClient."""
         is_last = elapsed_ns == duration_ns
         if self._shell.has_feedback_listeners() and (self._throttle.ready() or is_last):
             self._shell.publish_feedback(record, pack_feedback(False, elapsed_ns, elapsed_ns / duration_ns), now_ns)
@@ -81,7 +81,7 @@ class WorkServer:
             self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
 
     def _task_of(self, message):
-        """Return the Task that a message tells, and what is wrong with it, or None."""
+        """Return (Task of a message, what is wrong with it or None)."""
         frame = message.header.frame_id.lstrip('/')
         fault, pose = None, Pose2D()
         if not message.place:
@@ -109,11 +109,15 @@ class WorkServer:
 
 
 def pack_result(waited_ns, worked_ns):
-    """Return the bytes of a PlaceTaskResult: for how long the task waited and was worked on [ns]."""
+    """Return the bytes of a PlaceTaskResult: how long the task waited, and how long it was worked on [ns]."""
     return struct.pack('<iiii', waited_ns // NS_PER_S, waited_ns % NS_PER_S, worked_ns // NS_PER_S,
                        worked_ns % NS_PER_S)
 
 
 def pack_feedback(is_waiting, elapsed_ns, progress):
-    """Return the bytes of a PlaceTaskFeedback: for how long the task is worked on [ns], and the share that is done."""
+    """Return the bytes of a PlaceTaskFeedback.
+
+    ``is_waiting``: whether the task waits; ``elapsed_ns``: the time worked on it so far [ns]; ``progress``: the share
+    that is done, 0 to 1.
+    """
     return struct.pack('<?iif', is_waiting, elapsed_ns // NS_PER_S, elapsed_ns % NS_PER_S, progress)

@@ -1,6 +1,6 @@
-"""What a script that starts runs sees as rospy: what has to do with a run is done in it, by a deputy.
+"""The rospy of a script that starts runs: a deputy, which takes part in the run, does what concerns the run.
 
-It is a module of its own in the place of rospy, for the script alone. All that is not named here is rospy's own.
+The script gets a module of its own in the place of rospy. All names that are not listed here are rospy's own.
 """
 import itertools
 import sys
@@ -17,7 +17,7 @@ from .deputy_link import CALLBACK, DONE, ERROR, REQUEST, Function, LinkClosed, T
 FUNCTIONS = ('sleep', 'wait_for_message', 'wait_for_service', 'get_param', 'has_param', 'set_param', 'delete_param',
              'search_param', 'get_param_names', 'get_param_cached', 'get_published_topics', 'get_name',
              'get_namespace', 'get_caller_id', 'resolve_name', 'spin')
-#: classes of rospy of which the deputy makes objects
+#: classes of rospy whose objects the deputy makes
 CLASSES = ('Publisher', 'ServiceProxy', 'Service', 'Rate', 'Timer')
 _LOGS = {'logdebug': None, 'loginfo': sys.stdout, 'logwarn': sys.stderr, 'logerr': sys.stderr, 'logfatal': sys.stderr}
 _NO_RUN = 'no run is under way: ROSLaunchParent.start() begins one'
@@ -25,7 +25,7 @@ _OVER = 'the run is over'
 
 
 class Deputised:
-    """The script's side: ``begin(link)`` when a run is there, ``end()`` when the script has had enough of it."""
+    """The script's side of the link. Call ``begin(link)`` when a run has begun, ``end()`` when the script leaves it."""
 
     def __init__(self):
         self._link = None
@@ -37,17 +37,17 @@ class Deputised:
 
     @property
     def is_under_way(self):
-        """Whether there is a run, as far as the script knows."""
+        """Whether a run is under way, as far as the script knows."""
         return self._link is not None
 
     def begin(self, link):
-        """Ask this Link's deputy from now on; it has begun to listen."""
+        """Use the deputy at the other end of this Link from now on. Wait until it answers."""
         self._link, self.is_over = link, False
         rospy.rostime.set_rostime_initialized(True)
         self._take(link.receive())
 
     def end(self):
-        """Have the deputy leave the run; what it has made is gone."""
+        """Make the deputy leave the run; what it has made is lost. Return the Link, or None if there is no run."""
         link, self._link = self._link, None
         self._functions.clear()
         if link is not None:
@@ -58,18 +58,22 @@ class Deputised:
         return link
 
     def run_hooks(self):
-        """Call what was given to rospy.on_shutdown: the script has come to its end."""
+        """Call the functions that were given to rospy.on_shutdown, at the end of the script."""
         hooks, self._hooks = self._hooks, []
         for hook in hooks:
             hook()
 
     def ask(self, name, *args, _number=None, **kwds):
-        """Return what the deputy's rospy answers; the script's functions that it calls meanwhile are called here.
+        """Make the deputy call ``name`` of its rospy, and return the result. Callbacks of the script run meanwhile.
+
+        ``name``: a name in rospy, or (number of a thing, name of its method). ``_number``: the number under which the
+        deputy keeps the result.
 
         :raises rospy.ROSInterruptException: if there is no run, or it is over.
+        :raises RuntimeError: if this is not the main thread.
         """
         if threading.current_thread() is not threading.main_thread():
-            raise RuntimeError('rospy.{}: the script is deputised in its main thread only'.format(name))
+            raise RuntimeError('rospy.{}: a script that starts runs may call it in its main thread only'.format(name))
         if self._link is None:
             raise rospy.ROSInterruptException(_OVER if self.is_over else _NO_RUN)
         link = self._link
@@ -87,7 +91,7 @@ class Deputised:
             raise rospy.ROSInterruptException(_OVER) from None
 
     def _call(self, number, args):
-        """Call a function of the script, as rospy calls a callback: what it raises is told, and goes no further."""
+        """Call a function of the script, as rospy calls a callback: its exceptions are printed, and go no further."""
         try:
             return self._functions[number](*args)
         except Exception:
@@ -118,13 +122,13 @@ class Deputised:
         return Proxy(self, number, kind)
 
     def _subscribe(self, name, data_class, callback=None, callback_args=None, **kwds):
-        """As rospy.Subscriber; what the callback gets besides the message stays here, and is no copy."""
+        """Make a Subscriber, as rospy does. ``callback_args`` stay here, so that the callback gets no copy of them."""
         if callback is not None and callback_args is not None:
             return self.make('Subscriber', name, data_class, lambda message: callback(message, callback_args), **kwds)
         return self.make('Subscriber', name, data_class, callback, **kwds)
 
     def is_shutdown(self):
-        """As rospy.is_shutdown: a run that has ended by itself is over until the next one begins."""
+        """Return whether the script shuts down, or the run has ended by itself and no other one has begun."""
         return self._is_shut_down or self.is_over
 
     def _shut_down(self, _reason=''):
@@ -149,7 +153,7 @@ class Deputised:
 
 
 class Proxy:
-    """What the deputy has made; its methods are called there."""
+    """Stands for an object that the deputy has made. The deputy calls its methods."""
 
     def __init__(self, deputised, number, kind):
         self.deputised_number = number
@@ -162,7 +166,7 @@ class Proxy:
         return lambda *args, **kwds: self._deputised.ask((self.deputised_number, name), *args, **kwds)
 
     def __call__(self, *args, **kwds):
-        """Of a ServiceProxy: call the service."""
+        """Call the service, if this stands for a ServiceProxy."""
         return self._deputised.ask((self.deputised_number, '__call__'), *args, **kwds)
 
 

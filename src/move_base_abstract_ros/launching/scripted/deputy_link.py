@@ -1,8 +1,8 @@
-"""Between a script that starts runs and its deputy, the node that takes part in each of them for it.
+"""The link between a script that starts runs and its deputy, the node that takes part in each run for the script.
 
-Requests and answers are pickled, on a Unix socket in a folder that only this user can enter. One of the two speaks at a
-time: a request is answered by ANSWER, ERROR, or first by any number of CALLBACKs, each of which the script answers by
-DONE, with what the function has returned, after requests of its own.
+Requests and answers are pickled, on a Unix socket in a folder that only this user can enter. Only one of the two speaks
+at a time. The deputy answers a request by ANSWER or ERROR. Before that it may send any number of CALLBACKs. The script
+answers each of them by DONE, with the result of the function, and may send requests of its own before that.
 """
 import pickle
 import socket
@@ -23,7 +23,7 @@ class Link:
         self._socket = connected
 
     def send(self, *words):
-        """Send a message, anything that can be pickled.
+        """Send a message of ``words``, which can be anything that can be pickled.
 
         :raises LinkClosed: if the other side has gone.
         """
@@ -58,21 +58,21 @@ class Link:
 
 
 def connect(address):
-    """Return the Link to who listens at ``address``, a path."""
+    """Return the Link to the script, which listens at ``address``, the path of a Unix socket."""
     connected = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connected.connect(address)
     return Link(connected)
 
 
 class Function:
-    """Stands for the ``number``-th function of the script, in what is sent to the deputy."""
+    """Stands for the ``number``-th function of the script in messages to the deputy."""
 
     def __init__(self, number):
         self.number = number
 
 
 class Thing:
-    """Stands for what the deputy has made for the script (a subscriber, say), in what is sent to the deputy."""
+    """Stands for an object that the deputy has made for the script, such as a subscriber, in messages to the deputy."""
 
     def __init__(self, number):
         self.number = number

@@ -15,14 +15,14 @@ from .deputised_rospy import Deputised
 from .deputy_link import Link
 
 _LOOK_S = 0.1  # wall
-_END_S = 60.0  # wall; a run's end, asked for by a signal
+_END_S = 60.0  # wall, for a run to end after it was asked to
 
 
 class Series:
-    """The runs of one script, in its order. ``code``: the worst exit code of lockstep_launch so far.
+    """The runs of one script, one after the other. ``code``: the worst exit code of lockstep_launch so far.
 
-    ``program``: the path of lockstep_launch, ``options``: its options, ``folder``: for event logs, ``name``: of the
-    node that takes part for the script.
+    ``program``: the path of lockstep_launch; ``options``: its options; ``folder``: for the event logs; ``name``: the
+    name of the deputy, the node that takes part for the script.
     """
 
     def __init__(self, program, options, folder, name):
@@ -34,22 +34,22 @@ class Series:
         os.makedirs(folder, exist_ok=True)
 
     def parent(self, *args, **kwds):
-        """Return what the script gets as a ROSLaunchParent."""
+        """Return the Parent that the script gets in the place of a ROSLaunchParent."""
         return Parent(self, *args, **kwds)
 
     def start(self, files):
         """Start a run of ``files`` [(path, arguments)]; return when the deputy takes part.
 
-        :raises RLException: if there is none, or another run is under way.
+        :raises RLException: if the run does not begin, another run is under way, or its event log exists already.
         """
         if self._process is not None and not self.deputised.is_under_way:
-            self.finish()  # it has ended by itself, and the script goes on to the next
+            self.finish()  # the last run has ended by itself, and the script goes on to the next
         if self._process is not None:
             raise RLException('another run is under way; each ROSLaunchParent of a script is a run of its own')
         self._number += 1
         log = os.path.join(self._folder, 'run_{:03d}.jsonl'.format(self._number))
         if os.path.lexists(log):
-            raise RLException('{}: is there already; a series wants a folder without its logs'.format(log))
+            raise RLException('{}: exists already; a series needs a folder without its logs'.format(log))
         print('lockstep_series: run {}: {}; event log {}'.format(
             self._number, ' '.join(word for path, words in files for word in (path, *words)), log), flush=True)
         self._begin(files, log)
@@ -76,14 +76,14 @@ class Series:
                         self._number, process.returncode)) from None
 
     def close(self):
-        """The script has come to its end: so does a run that is under way; functions of on_shutdown are called."""
+        """Call the functions of on_shutdown and end the run that is under way: the script has come to its end."""
         self.deputised.run_hooks()
         self.finish(is_asked=True)
 
     def finish(self, is_asked=False):
-        """Have the script leave its run, if there is one, wait for its end, and tell of it.
+        """Make the script leave its run, if there is one, wait for its end, and print its exit code.
 
-        ``is_asked``: if it never came to have a deputy, end it by a signal.
+        ``is_asked``: end the run by a signal if it has no deputy yet, and kill it if it does not end in time.
         """
         process, self._process = self._process, None
         if process is None:
@@ -103,7 +103,7 @@ class Series:
 
 
 class Parent:
-    """In the place of roslaunch's ROSLaunchParent: start, spin, spin_once and shutdown of one run."""
+    """Takes the place of roslaunch's ROSLaunchParent: start, spin, spin_once and shutdown of one run."""
 
     def __init__(self, series, run_id, roslaunch_files, *_args, roslaunch_strs=None, **_kwds):
         if roslaunch_strs:
@@ -118,10 +118,10 @@ class Parent:
         self._has_run = True
 
     def spin_once(self):
-        """There is nothing to be done."""
+        """Do nothing: the run needs no help of the script."""
 
     def spin(self):
-        """Wait for the end of the run; the script does nothing in it any more."""
+        """Wait for the end of the run, in which the script does nothing any more."""
         try:
             self._series.deputised.ask('spin')
         except Exception as error:
@@ -137,6 +137,6 @@ class Parent:
 
 
 def _file(one):
-    """Return (absolute path, arguments) of what roslaunch takes as a file."""
+    """Return (absolute path, arguments) of a launch file as roslaunch takes it: a path or (path, arguments)."""
     path, words = (one, []) if isinstance(one, str) else (one[0], list(one[1]))
     return os.path.abspath(path), words

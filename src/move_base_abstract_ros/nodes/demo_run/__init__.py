@@ -1,1 +1,1 @@
-"""What the program demo is made of: its nodes, its mission, what it tells."""
+"""The parts of the program demo: its nodes, its mission, its output."""

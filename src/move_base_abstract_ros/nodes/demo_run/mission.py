@@ -1,7 +1,7 @@
-"""Carry out a mission: send each robot its goals one after the other and note when each began and ended.
+"""Carry out a mission: send each robot its goals one after the other, and measure its travel.
 
-Works with any move_base action servers under the robots' names; stock actionlib.ActionClient throughout (a
-SimpleActionClient loses replies when a goal is sent from its done callback).
+It works with any move_base action servers under the robots' names. It uses actionlib's ActionClient, because a
+SimpleActionClient loses replies if a goal is sent from its done callback.
 """
 
 import queue
@@ -15,16 +15,16 @@ from nav_msgs.msg import Odometry
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 SERVER_TIMEOUT = 30.0  # s, wall
-POSES_TIMEOUT = 5.0  # s, wall, for poses that come behind their result
-STILL_M = 1e-9  # a shorter way between two poses counts as standing
+POSES_TIMEOUT = 5.0  # s, wall, for poses that come after their result
+STILL_M = 1e-9  # a robot stands if two poses are nearer to each other than this
 
 
 class MissionFailed(RuntimeError):
-    """A robot's action server did not come, or a goal did not succeed; the text names robot, goal and reason."""
+    """An action server is missing, or a goal did not succeed. The text names the robot, the goal and the reason."""
 
 
 class Odometer:
-    """Adds up one robot's way and travel time from its base_pose_ground_truth (straight lines between poses)."""
+    """Measures one robot's distance [m] and travel time [s] by its base_pose_ground_truth, as lines between poses."""
 
     def __init__(self, topic):
         self.distance_m = 0.0
@@ -34,11 +34,11 @@ class Odometer:
 
     @property
     def ready(self):
-        """Whether the robot's first pose has come."""
+        """Whether the robot's first pose has been received."""
         return self._last is not None
 
     def has_come_to(self, stamp):
-        """Whether a pose of this simulated instant [s], or of a later one, has come."""
+        """Return whether a pose with this simulated stamp [s], or a later one, has been received."""
         return self._last is not None and self._last[0] >= stamp - 1e-9
 
     def _add(self, message):
@@ -52,7 +52,7 @@ class Odometer:
 
 
 class RobotRun:
-    """One robot of the mission: its plan, its action client and what has been done so far."""
+    """One robot of the mission: its plan, its action client, and the number of goals that it has reached."""
 
     def __init__(self, plan):
         self.plan = plan
@@ -63,27 +63,27 @@ class RobotRun:
         self._handle = None  # a client forgets a goal whose handle is gone
 
     def ready(self):
-        """Tell, without waiting, whether client and server are connected and the robot's first pose is known."""
+        """Return, without waiting, whether client and server are connected and the robot's first pose is known."""
         return self.odometer.ready and self._client.wait_for_server(rospy.Duration(nsecs=-1))
 
     def send_next(self, events):
-        """Send the next goal; its end will be put on the queue as (self, handle)."""
+        """Send the next goal. When it ends, (self, handle) is put into the queue ``events``."""
         self._handle = self._client.send_goal(make_goal(self.plan.goals[self.goals_done]), lambda handle: (
             events.put((self, handle)) if handle.get_comm_state() == CommState.DONE else None))
 
 
 class MissionRun:
-    """All robots of a mission. Call wait_until_ready, then run; single-threaded for its user.
+    """All robots of a mission. Call wait_until_ready, then run, both from one thread.
 
-    ``participant``: that of this process in lockstep, or None on the scaled clock.
+    ``participant``: the Participant of this process in lockstep, or None on the scaled clock.
     """
 
     def __init__(self, mission, participant=None):
         self._participant = participant
         self.mission = mission
         self.robots = [RobotRun(plan) for plan in mission.robots]
-        self.started = None  # (simulated, wall) s, when the first goal was sent
-        self.ended = None  # the same when the last result came; simulated: that result's own stamp
+        self.started = None  # (simulated, wall) time [s] when the first goal was sent
+        self.ended = None  # (simulated, wall) time [s] of the last result; simulated: the latest stamp of a result
         self._events = queue.Queue()
 
     @property
@@ -92,14 +92,17 @@ class MissionRun:
         return sum(robot.goals_done for robot in self.robots)
 
     def elapsed(self):
-        """Return the (simulated, wall) seconds since the first goal was sent, up to the end if there was one."""
+        """Return the (simulated, wall) seconds from the first goal to the end, or to now if it has not ended."""
         if self.started is None:
             return 0.0, 0.0
         now = self.ended or (rospy.get_time(), time.monotonic())
         return now[0] - self.started[0], now[1] - self.started[1]
 
     def wait_until_ready(self, check):
-        """Wait for all action servers; call check, which may raise, again and again meanwhile."""
+        """Wait for all action servers and first poses. On the scaled clock call ``check``, which may raise, meanwhile.
+
+        :raises MissionFailed: on the scaled clock, if that takes more than SERVER_TIMEOUT of wall time.
+        """
         if self._participant is not None:
             self._participant.wait_until(lambda: all(robot.ready() for robot in self.robots), what='the robots')
             return
@@ -116,7 +119,12 @@ class MissionRun:
             time.sleep(0.02)
 
     def run(self, tick, period=0.1):
-        """Carry out the mission; call tick, which may raise, at least every period [s, wall]."""
+        """Carry out the mission. Call ``tick``, which may raise, about every ``period`` [s, wall].
+
+        In lockstep, it is called only when a goal ends.
+
+        :raises MissionFailed: if a goal does not succeed.
+        """
         self.started = rospy.get_time(), time.monotonic()
         for robot in self.robots:
             robot.send_next(self._events)
@@ -134,15 +142,15 @@ class MissionRun:
             self._await_poses()
 
     def _await_poses(self):
-        """On the scaled clock a robot's last pose may come behind its result: wait for it."""
+        """Wait for the last poses: on the scaled clock a robot's last pose may come after its result."""
         deadline = time.monotonic() + POSES_TIMEOUT
         while time.monotonic() < deadline and not all(
                 robot.odometer.has_come_to(robot.ended) for robot in self.robots):
             time.sleep(0.02)
 
     def _next_ended(self, period):
-        """Return the next (robot, handle) of a goal that has ended; None if there is none within ``period`` [s]."""
-        if self._participant is not None:  # in lockstep a period would be one of simulated time
+        """Return the next (robot, handle) of an ended goal; None if there is none within ``period`` [s, wall]."""
+        if self._participant is not None:  # no timeout: in lockstep it would take simulated time
             self._participant.wait_until(self._events.qsize, what='the end of a goal')
             return self._events.get_nowait()
         try:
@@ -166,7 +174,7 @@ class MissionRun:
 
 
 def make_goal(place, frame_id='map'):
-    """Return a MoveBaseGoal for a Pose2D in the frame."""
+    """Return a MoveBaseGoal for ``place`` (x and y [m], yaw [rad]) in the frame, stamped now."""
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = frame_id
     goal.target_pose.header.stamp = rospy.Time.now()

@@ -1,4 +1,4 @@
-"""The nodes of the demo: time master, map server, a fleet with the mission's robots, and RViz if asked for."""
+"""The nodes of the demo: time master, map server, a fleet with the mission's robots, and RViz if wanted."""
 import os
 
 import rospkg
@@ -7,14 +7,15 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract_ros.loopback import PACKAGE
 
-WATCHED_POSES = 10.0  # Hz, simulated: in lockstep poses on the way are told only where they are asked for
-ROBOT_RADIUS = 0.6  # m, of robots that drive around what the map shows
+WATCHED_POSES = 10.0  # Hz, simulated: in lockstep, robots publish poses on the way only if a rate is given
+ROBOT_RADIUS = 0.6  # m, of robots that drive around the obstacles of the map
 
 
 def clock_parameters(kind, factor, names, event_log):
-    """Return the time master's parameters; ``factor`` None: as fast as can be, or 20 on the scaled clock.
+    """Return the time master's parameters for a clock of ``kind`` 'lockstep' or 'scaled'.
 
-    ``event_log``: the path of the log, in lockstep.
+    ``factor``: simulated seconds per wall second; None: no limit in lockstep, 20 on the scaled clock. ``names``: of the
+    participants, and ``event_log``: the path of the log; both are used in lockstep only.
     """
     if kind == 'scaled':
         return {'mode': 'scaled', 'factor': 20.0 if factor is None else factor}
@@ -23,9 +24,11 @@ def clock_parameters(kind, factor, names, event_log):
 
 
 def robot_settings(speed, has_map, routes, rviz):
-    """Return the settings of all robots: ``speed`` [m/s]; whether a map is used, driven around, and RViz is there.
+    """Return the settings of all robots.
 
-    How far a robot with routes drives is measured from its poses on the way, so that these are told.
+    ``speed`` [m/s]; ``has_map``: whether a map is used; ``routes``: whether robots drive around its obstacles;
+    ``rviz``: whether RViz shows them. With routes the robots publish poses on the way, because the demo measures their
+    distance by these.
     """
     settings = {'max_speed': speed, 'use_map': has_map, 'log_motion': True}
     if rviz or routes:
@@ -36,9 +39,9 @@ def robot_settings(speed, has_map, routes, rviz):
 
 
 def start(ros, plan, clock, settings, map_path, rviz):
-    """Start them on the master of ``ros`` (Loopback); ``map_path`` may be None: no map.
+    """Start the nodes on the master of ``ros`` (Loopback).
 
-    ``clock``: the parameters of the time master. ``settings``: of all robots.
+    ``clock``: the parameters of the time master; ``settings``: those of all robots; ``map_path``: None for no map.
     """
     ros.run('time_master', 'time_master', parameters=clock)
     if map_path is not None:
@@ -52,15 +55,16 @@ def start(ros, plan, clock, settings, map_path, rviz):
 
 
 def shipped(*path):
-    """Return the path of a file that ships with the package."""
+    """Return the absolute path of a file that ships with the package."""
     return os.path.join(rospkg.RosPack().get_path(PACKAGE), *path)
 
 
 def choose_map(asked, default, plan):
-    """Return the path of the map to use, or None, and a line for the user that says why.
+    """Return (path, line): the map to use, or None, and a line for the user that says why.
 
-    A map that was asked for is used; the default one where all places of the mission are free in it.
-    :raises ConfigurationError: if the map that was asked for cannot be read.
+    ``asked``: the path of the map that the user gave, or None. Without it the map ``default`` of the package is used,
+    if all places of the mission ``plan`` are free in it.
+    :raises ConfigurationError: if the map that the user gave cannot be read.
     """
     if asked is not None:
         read_description(asked)

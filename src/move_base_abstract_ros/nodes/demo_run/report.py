@@ -1,4 +1,4 @@
-"""What the demo shows: a progress bar (plain lines where the output is no terminal), a table and a closing line."""
+"""The output of the demo: a progress bar (plain lines if the output is not a terminal), a table and a closing line."""
 
 import time
 
@@ -27,7 +27,7 @@ class BarProgress:
 
 
 class PlainProgress:
-    """A line every PLAIN_PERIOD seconds, free of control characters, for logs and pipes."""
+    """A line every PLAIN_PERIOD seconds of wall time, without control characters, for logs and pipes."""
 
     def __init__(self, count, what, stream):
         self._count = count
@@ -36,7 +36,7 @@ class PlainProgress:
         self._next = 0.0
 
     def show(self, done, simulated_s, wall_s):
-        """Print the present state if it is time to, or if all is done."""
+        """Print the present state if a line is due, or if all is done."""
         now = time.monotonic()
         if now < self._next and done < self._count:
             return
@@ -45,23 +45,24 @@ class PlainProgress:
               f'{speed_up(simulated_s, wall_s):.1f}x', file=self._stream, flush=True)
 
     def close(self):
-        """Nothing is left open."""
+        """Do nothing: nothing is left open."""
 
 
 def make_progress(count, what, stream):
-    """Return the progress display of ``count`` things (``what``: 'goals') that fits the stream."""
+    """Return the progress display for ``count`` things that fits the stream. ``what``: their name, such as 'goals'."""
     return (BarProgress if stream.isatty() else PlainProgress)(count, what, stream)
 
 
 def speed_up(simulated_s, wall_s):
-    """Return simulated over wall seconds; 0 before the first instant."""
+    """Return simulated seconds per wall second; 0 if no wall time has passed."""
     return simulated_s / wall_s if wall_s > 0.0 else 0.0
 
 
 def table(robots, mission_s):
-    """Return the text table of the robots: (name, goals done, goals, distance [m], moving [s]), simulated seconds.
+    """Return the text table of ``robots``, [(name, goals done, goals, distance [m], moving [s])].
 
-    A robot is idle whenever it does not move between the mission's first goal and its last result.
+    ``mission_s``: the time from the mission's first goal to its last result [s]. A robot is idle while it does not move
+    in this time. All times are simulated.
     """
     rows = [(name, f'{done}/{goals}', f'{distance_m:.1f}', f'{moving_s:.2f}', f'{max(0.0, mission_s - moving_s):.2f}')
             for name, done, goals, distance_m, moving_s in robots]
@@ -69,7 +70,7 @@ def table(robots, mission_s):
 
 
 def aligned(columns, rows):
-    """Return the text table of ``rows`` of texts under their ``columns``, the first one at the left."""
+    """Return a text table of ``rows`` of texts with the headings ``columns``. Only the first column is aligned left."""
     widths = [max(len(row[i]) for row in [columns, *rows]) for i in range(len(columns))]
     lines = [columns, tuple('-' * width for width in widths), *rows]
     return '\n'.join('  '.join([line[0].ljust(widths[0])] + [cell.rjust(width) for cell, width

@@ -1,4 +1,4 @@
-"""The event log of a demo, and the replay page that is made of it when the demo is over."""
+"""The event log of a demo, and the replay page that is made from it when the demo is over."""
 import json
 import os
 import tempfile
@@ -17,12 +17,13 @@ _LOG = 'demo.jsonl'
 
 
 class RunLog:
-    """A folder for the log of one demo, as a context; ``output``: the page, None: one in ROS_HOME.
+    """A context with a temporary folder for the log of one demo.
 
-    ``kept``: where the event log is to stay, None: it goes with the folder.
+    ``output``: the path of the replay page; None: demo_replay.html in ROS_HOME. ``kept``: a path at which the event log
+    stays; None: it is removed with the folder.
 
-    In lockstep the time master writes the log (:attr:`path`). On the scaled clock it is made of the events that robots
-    tell: call :meth:`listen` then.
+    In lockstep the time master writes the log, to :attr:`path`. On the scaled clock :meth:`listen` collects the events
+    that robots publish, and :meth:`close` writes the log.
     """
 
     def __init__(self, output=None, kept=None):
@@ -43,7 +44,7 @@ class RunLog:
         self._folder.cleanup()
 
     def listen(self, *topics):
-        """Take down what is told on ``topics`` (RobotEvent)."""
+        """Collect all messages on ``topics`` (RobotEvent)."""
         self._listens = True
         self._start_ns = rospy.Time.now().to_nsec()
         for topic in topics:
@@ -53,7 +54,7 @@ class RunLog:
         self._rows.append((message.stamp.to_nsec(), message.robot, message.kind, _values(message)))
 
     def close(self):
-        """The run is over: have the log complete."""
+        """Complete the log, when the run is over. If it did not end properly, :attr:`path` is the unfinished log."""
         if self._listens:
             self._rows.sort(key=lambda row: row[0])
             end_ns = max([self._start_ns, *(row[0] for row in self._rows)])
@@ -62,13 +63,16 @@ class RunLog:
             self.path += '.part'
 
     def rows(self):
-        """Return when it began [ns], and its rows, [(ns, robot, kind, values), ...], when it is complete."""
+        """Return (start [ns], rows) of the complete log; a row is (time [ns], robot, kind, values)."""
         with event_log.open_text(self.path) as stream:
             log = event_log.EventLog(stream, self.path)
             return log.start_ns, [(one.time_ns, one.robot, one.kind, json.loads(one.values)) for one in log]
 
     def make_page(self, map_path, scenario=None):
-        """Make the page, with the world of a scenario (a path); return a line that says where it is, or why not."""
+        """Make the replay page; return a line for the user that says where it is, or why there is none.
+
+        ``map_path`` and ``scenario``: paths of the map and of the scenario whose world is shown; None: none.
+        """
         try:
             from move_base_abstract_replay.page import write_page
             os.makedirs(os.path.dirname(os.path.abspath(self._output)), exist_ok=True)
@@ -79,11 +83,11 @@ class RunLog:
 
 
 def _values(message):
-    """Return the values of a RobotEvent in the order of the event log's row."""
+    """Return the values of a RobotEvent in the order in which a row of the event log has them."""
     texts, numbers = message.texts, message.numbers
     if message.kind == 'battery':
         return (*numbers, *texts)
-    if message.kind == 'order_arrived':  # behind the first three places, actions and points go stop by stop
+    if message.kind == 'order_arrived':  # after the first three values: place, point and action of each stop
         stops = [(texts[2 * k + 1], *numbers[2 * k + 2:2 * k + 4], texts[2 * k + 2])
                  for k in range((len(texts) - 1) // 2)]
         return (texts[0], *map(int, numbers[:2]), *(value for stop in stops for value in stop))

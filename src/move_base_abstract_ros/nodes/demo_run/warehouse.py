@@ -1,4 +1,4 @@
-"""The demo's warehouse: made by sizes, with orders that arrive and the dispatcher that ships."""
+"""The demo's warehouse: it is made from sizes, and has orders that arrive and the package's own dispatcher."""
 import os
 import time
 
@@ -16,13 +16,16 @@ from .nodes import WATCHED_POSES, shipped
 KIND = 'warehouse'
 POLICIES = POLICY_NAMES
 ORDERS = 200
-#: who takes part in lockstep, besides the demo
+#: the participants in lockstep, besides the demo
 PARTICIPANTS = ['/fleet', '/task_source', '/dispatcher']
 _OVER = ('order_done', 'order_refused')
 
 
 def make(folder, robots, orders, seed, speed, rviz):
-    """Make the warehouse in ``folder``; return the paths of its scenario and its map."""
+    """Make the warehouse in ``folder``; return (path of its scenario, path of its map).
+
+    ``robots``: their number, None for the default; ``orders``: the number within an hour; ``speed`` [m/s].
+    """
     _, sizes, defaults = KINDS[KIND]
     values = {size.name: size.default for size in sizes}
     values.update(robots=robots or values['robots'], orders=orders, seed=seed)
@@ -33,7 +36,7 @@ def make(folder, robots, orders, seed, speed, rviz):
 
 
 def start(ros, scenario, clock, map_path, policy, rviz):
-    """Start its nodes on the master of ``ros`` (Loopback); ``clock``: the time master's parameters."""
+    """Start the warehouse's nodes on the master of ``ros`` (Loopback); ``clock``: the time master's parameters."""
     ros.run('time_master', 'time_master', parameters=clock)
     ros.run('map_server', 'map_server', arguments=(map_path,))
     ros.run('fleet', 'fleet', parameters={'scenario': scenario})
@@ -44,7 +47,7 @@ def start(ros, scenario, clock, map_path, policy, rviz):
 
 
 class OrdersRun:
-    """Looks on until all orders are done; ``participant``: as of MissionRun."""
+    """Counts the orders that are done or refused, until none is left. ``participant``: as for MissionRun."""
 
     def __init__(self, scenario, participant=None):
         read = read_scenario(scenario)
@@ -59,13 +62,16 @@ class OrdersRun:
         self._until = message.stamp.to_sec(), time.monotonic()
 
     def elapsed(self):
-        """Return the (simulated, wall) seconds since :meth:`run` began, up to the last order."""
+        """Return the (simulated, wall) seconds from the start of :meth:`run` to the last event of the dispatcher."""
         if self._since is None or self._until is None:
             return 0.0, 0.0
         return self._until[0] - self._since[0], self._until[1] - self._since[1]
 
     def run(self, tick, period=0.1):
-        """Wait until all orders are done; call ``tick``, which may raise, every ``period`` [s, wall]."""
+        """Wait until all orders are done. Call ``tick``, which may raise, about every ``period`` [s, wall].
+
+        In lockstep, it is called only when an order is done.
+        """
         self._since = rospy.get_time(), time.monotonic()
         next_tick = 0.0
         while self.done < self.count:
@@ -80,7 +86,10 @@ class OrdersRun:
 
 
 def table_of(start_ns, rows):
-    """Return columns and rows of a table of what robots did, of the ``rows`` of a log, (ns, robot, kind, values)."""
+    """Return (columns, rows) of a table of the robots: their orders and the time [s] that each spent in each state.
+
+    ``start_ns``: the start of the log; ``rows``: (time [ns], robot, kind, values).
+    """
     account, last_ns = FleetAccount(start_ns), start_ns
     for row in rows:
         account.take(*row)

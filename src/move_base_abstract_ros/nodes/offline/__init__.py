@@ -1,1 +1,1 @@
-"""Programs that are no nodes, and live in packages of their own."""
+"""Programs that are not nodes. Their code is in packages of their own."""

@@ -1,1 +1,1 @@
-"""The nodes and programs of orders: the dispatcher, the report of a fleet."""
+"""The nodes and programs that send a fleet to work: the dispatcher, the driver of MAPF plans, the report of a fleet."""

@@ -1,7 +1,7 @@
-"""The node ``dispatcher``: gives orders to the robots of a fleet as they arrive, and has robots charged.
+"""The node ``dispatcher``: gives orders to the robots of a fleet as they arrive, and sends robots to charge.
 
-It hears orders and what happens to robots, and sends goals: topics and actions, and nothing else. What is decided is
-decided in the core (:class:`.Dispatcher`), as in plain Python.
+It hears orders and events of robots, and sends goals. It uses topics and actions only. The core (:class:`.Dispatcher`)
+makes the decisions, as in plain Python.
 """
 from dataclasses import asdict, replace
 
@@ -31,7 +31,7 @@ from ...robot.events_topic import EventsTopic
 from ...robot.work_server import ACTION as WORK
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
-_CONNECT_SECONDS = 30.0  # of the clock's wait_until
+_CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
 
 
@@ -50,7 +50,7 @@ _TABLE = (
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter or the scenario cannot be used."""
     parse_no_arguments('dispatcher', __doc__)
     run_node('dispatcher', _build)
 
@@ -84,7 +84,7 @@ def _read_scenario(raw, values, where):
 
 
 class DispatcherNode:
-    """Between topics and the core's :class:`.Dispatcher`."""
+    """Connects topics with the core's :class:`.Dispatcher`."""
 
     def __init__(self, clock, scenario, settings, policy, values):
         self._clock = clock
@@ -102,7 +102,8 @@ class DispatcherNode:
         clock.wait_until(lambda: all(one.get_num_connections() for one in heard)
                          and all(goals.are_heard() for goals in self._goals.values()), _CONNECT_SECONDS, 'the robots')
         if not all(goals.are_heard() for goals in self._goals.values()):
-            rospy.logwarn('%s: not all robots of the scenario are there: what they get is lost', rospy.get_name())
+            rospy.logwarn('%s: not all robots of the scenario are there: goals of a missing robot are lost',
+                          rospy.get_name())
         self._order_topic = rospy.Subscriber(values['orders_topic'], Order, self._on_order, queue_size=_QUEUE_SIZE,
                                              tcp_nodelay=True)
         with clock.lock:
@@ -132,11 +133,11 @@ class DispatcherNode:
             self._decide_soon(now_ns)
 
     def _present(self):
-        """Return the time [ns]; what is to be decided at it is decided later, behind all messages."""
+        """Return the present time [ns]. If a decision is due now, it stays due: it is made after all messages."""
         return self._clock.simulation.now_ns if self._decides else self._clock.now_ns()
 
     def _decide_soon(self, now_ns):
-        """Decide when all messages of this instant have come in."""
+        """Schedule a decision at this instant, for when all its messages have come in."""
         if not self._decides:
             self._decides = True
             self._clock.simulation.queue.schedule(now_ns, 0, self._decide)
@@ -167,7 +168,7 @@ class DispatcherNode:
 
 
 class _Goals:
-    """The topics by which one robot gets its goals, and where it ``may_wait`` for zones or lanes its priority."""
+    """The topics by which one robot gets its goals, and its priority if it ``may_wait`` for zones or lanes."""
 
     def __init__(self, spec, may_wait):
         self._priority = rospy.Publisher('{}/move_base/priority'.format(spec.name), Int32, queue_size=10,
@@ -180,12 +181,12 @@ class _Goals:
                          } if spec.settings.failures is not None or spec.settings.buggify is not None else {}
 
     def are_heard(self):
-        """Return whether the robot is there."""
+        """Return whether the robot listens to all these topics."""
         return bool(self._drive.is_heard() and self._work.is_heard()
                     and all(one.get_num_connections() for one in self._cancels.values()))
 
     def do(self, command, in_frame, frame, now_ns):
-        """Do a command of the core's."""
+        """Carry out a command of the core: a GiveUp, a Drive or a task at a place."""
         if isinstance(command, GiveUp):
             if self._cancels:
                 self._cancels[command.is_work].publish(GoalID(id=command.goal_id))

@@ -1,4 +1,4 @@
-"""The program ``fleet_report``: it is no node, and lives with the experiments."""
+"""The program ``fleet_report``. It is not a node; its code is in the package ``move_base_abstract_experiments``."""
 from move_base_abstract_experiments.fleet_report import main
 
 __all__ = ['main']

@@ -1,7 +1,7 @@
-"""The node ``mapf_drive``: has the robots of a fleet drive the plan of a MAPF solver, move by move.
+"""The node ``mapf_drive``: makes the robots of a fleet drive the plan of a MAPF solver, move by move.
 
-It hears what happens to robots and sends goals: topics and actions, and nothing else. Who may move is decided by
-:class:`.Execution`, as in plain Python.
+It hears events of robots and sends goals. It uses topics and actions only. The class :class:`.Execution` decides which
+robot may move, as in plain Python.
 """
 import itertools
 
@@ -23,7 +23,7 @@ from ...process.node_process import parse_no_arguments, run_node
 from ...process.own_parameters import own_values
 from ..move_base_node import LOCKSTEP_PARAMETERS
 
-_CONNECT_SECONDS = 30.0  # of the clock's wait_until
+_CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
 _TABLE = (
     Parameter('folder', '', text, 'the path of a folder that mapf import made'),
@@ -34,7 +34,7 @@ _TABLE = (
 
 
 def main():
-    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    """Run the node until ROS shuts down; exits with 1 if a parameter or the plan cannot be used."""
     parse_no_arguments('mapf_drive', __doc__)
     run_node('mapf_drive', _build)
 
@@ -57,7 +57,7 @@ def _build():
 
 
 class PlanNode:
-    """Between topics and an Execution."""
+    """Connects topics with an Execution."""
 
     def __init__(self, clock, site, plan, values):
         self._clock = clock
@@ -76,7 +76,8 @@ class PlanNode:
             return bool(events.get_num_connections()) and all(outlet.is_heard() for outlet in self._goals)
         clock.wait_until(are_there, _CONNECT_SECONDS, 'the robots')
         if not are_there():
-            rospy.logwarn('%s: not all robots of the plan are there: what they get is lost', rospy.get_name())
+            rospy.logwarn('%s: not all robots of the plan are there: goals of a missing robot are lost',
+                          rospy.get_name())
         with clock.lock:
             self._execution = Execution(plan, values['policy'], clock.now_ns(), site.step_ns, self._send)
             for instant_ns in self._execution.instants_ns:
@@ -105,5 +106,5 @@ class PlanNode:
 
 
 def _is_end(message):
-    """Return whether a RobotEvent is the end of a goal, as robots tell it: anybody may send others."""
+    """Return whether a RobotEvent is the end of a goal, in the form that robots use: any node may publish others."""
     return message.kind == 'ended' and len(message.texts) == 3

@@ -1,1 +1,1 @@
-"""What the program lockstep_series is made of: the node that takes part in each run for the script."""
+"""A part of the program lockstep_series: the node that takes part in each run for the script."""

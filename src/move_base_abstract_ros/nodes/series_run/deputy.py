@@ -1,4 +1,4 @@
-"""The deputy: the node that takes part in a run for a script that starts runs, and does what that asks rospy for."""
+"""The deputy: the node that takes part in a run for a script that starts runs, and calls rospy as the script asks."""
 import sys
 
 import rospy
@@ -13,7 +13,7 @@ LEAVE = 'leave'
 
 
 def main(address):
-    """Take part, until the script at ``address`` (a path) has had enough of the run."""
+    """Take part until the script, which listens at ``address`` (the path of a Unix socket), leaves the run."""
     rospy_start.prepare()
     rospy.init_node('deputy', disable_rosout=True)
     try:
@@ -24,14 +24,17 @@ def main(address):
 
 
 class Deputy:
-    """Does in its turn what the script asks for, while simulated time stands: what the script computes takes none."""
+    """Does what the script asks for, in its turn. Simulated time stands still while the script computes."""
 
     def __init__(self, link):
         self._link = link
         self._made = {}
 
     def serve(self, until=None):
-        """Do what is asked for, until the script leaves, or answers ``until``; return what it says then."""
+        """Do what the script asks for until it leaves or sends a message of the kind ``until``.
+
+        Return the first word of that message; None if the link is closed.
+        """
         link = self._link
         if until is None:
             link.send(ANSWER, _now_ns(), None)
@@ -61,9 +64,10 @@ class Deputy:
             self._link.send(ANSWER, _now_ns(), result)
 
     def _do(self, number, name, args, kwds):
-        """Call rospy's ``name``, keeping what it returns under ``number`` if there is one; or a method of what is kept.
+        """Call a function of rospy, or a method of a thing that was kept, and return the result.
 
-        ``name`` of a method: (number of the thing, name).
+        ``name``: the name in rospy, or (number of the thing, name of the method or attribute). ``number``: if it is not
+        None, what rospy returns is kept under this number, and the result is None.
         """
         args = [self._own(arg) for arg in args]
         kwds = {key: self._own(value) for key, value in kwds.items()}
@@ -83,7 +87,7 @@ class Deputy:
 
     def _function(self, number):
         def call(*args):
-            """Have the script's function called, which may ask for more meanwhile."""
+            """Call the script's function. Meanwhile, the script may ask for more."""
             self._link.send(CALLBACK, _now_ns(), number, args)
             return self.serve(until=DONE)
         return call
