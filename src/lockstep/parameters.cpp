@@ -8,7 +8,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return the name as it is kept: no slash at its end, '' for all there are. */
+/** @return the name as it is kept: without a slash at its end, and '' for all parameters. */
 std::string_view trimmed(std::string_view name) {
   while (!name.empty() && name.back() == '/') {
     name.remove_suffix(1);

@@ -29,7 +29,7 @@ std::string StatusText::owed(const MemberState& member) const {
          (parts.empty() ? "" : " (" + joined(parts) + ")");
 }
 
-/** @return whose threads wait without end, how many, and what for. */
+/** @return for each member with threads that wait without a timeout: how many, and what for. */
 std::vector<std::string> StatusText::waiting() const {
   std::vector<std::string> parts;
   for (const LockstepStatus::Participant& member : participants()) {
@@ -42,7 +42,7 @@ std::vector<std::string> StatusText::waiting() const {
   return parts;
 }
 
-/** @return who has threads that wait without end, and what for; which goals nobody has answered. */
+/** @return the same as one text, together with the goals that have no answer. */
 std::string StatusText::stuck(const OpenGoals& goals) const {
   std::vector<std::string> parts = waiting();
   for (const auto& [goal, count] : goals.byAction()) {
