@@ -50,7 +50,7 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
     too_much_ = quote(member.name) + " is to be handed " + std::to_string(items.size()) +
                 " bytes at once" + run_.text.at() + ", in " +
                 countText(grant.mail.size(), "piece") + "; allowed: " + std::to_string(kMostItems) +
-                ". Messages that make more messages each time, without time passing, come to that";
+                ". This happens if each message leads to more messages while time stands still";
     return;
   }
   granted_.push_back(grant.member);

@@ -51,10 +51,9 @@ void RunEnd::endFromOutside(const std::string& reason) {
 
 void RunEnd::loseRosMaster(const std::string& how) {
   if (run_.rounds.started() && !run_.rounds.ended()) {
-    run_.labels.addNotRepeatable(
-        "the ROS master was lost" + run_.text.at() +
-        ": what it could not be asked any more, and where the run ended, is "
-        "the wall clock's");
+    run_.labels.addNotRepeatable("the ROS master was lost" + run_.text.at() +
+                                 ": the requests that it could still answer, and the instant of "
+                                 "the run's end, depend on the wall clock");
   }
   run_.labels.addDegraded(how + ", found" + run_.text.at());
   endFromOutside(how);
