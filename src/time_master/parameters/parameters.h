@@ -37,10 +37,7 @@ class ParameterReader {
  public:
   explicit ParameterReader(const ros::NodeHandle& node) : node_(node) {}
 
-  /**
-   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument for a wrong
-   * type.
-   */
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, double& value) {
     XmlRpc::XmlRpcValue raw;
     if (!find(key, raw)) {
@@ -55,10 +52,7 @@ class ParameterReader {
     }
   }
 
-  /**
-   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument for a wrong
-   * type.
-   */
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, bool& value) {
     XmlRpc::XmlRpcValue raw;
     if (!find(key, raw)) {
@@ -70,10 +64,7 @@ class ParameterReader {
     value = static_cast<bool>(raw);
   }
 
-  /**
-   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument for a wrong
-   * type.
-   */
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, int& value) {
     XmlRpc::XmlRpcValue raw;
     if (!find(key, raw)) {
@@ -85,10 +76,7 @@ class ParameterReader {
     value = static_cast<int>(raw);
   }
 
-  /**
-   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument for a wrong
-   * type.
-   */
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, std::string& value) {
     XmlRpc::XmlRpcValue raw;
     if (!find(key, raw)) {
@@ -101,8 +89,7 @@ class ParameterReader {
   }
 
   /**
-   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument for a wrong
-   * type.
+   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument
    *
    * A text "[a, b]" counts as a list, too, because roscpp reads an argument such as _key:="[a, b]"
    * as a text.
@@ -204,10 +191,7 @@ class ParameterReader {
   ros::NodeHandle node_;
 };
 
-/**
- * @return the topics that participants leave to ROS's own connections, checked. The parameter is
- * made a list.
- */
+/** @return the topics that participants leave to ROS's own connections; made a list and checked. */
 inline std::vector<std::string> readExcludedTopics(ParameterReader& reader) {
   const char* const key = "excluded_topics";
   std::vector<std::string> topics;
@@ -237,9 +221,7 @@ struct NodeParameters {
   std::string message_bytes, note_of_start, note_of_end, chaos_decisions;
 };
 
-/**
- * @return the least number of seconds that is not before @p time when it is converted back to ns.
- */
+/** @return the least number of seconds that is not before @p time [ns] when converted back. */
 inline double secondsNotBefore(Nanoseconds time) {
   double seconds = static_cast<double>(time) / 1e9;
   while (std::llround(seconds * 1e9) < time) {
