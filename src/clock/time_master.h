@@ -34,7 +34,7 @@ class TimeMaster {
 
   struct Settings {
     double factor = 1.0;            // simulated s per wall s, 0.01 to 1e6
-    double busy_factor = 1.0;       // limit while anybody holds; 0 (frozen) or 0.01 to 1e6
+    double busy_factor = 1.0;       // limit during a hold; 0 (frozen) or 0.01 to 1e6
     double finest_step = 0.01;      // s simulated between two messages, 1e-6 to 3600
     double max_clock_rate = 500.0;  // messages per wall s, 1 to 10000
     double start_time = 1.0;        // s simulated, 1e-6 to 2e9

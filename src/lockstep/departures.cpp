@@ -110,7 +110,7 @@ bool Departures::holdTime() {
 void Departures::endTogether() {
   for (auto& [id, member] : run_.members) {
     if (!member.departing) {
-      run_.connections.close(member.connection, "all who take part were told to end");
+      run_.connections.close(member.connection, "all participants were told to end");
       depart(id, "was told to end");
     }
     member.turn = PendingTurn();

@@ -27,7 +27,7 @@ bool concerns(std::string_view one, std::string_view other) {
 
 std::string label(std::string_view name, std::string_view by) {
   return "parameter " + std::string(name.empty() ? "/" : name) +
-         " was set or deleted by somebody who does not take part, and " + std::string(by) +
+         " was set or deleted by a program that does not take part, and " + std::string(by) +
          " asks for it";
 }
 

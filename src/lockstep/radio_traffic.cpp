@@ -92,7 +92,7 @@ bool RadioTraffic::isWired(std::string_view name) {
 void RadioTraffic::labelIfAlone(HostId from, std::string_view sender) {
   if (from == 0 && labelled_.insert(std::string(sender)).second) {
     voices_.label(quote(sender) +
-                  " is on no host of the network: what it says is not on the radio");
+                  " is on no host of the network: the messages that it sends are not on the radio");
   }
 }
 
@@ -120,8 +120,9 @@ void RadioTraffic::sayWhatIsNot() const {
   for (const auto& [name, id] : alone_) {
     const auto robot = robots_.lower_bound({id, 0});
     if (robot == robots_.end() || robot->first.first != id) {
-      voices_.inform(quote(name) +
-                     " is on no host of the network: what it hears is not on the radio");
+      voices_.inform(
+          quote(name) +
+          " is on no host of the network: the messages that it gets are not on the radio");
     }
   }
 }

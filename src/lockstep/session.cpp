@@ -138,7 +138,7 @@ void LockstepSession::takeKnock(MemberId id) {
     const std::string why = quote(member.name) + " had input from outside" + run_.text.at();
     if (run_.interruption.isActive()) {
       run_.interruption.knocked(id);
-      run_.interruption.keep({Interruption::Label::Kind::kInput, id, why});  // none enters as yet
+      run_.interruption.keep({Interruption::Label::Kind::kInput, id, why});  // it has to wait
     } else {
       run_.labels.addNotRepeatable(why);
     }
@@ -203,8 +203,7 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
       missing_due_ = kNever;
       if (run_.settings.participants.empty()) {
         run_.labels.addNotRepeatable(
-            "no participants are named: who takes part from the start on depends on the wall "
-            "clock");
+            "no participants are named: the participants at the start depend on the wall clock");
       }
       run_.messages.say(LockstepMessage::Level::kInfo,
                         "the clock starts" + run_.text.at() + " with " +

@@ -65,8 +65,8 @@ std::vector<LockstepStatus::OpenGoals> StatusText::openGoals(const OpenGoals& go
 
 std::string StatusText::idle() const {
   const std::vector<std::string> parts = waiting();
-  return "idle" + at() + ": nobody wants to wake up" +
-         (parts.empty() ? "" : "; for work that may come wait: " + joined(parts));
+  return "idle" + at() + ": no participant wants to wake up" +
+         (parts.empty() ? "" : "; waiting for work: " + joined(parts));
 }
 
 std::string StatusText::latestRound() const {
@@ -124,7 +124,7 @@ std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began,
     return waiting;
   }
   for (const auto& [id, since] : interruption.ending()) {
-    waiting.push_back({nameOf(id), since, "the end that it was told to come to", "", ""});
+    waiting.push_back({nameOf(id), since, "its end, which a signal asked for", "", ""});
   }
   for (const MemberId id : rounds_.latestRound()) {
     const MemberState* member = rounds_.members().find(id);
@@ -159,7 +159,7 @@ std::vector<LockstepStatus::Participant> StatusText::participants() const {
 std::string StatusText::standstill(LockstepPhase phase, const OpenGoals& goals) const {
   switch (phase) {
     case LockstepPhase::kDeadlock:
-      return "deadlock" + at() + ": nobody wants to wake up, but " + stuck(goals);
+      return "deadlock" + at() + ": no participant wants to wake up, but " + stuck(goals);
     case LockstepPhase::kZeroDelayLoop:
       return "zero-delay loop" + at() + ": " + std::to_string(rounds_.clock().microstep) +
              " microsteps at one instant, the last of them by " + latestRound();

@@ -320,7 +320,7 @@ void Membership::beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint3
 
 void Membership::handle(const wire::End& frame) { end(std::string(frame.reason), frame.as_wished); }
 
-// ---- what the next report says ---------------------------------------------------------------
+// ---- the next report ---------------------------------------------------------------------
 
 void Membership::append(const wire::ReportItem& item) {
   const Lock lock(program_);

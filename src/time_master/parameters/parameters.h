@@ -230,7 +230,7 @@ inline double secondsNotBefore(Nanoseconds time) {
   return seconds;
 }
 
-/** @throws std::invalid_argument unless @p value is in the range, whose ends are allowed. */
+/** @throws std::invalid_argument unless @p value is from @p low to @p high. */
 inline void checkRange(const char* key, double value, double low, double high, const char* unit) {
   if (!(value >= low && value <= high)) {
     std::ostringstream text;
