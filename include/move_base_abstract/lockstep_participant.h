@@ -1,5 +1,6 @@
-// How a roscpp node takes part in lockstep, the event-driven clock. docs/lockstep_cpp.md is the
-// contract. Everything here is for one thread: the one that constructs the Participant.
+// The classes by which a roscpp node takes part in lockstep, the event-driven clock.
+// docs/lockstep_cpp.md is the contract. Use them from one thread only: the one that constructs the
+// Participant.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_PARTICIPANT_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_PARTICIPANT_H
 
@@ -23,7 +24,10 @@
 
 namespace move_base_abstract::lockstep {
 
-/** @brief What a participant cannot do; the text says who asked for what, and what is allowed. */
+/**
+ * @brief A call that a participant cannot fulfil. The text names the node and the call, and says
+ * what is allowed.
+ */
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -43,20 +47,25 @@ class Service;
 class TimerState;
 }  // namespace internal
 
-/** @brief Publishes on a topic while a copy of it lives, like ros::Publisher. */
+/** @brief Publishes on a topic as long as a copy of this object exists, like ros::Publisher. */
 class Publisher {
  public:
   Publisher() = default;
 
-  /** @brief To participants with the report, in order; to other nodes at once. */
+  /**
+   * @brief Publish @p message. Participants get it after this node's report, in the stated order;
+   * other nodes get it at once.
+   */
   template <class M>
   void publish(const M& message) const {
     publishBytes(ros::serialization::serializeMessage(message),
                  ros::message_traits::md5sum(message));
   }
 
-  /** @brief Participants that listen, as of this instant; nodes that do not take
-   * part. */
+  /**
+   * @brief The number of participants that listen to the topic, as of this instant; for a topic
+   * that does not go through the time master, the number of connected nodes.
+   */
   std::uint32_t getNumSubscribers() const;
   std::string getTopic() const;
   explicit operator bool() const { return static_cast<bool>(publication_); }
@@ -70,12 +79,12 @@ class Publisher {
   std::shared_ptr<internal::Publication> publication_;
 };
 
-/** @brief Listens to a topic while a copy of it lives, like ros::Subscriber. */
+/** @brief Listens to a topic as long as a copy of this object exists, like ros::Subscriber. */
 class Subscriber {
  public:
   Subscriber() = default;
   std::string getTopic() const;
-  /** @brief Participants that publish on the topic, as of this instant. */
+  /** @brief The number of participants that publish on the topic, as of this instant. */
   std::uint32_t getNumPublishers() const;
   explicit operator bool() const { return static_cast<bool>(subscription_); }
 
@@ -87,7 +96,7 @@ class Subscriber {
   std::shared_ptr<internal::Subscription> subscription_;
 };
 
-/** @brief Offers a service while a copy of it lives, like ros::ServiceServer. */
+/** @brief Offers a service as long as a copy of this object exists, like ros::ServiceServer. */
 class ServiceServer {
  public:
   ServiceServer() = default;
@@ -101,12 +110,12 @@ class ServiceServer {
   std::shared_ptr<internal::Service> service_;
 };
 
-/** @brief Fires while a copy of it lives, like ros::Timer. */
+/** @brief Calls its callback as long as a copy of this object exists, like ros::Timer. */
 class Timer {
  public:
   Timer() = default;
   void stop();
-  /** @brief Due one period from now; no effect on a timer that runs. */
+  /** @brief Let the timer fire one period from now; this has no effect on a timer that runs. */
   void start();
   bool isRunning() const;
   explicit operator bool() const { return static_cast<bool>(state_); }
@@ -119,28 +128,33 @@ class Timer {
 };
 
 struct Options {
-  /** Order among those who act at one instant, smallest first; else ~lockstep_rank, else by name.
+  /**
+   * The node's place among the participants that act at one instant, smallest first. Without it the
+   * node's parameter ~lockstep_rank counts; nodes of one rank come in the order of their names.
    */
   std::optional<std::int32_t> rank;
 };
 
-/** @brief One roscpp node's part in lockstep; one per process. */
+/** @brief The part of one roscpp node in lockstep. A process has at most one. */
 class Participant {
  public:
   /**
-   * @brief Join, and return at the node's first instant; from then on it has its turn until it
-   * sleeps or spins. Call it after ros::init. It waits for the time master and for the others that
-   * the run needs.
+   * @brief Join the run, and return at the node's first instant. From then on the node has its turn
+   * until it sleeps or spins. Call this after ros::init. It waits for the time master, and for the
+   * other participants that the run needs.
    *
    * @throws NotLockstep if the time master runs but is not in lockstep.
-   * @throws Error if it refuses this node, or ROS shuts down meanwhile.
+   * @throws Error if the time master refuses this node, or if ROS shuts down meanwhile.
    */
   explicit Participant(const Options& options = Options());
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /** @param outside_queue_size messages kept for each slow node that does not take part. */
+  /**
+   * @param outside_queue_size the number of messages that are kept for each slow node that does not
+   * take part.
+   */
   template <class M>
   Publisher advertise(const std::string& topic, bool latch = false,
                       std::uint32_t outside_queue_size = 1000) {
@@ -152,7 +166,7 @@ class Participant {
 
   /**
    * @param callback takes const M&, M::ConstPtr or const ros::MessageEvent<M const>&.
-   * @param queue_size messages kept at one instant, the newest; 0 = all.
+   * @param queue_size the number of messages that are kept at one instant, the newest ones; 0: all.
    */
   template <class M, class Callback>
   Subscriber subscribe(const std::string& topic, Callback callback, std::uint32_t queue_size = 0) {
@@ -175,7 +189,7 @@ class Participant {
   Subscriber subscribe(const ros::SubscribeOptions& options);
 
   /**
-   * @brief Answer a service's calls, from participants and from outside.
+   * @brief Answer the calls of a service, from participants and from outside.
    * @param callback bool(S::Request&, S::Response&)
    */
   template <class S, class Callback>
@@ -189,8 +203,8 @@ class Participant {
   ServiceServer advertiseService(const ros::AdvertiseServiceOptions& options);
 
   /**
-   * @brief Call a service that a participant offers; simulated time may pass meanwhile.
-   * @return whether the answer is good, like ros::ServiceClient::call; if not, the log says why.
+   * @brief Call a service that a participant offers. Simulated time may pass meanwhile.
+   * @return whether the call succeeded, like ros::ServiceClient::call; if not, the log says why.
    */
   template <class S>
   bool call(const std::string& service, S& call) {
@@ -205,80 +219,103 @@ class Participant {
     return true;
   }
 
-  /** @brief Wait until a participant offers the service. @return whether one does. */
+  /**
+   * @brief Wait until a participant offers the service. @return whether a participant offers it.
+   */
   bool waitForService(const std::string& service,
                       const std::optional<ros::Duration>& timeout = std::nullopt);
 
-  /** @brief Simulated time: that of the grant under way. ros::Time::now() says the same. */
+  /** @brief The simulated time of the present grant. ros::Time::now() gives the same. */
   ros::Time now() const;
   std::uint32_t microstep() const;
 
   /**
-   * @brief Let others go on for @p duration; callbacks run meanwhile (but inside a callback none).
+   * @brief Sleep for @p duration of simulated time. Callbacks run meanwhile, unless this is called
+   * from a callback.
    * @return false if the run or the node ends before.
    */
   bool sleep(const ros::Duration& duration);
   bool sleepUntil(const ros::Time& time);
 
-  /** @brief Run callbacks until ROS shuts down, the time master goes, or a callback leaves. */
+  /**
+   * @brief Run callbacks until ROS shuts down, the time master ends, or a callback calls leave().
+   */
   void spin();
 
   /**
-   * @brief Give way once without letting time pass: what others have sent at this instant is
-   * handled. @return false if the run or the node has ended.
+   * @brief Give way once, without letting time pass, and handle what others have sent at this
+   * instant.
+   * @return false if the run or the node has ended.
    */
   bool spinOnce();
 
   /**
-   * @brief Run callbacks until @p done() is true, looked at after each grant. Without a timeout
-   * this counts as open work: if nothing is left to happen, the time master names it as a deadlock.
-   * @param what is shown as what the node waits for. @return what done() says.
+   * @brief Run callbacks until @p done() is true; it is called after each grant. Without a timeout
+   * this counts as open work: if nothing is left to happen, the time master reports a deadlock.
+   * @param what names what the node waits for, in the messages of the time master.
+   * @return whether done() became true.
    */
   bool spinUntil(const std::function<bool()>& done,
                  const std::optional<ros::Duration>& timeout = std::nullopt,
                  const std::string& what = "a condition");
 
-  /** @brief Call @p callback every @p period (> 0; a oneshot timer's may be 0), on an exact grid.
+  /**
+   * @brief Make a timer that calls @p callback every @p period, on an exact grid. The period must
+   * be more than 0; that of a oneshot timer may be 0.
    */
   Timer createTimer(const ros::Duration& period,
                     std::function<void(const ros::TimerEvent&)> callback, bool oneshot = false,
                     bool autostart = true);
 
   /**
-   * @brief Write a line into the run's event log. @param values a JSON array, compact.
-   * @param sub index of the robot in this node's fleet, which orders the lines of one instant.
+   * @brief Write a line into the run's event log.
+   * @param values a JSON array, without spaces.
+   * @param sub the index of the robot in this node's fleet, by which the lines of one instant are
+   * ordered.
    */
   void log(const std::string& robot, const std::string& kind, const std::string& values,
            std::uint32_t sub = 0);
 
   /**
-   * @brief Set a parameter of ROS when the round is over; who gets it then, this node too, gets
-   * what the rounds have made of it. @throws ros::InvalidNameException
-   * @throws Error for what XML-RPC cannot say: a value without a type, texts that are no UTF-8
+   * @brief Set a ROS parameter. It changes when the round is over; all nodes that read it
+   * afterwards, this one included, get the value that the rounds have given it.
+   * @throws ros::InvalidNameException if @p key is not a valid name.
+   * @throws Error if XML-RPC cannot express the value: it has no type, or a text is not UTF-8.
    */
   void setParam(const std::string& key, const XmlRpc::XmlRpcValue& value);
-  /** @brief The same for a deletion; of what is not there it has no effect. */
+  /**
+   * @brief Delete a ROS parameter when the round is over. This has no effect on a parameter that
+   * does not exist.
+   */
   void deleteParam(const std::string& key);
-  /** @brief Whoever takes no part and sets @p key, or what is below it, labels the run from now on.
+  /**
+   * @brief Say that this node depends on the parameter @p key. The run gets a label if a node that
+   * does not take part sets or deletes it, or a parameter above or below it.
    */
   void asksForParam(const std::string& key);
 
-  /** @brief Say why this run cannot be repeated exactly. */
+  /** @brief Give the run a label: @p reason says why it cannot be repeated exactly. */
   void label(const std::string& reason);
 
-  /** @brief What comes on @p topic from outside is the same in every run (a map): no label for it.
+  /**
+   * @brief Declare that the messages on @p topic from outside are the same in every run, such as a
+   * map. Then they give the run no label.
    */
   void constant(const std::string& topic);
 
   /**
-   * @brief For ordinary roscpp parts of this node: nodehandle.setCallbackQueue(outsideQueue()).
-   * Their callbacks run as input from outside. Must not outlive the participant.
+   * @brief The callback queue for ordinary roscpp parts of this node:
+   * nodehandle.setCallbackQueue(outsideQueue()). Their callbacks run as input from outside. The
+   * parts must not outlive the participant.
    */
   ros::CallbackQueueInterface* outsideQueue();
 
   std::int32_t rank() const;
 
-  /** @brief The node's last report; what it has published still goes out. */
+  /**
+   * @brief End this node's part in the run with a last report. The messages that it has published
+   * still go out.
+   */
   void leave(const std::string& reason = "");
 
   /** @return whether the node still takes part. */
@@ -291,13 +328,15 @@ class Participant {
   std::shared_ptr<internal::Core> core_;
 };
 
-/** @brief ros::Rate in a participant. */
+/** @brief The counterpart of ros::Rate in a participant. */
 class Rate {
  public:
   Rate(Participant& participant, double frequency);
   Rate(Participant& participant, const ros::Duration& cycle);
 
-  /** @brief Sleep until the end of the cycle. @return false if it is over already, or the run. */
+  /**
+   * @brief Sleep until the end of the cycle. @return false if the cycle or the run is already over.
+   */
   bool sleep();
   void reset();
   ros::Duration expectedCycleTime() const { return cycle_; }

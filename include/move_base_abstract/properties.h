@@ -1,5 +1,6 @@
-// What must hold in a run, as a node states it: always, sometimes, never again. docs/properties.md
-// is the contract. For any roscpp node, in lockstep or not, with or without our library.
+// Statements of a node about a run: what must hold always, sometimes, or never again.
+// docs/properties.md is the contract. This header is for any roscpp node, in lockstep or not, with
+// or without our library.
 #ifndef MOVE_BASE_ABSTRACT_PROPERTIES_H
 #define MOVE_BASE_ABSTRACT_PROPERTIES_H
 
@@ -18,7 +19,7 @@
 
 namespace move_base_abstract::properties {
 
-/** @brief What is shown where a statement breaks: names and values. */
+/** @brief Names and values that are shown when a statement breaks. */
 using Details = std::vector<std::pair<std::string, std::string>>;
 
 namespace internal {
@@ -33,7 +34,7 @@ inline const char* nameOf(Kind kind) {
   return kind == Kind::kAlways ? "always" : kind == Kind::kSometimes ? "sometimes" : "never_again";
 }
 
-/** @return @p text in one line of ASCII or UTF-8, not too long. */
+/** @return @p text [ASCII or UTF-8] in one line, cut to kLongestText. */
 inline std::string shortened(const std::string& text) {
   std::istringstream words(text);
   std::string line;
@@ -45,7 +46,7 @@ inline std::string shortened(const std::string& text) {
   }
   std::size_t end = kLongestText - 3;
   while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) {
-    --end;  // no character is cut in two
+    --end;  // so that no character is cut in two
   }
   return line.substr(0, end) + "...";
 }
@@ -70,9 +71,13 @@ struct Statement {
   unsigned was_true = 0;
 };
 
-/** @brief Have the run's event log say it, if the node takes part; else a break is a warning. */
+/**
+ * @brief Write @p row into the run's event log, if the node takes part. Otherwise warn of a broken
+ * statement.
+ */
 inline void tell(const std::vector<std::string>& row) {
-  // Of the preloaded library, or of the one that participants link; 0: the row was taken.
+  // The function of the preloaded library, or of the library that participants link. It returns 0
+  // if it took the row.
   using Log = int(const char*, const char*);
   static Log* const log =
       reinterpret_cast<Log*>(::dlsym(RTLD_DEFAULT, "move_base_abstract_log_row"));
@@ -89,10 +94,10 @@ inline void tell(const std::vector<std::string>& row) {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-/** @brief Those of this process; statements.py has the same rules. */
+/** @brief The statements of this process. statements.py has the same rules. */
 class Statements {
  public:
-  /** @return what is news, in order; mostly nothing. */
+  /** @return the rows to write, in order; mostly there are none. */
   Rows take(Kind kind, bool holds, const std::string& text, const Details& details) {
     const std::lock_guard<std::mutex> lock(mutex_);
     auto found = made_.find({kind, text});
@@ -160,7 +165,7 @@ inline void take(Kind kind, bool holds, const std::string& text, const Details& 
 
 }  // namespace internal
 
-/** @return a detail: @p value is written as a stream writes it. */
+/** @return a detail, with @p value as an output stream writes it. */
 template <class T>
 Details::value_type detail(const std::string& name, const T& value) {
   std::ostringstream text;
@@ -169,20 +174,21 @@ Details::value_type detail(const std::string& name, const T& value) {
 }
 
 /**
- * @brief State that @p condition is true whenever this is called; the first time that it is not
- * breaks it. @param text says what is stated, and is the same each time.
- * @throws std::invalid_argument for an empty text
+ * @brief State that @p condition is true whenever this is called. The first time that it is false
+ * breaks the statement.
+ * @param text says what is stated, and is the same each time.
+ * @throws std::invalid_argument if @p text is empty.
  */
 inline void always(bool condition, const std::string& text, const Details& details = {}) {
   internal::take(internal::Kind::kAlways, condition, text, details);
 }
 
-/** @brief State that @p condition is true at least once when this is called, in some run. */
+/** @brief State that @p condition is true at least once, in at least one run. */
 inline void sometimes(bool condition, const std::string& text, const Details& details = {}) {
   internal::take(internal::Kind::kSometimes, condition, text, details);
 }
 
-/** @brief State that @p condition, once it was true and then false, is never true again. */
+/** @brief State that @p condition never becomes true again after it was true and then false. */
 inline void never_again(bool condition, const std::string& text, const Details& details = {}) {
   internal::take(internal::Kind::kNeverAgain, condition, text, details);
 }

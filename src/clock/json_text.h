@@ -1,6 +1,6 @@
-// A text as JSON. Written by hand, since the bytes of event logs must be those of earlier versions
-// (libraries write some control characters in other forms) and a busy run writes thousands a
-// second.
+// Texts as JSON strings. This is written by hand for two reasons. Event logs must have the same
+// bytes as those of earlier versions, and libraries write some control characters in other forms.
+// And a busy run writes thousands of texts a second.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
 #define MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
 

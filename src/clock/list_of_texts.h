@@ -1,4 +1,4 @@
-// A list of texts as a command line gives it. No ROS, no state.
+// Reads a list of texts from a command line. No ROS, no state.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
 #define MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
 
@@ -10,7 +10,7 @@
 
 namespace move_base_abstract {
 
-/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
+/** @return the texts of a list such as "[a, 'b', "c"]"; nothing if @p text is not such a list. */
 inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
   const auto trimmed = [](const std::string& part) {
     const std::size_t begin = part.find_first_not_of(" \t\n");

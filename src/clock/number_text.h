@@ -1,4 +1,4 @@
-// Numbers, times and names as texts of the event-driven clock's errors and messages.
+// Numbers, times and names as texts, for the errors and messages of the event-driven clock.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
 #define MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
 
@@ -18,7 +18,7 @@ inline std::string numberText(double value) {
   return text.str();
 }
 
-/** @return @p time [ns], exactly, without needless zeros: "12.5 s". */
+/** @return @p time [ns] in seconds, exactly and without needless zeros: "12.5 s". */
 inline std::string secondsText(Nanoseconds time) {
   const bool negative = time < 0;
   const auto size =
@@ -30,7 +30,7 @@ inline std::string secondsText(Nanoseconds time) {
   return text + (digits.empty() ? "" : "." + digits) + " s";
 }
 
-/** @return "1 message", "3 messages". */
+/** @return the count with its noun @p what: "1 message", "3 messages". */
 inline std::string countText(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }

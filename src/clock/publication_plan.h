@@ -9,9 +9,9 @@
 namespace move_base_abstract {
 
 /**
- * @brief Three rules: a new time is due when it is finest_step ahead of the last one, or when time
- * has come to a stand; an old one is repeated when nothing was sent for repeat_gap; and nothing is
- * sent sooner than min_gap after the last.
+ * @brief Plans the messages on /clock by three rules. A new time is due when it is finest_step
+ * ahead of the last one, or when time has come to a stand. The last time is repeated when nothing
+ * was sent for repeat_gap. Nothing is sent sooner than min_gap after the last message.
  */
 class PublicationPlan {
  public:

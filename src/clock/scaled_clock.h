@@ -19,16 +19,16 @@ constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 /** @brief A wall instant that never comes. */
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 
-/** @brief The sum of two instants, or kNever where it would not fit. @pre b >= 0 */
+/** @brief The sum of two instants, or kNever if the sum would overflow. @pre b >= 0 */
 constexpr Nanoseconds addSaturated(Nanoseconds a, Nanoseconds b) {
   return a > kNever - b ? kNever : a + b;
 }
 
 /**
- * @brief Integrates rate x wall time without ever rounding.
+ * @brief Integrates rate x wall time without any rounding.
  *
- * What is less than a nanosecond is carried on as a remainder in billionths of a nanosecond, so
- * that any number of rate changes adds up to the exact sum.
+ * The part below a nanosecond is carried on as a remainder in billionths of a nanosecond. So any
+ * number of rate changes adds up to the exact sum.
  */
 class ScaledClock {
  public:
@@ -47,13 +47,13 @@ class ScaledClock {
     wall_ = wall;
   }
 
-  /** @brief Be at @p wall [ns] without having run until then. @pre wall >= wall() */
+  /** @brief Go on to @p wall [ns] while simulated time stands still. @pre wall >= wall() */
   void skipTo(Nanoseconds wall) { wall_ = wall; }
 
   /** @brief Run at @p rate from the latest wall instant on. @pre rate >= 0 */
   void setRate(FactorUnits rate) { rate_ = rate; }
 
-  /** @brief Be at exactly @p sim [ns, simulated], without a remainder. */
+  /** @brief Set simulated time to exactly @p sim [ns, simulated], without a remainder. */
   void setTo(Nanoseconds sim) {
     sim_ = sim;
     remainder_ = 0;

@@ -15,7 +15,9 @@ unsigned byteAt(std::string_view text, std::size_t at) {
   return at < text.size() ? static_cast<unsigned char>(text[at]) : 0U;
 }
 
-/** @return the character at @p at; what is no UTF-8 counts as characters of one byte each. */
+/**
+ * @return the character at @p at. A byte that is not valid UTF-8 counts as a character by itself.
+ */
 Character characterAt(std::string_view text, std::size_t at) {
   const unsigned lead = byteAt(text, at);
   const std::size_t size = lead < 0xC2   ? 1

@@ -1,4 +1,4 @@
-// Texts that others have written, made fit for a terminal and a log.
+// Makes texts from other programs fit for a terminal and a log.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_SHOWN_TEXT_H
 #define MOVE_BASE_ABSTRACT_CLOCK_SHOWN_TEXT_H
 
@@ -8,17 +8,22 @@
 
 namespace move_base_abstract {
 
-/** @brief How many bytes of a text of somebody else's are shown. */
+/** @brief The most bytes that are shown of a text from another program. */
 constexpr std::size_t kMostShown = 2000;
-/** @brief Bytes of a name: of a participant, of a holder. ROS itself has no limit. */
+/**
+ * @brief The most bytes that a participant's or a holder's name may have. ROS itself has no limit.
+ */
 constexpr std::size_t kLongestName = 255;
 
-/** @return whether @p text has characters that command a terminal, or move what stands after. */
+/**
+ * @return whether @p text has characters that control a terminal, or that change how the text after
+ * them is displayed.
+ */
 bool hasControlCharacters(std::string_view text);
 
 /**
- * @return @p text [UTF-8] with those characters as their codes ("\x1b", "\u202e"), and without its
- * end where it is longer than @p most bytes; then it says how long it was.
+ * @return @p text [UTF-8] with control characters replaced by their codes ("\x1b", "\u202e"). A
+ * text of more than @p most bytes is cut, and its full length is added.
  */
 std::string shown(std::string_view text, std::size_t most = kMostShown);
 

@@ -31,7 +31,9 @@ std::string seconds(Nanoseconds time) {
 
 [[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
 
-/** @brief Refuse a value outside [low, high]; written so that NaN is refused too. */
+/**
+ * @brief Refuse a value outside [low, high]. The condition is written so that it refuses NaN too.
+ */
 double checked(const char* name, double value, double low, double high, const char* unit) {
   if (!(value >= low && value <= high)) {
     refuse(std::string(name) + " must be from " + number(low) + " to " + number(high) + unit +
@@ -243,7 +245,7 @@ void TimeMaster::leaveOutGap(Nanoseconds wall) {
 }
 
 void TimeMaster::endHolds() {
-  // Expired in the order of their ends; those of one instant in alphabetical order.
+  // Holds expire in the order of their ends; those that end at one instant, in alphabetical order.
   for (auto hold = holds_.begin(); hold != holds_.end();) {
     if (hold->second <= clock_.wall()) {
       events_.push_back({Event::Kind::kHoldExpired, clock_.wall(), now(), hold->first, 0});
@@ -259,7 +261,7 @@ void TimeMaster::endRun() {
   if (paused_ || now() < stop) {
     return;
   }
-  // A nanosecond of wall time is many of simulated time: what lies past the stop is dropped.
+  // A nanosecond of wall time may be many of simulated time, so the clock may be past the stop.
   clock_.setTo(stop);
   paused_ = true;
   if (target_) {

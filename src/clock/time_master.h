@@ -1,4 +1,5 @@
-// The time master's rules. No ROS, no thread, no sleeping: wall time is an argument.
+// The rules of the time master for the scaled clock. No ROS, no thread, no sleeping: wall time is
+// an argument.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
 #define MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
 
@@ -16,10 +17,10 @@ namespace move_base_abstract {
 /**
  * @brief Simulated time = factor x wall time, with pause, step, run until and holds.
  *
- * Every `wall` argument is a monotonic wall instant in ns; one before the latest given counts as
- * the latest. Whatever has an end (a hold, a step, a run) ends at exactly its own instant, however
- * late the next call comes. Of pause, resume, step and run until, the last one called wins. A
- * refused call throws std::invalid_argument, says what it got and what is allowed, and changes
+ * Every `wall` argument is a monotonic wall instant in ns. An instant before the latest one given
+ * counts as the latest. A hold, a step and a run end at exactly their own instants, however late
+ * the next call comes. Of pause, resume, step and run until, the last one called wins. A refused
+ * call throws std::invalid_argument, which says what was got and what is allowed; it changes
  * nothing.
  */
 class TimeMaster {
@@ -33,7 +34,7 @@ class TimeMaster {
 
   struct Settings {
     double factor = 1.0;            // simulated s per wall s, 0.01 to 1e6
-    double busy_factor = 1.0;       // limit while anybody holds; 0 (frozen) or 0.01 to 1e6
+    double busy_factor = 1.0;       // limit during a hold; 0 (frozen) or 0.01 to 1e6
     double finest_step = 0.01;      // s simulated between two messages, 1e-6 to 3600
     double max_clock_rate = 500.0;  // messages per wall s, 1 to 10000
     double start_time = 1.0;        // s simulated, 1e-6 to 2e9
@@ -42,14 +43,14 @@ class TimeMaster {
     double longest_gap = kLongestGap;  // wall s between two calls that count, 0.2 to 3e9
   };
 
-  /** @brief Something that happened by itself: mostly, that something came to its end. */
+  /** @brief Something that happened without a call, such as the end of a hold. */
   struct Event {
     enum class Kind { kHoldExpired, kTargetReached, kEndOfTime, kGap };
     Kind kind;
-    Nanoseconds wall;          // ns, when exactly it happened; of a gap its end
+    Nanoseconds wall;          // ns, when exactly it happened; for a gap, its end
     Nanoseconds time;          // ns, simulated
     std::string holder;        // of an expired hold
-    Nanoseconds left_out = 0;  // ns, wall, of a gap: for so long time stood, and should not have
+    Nanoseconds left_out = 0;  // ns, wall, for a gap: how long time stood but should not have
   };
 
   struct Hold {
@@ -61,10 +62,12 @@ class TimeMaster {
   TimeMaster(const Settings& settings, Nanoseconds wall);
 
   /**
-   * @brief Integrate up to @p wall, through every end that lies on the way.
+   * @brief Integrate up to @p wall. Each hold, step and run that ends on the way ends at its own
+   * instant.
    *
-   * Who was not called for longer than longest_gap (the process was stopped, or the computer is
-   * overloaded) lets no more than that pass: what listens to /clock would see one leap otherwise.
+   * If there was no call for longer than longest_gap, because the process was stopped or the
+   * computer is overloaded, only longest_gap counts. Otherwise the nodes that listen to /clock
+   * would see one large leap.
    */
   void advance(Nanoseconds wall);
 
@@ -74,21 +77,21 @@ class TimeMaster {
   /** @return the wall instant [ns] at which to poll next; it may lie in the past. */
   Nanoseconds nextWake() const;
 
-  /** @return what came to its end since the last call, in the order in which it happened. */
+  /** @return the events since the last call, in the order in which they happened. */
   std::vector<Event> takeEvents();
 
   /** @brief Run at @p factor (0.01 to 1e6) from @p wall on. */
   void setFactor(double factor, Nanoseconds wall);
 
-  /** @brief Stand still; a step or run under way is given up. */
+  /** @brief Stand still. A step or run under way is given up. */
   void pause(Nanoseconds wall);
 
   /** @brief Run on without a target. Refused at the end of time. */
   void resume(Nanoseconds wall);
 
   /**
-   * @brief Run for @p duration [ns, simulated, > 0], from the target of a step or run still under
-   * way or else from the present, and pause there. @return the target [ns].
+   * @brief Run for @p duration [ns, simulated, > 0] and pause there. It counts from the target of a
+   * step or run under way; if there is none, from the present. @return the target [ns].
    */
   Nanoseconds step(Nanoseconds duration, Nanoseconds wall);
 
@@ -96,12 +99,12 @@ class TimeMaster {
   void runUntil(Nanoseconds target, Nanoseconds wall);
 
   /**
-   * @brief Limit the factor to busy_factor for @p timeout wall seconds (more than 0, to 86400).
-   * Holding again under the same name moves the end later, never earlier.
+   * @brief Limit the factor to busy_factor for @p timeout wall seconds (more than 0, to 86400). A
+   * second hold under the same name can move the end later, but not earlier.
    */
   void hold(const std::string& holder, double timeout, Nanoseconds wall);
 
-  /** @return whether @p holder held. */
+  /** @brief End the hold of @p holder. @return whether there was one. */
   bool release(const std::string& holder, Nanoseconds wall);
 
   Nanoseconds now() const { return clock_.now(); }

@@ -1,4 +1,5 @@
-// The connections of a session: bytes that come in pieces, bytes to be sent. No sockets.
+// The connections of a session: received bytes, which come in pieces, and bytes to be sent. No
+// sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
 
@@ -18,11 +19,11 @@ namespace move_base_abstract {
 /** @brief A connection's number, chosen by the caller and never reused. */
 using ConnectionId = std::uint64_t;
 
-/** @brief What a connection is to be sent. */
+/** @brief The bytes that a connection is to be sent. */
 struct ConnectionOutput {
   ConnectionId connection;
   std::string bytes;
-  bool close;  // after the bytes are sent; the connection is known no more
+  bool close;  // after the bytes are sent; the connection is then forgotten
 };
 
 /** @brief A connection, as far as a session knows it. */
@@ -34,36 +35,41 @@ struct Connection {
   bool listed = false;  // has something to be sent
 };
 
-/** @brief All connections, what each is to be sent, and until when strangers must say HELLO. */
+/**
+ * @brief All connections, the bytes to send to each, and the limit of time for a new connection to
+ * say HELLO.
+ */
 class Connections {
  public:
   static constexpr Nanoseconds kHelloLimit = 10 * kNanosecondsPerSecond;  // wall
 
-  /** @param hello_due wall ns; until then it must have said HELLO. */
+  /** @param hello_due the wall instant [ns] by which the connection must have said HELLO. */
   void add(ConnectionId id, Nanoseconds hello_due);
-  /** @brief It is lost. @return whose it was; 0: nobody's. */
+  /** @brief Forget a connection that is lost. @return the member that it belonged to; 0: none. */
   MemberId remove(ConnectionId id);
-  /** @brief It has said HELLO. */
+  /** @brief Note that the connection has said HELLO, as @p member. */
   void greeted(ConnectionId id, MemberId member);
 
   /** @return the connection, unless it is unknown or about to be closed. */
   Connection* open(ConnectionId id);
-  /** @return whose it is; 0: nobody's, or unknown. */
+  /** @return the member that the connection belongs to; 0: none, or the connection is unknown. */
   MemberId memberOf(ConnectionId id) const;
   bool contains(ConnectionId id) const { return connections_.count(id) != 0; }
 
   void send(ConnectionId id, std::string_view bytes);
-  /** @brief Tell it the end, and close it then. */
+  /** @brief Send END with @p reason, then close the connection. */
   void close(ConnectionId id, const std::string& reason, bool as_wished = false);
   void closeAll(const std::string& reason, bool as_wished);
-  /** @return what is to be sent since the last call, one entry per connection. */
+  /** @return the bytes to send since the last call, one entry per connection. */
   std::vector<ConnectionOutput> flush();
 
-  /** @return how many have said no HELLO yet. */
+  /** @return the number of connections that have not said HELLO yet. */
   std::size_t strangers() const { return hello_due_.size(); }
-  /** @return one that should have said HELLO by @p wall [ns]; 0: there is none. */
+  /** @return a connection that should have said HELLO by @p wall [ns]; 0: there is none. */
   ConnectionId silentStranger(Nanoseconds wall) const;
-  /** @return the wall instant [ns] at which the next stranger is silent for too long, or kNever. */
+  /**
+   * @return the wall instant [ns] by which the next new connection must have said HELLO, or kNever.
+   */
   Nanoseconds helloDue() const { return hello_due_.empty() ? kNever : hello_due_.begin()->second; }
   bool hasOutput() const { return !outgoing_.empty(); }
 

@@ -6,21 +6,21 @@ namespace move_base_abstract {
 namespace {
 
 constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
-constexpr std::uint64_t kRoundsBefore = 32;  // of a run that begins, until the first look
+constexpr std::uint64_t kRoundsBefore = 32;  // at the beginning of a run, before the first look
 constexpr std::uint64_t kSpanRounds = 48;
 constexpr Nanoseconds kSpanTime = 8 * kMillisecond;
-constexpr std::uint64_t kLongSpanRounds = 2;  // where rounds are long
+constexpr std::uint64_t kLongSpanRounds = 2;  // if rounds are long
 constexpr Nanoseconds kLongSpanTime = 100 * kMillisecond;
 constexpr std::size_t kFewestPairs = 3;
 constexpr std::size_t kMostPairs = 12;
-constexpr double kGain = 0.05;      // less is none
-constexpr double kOtherCost = 1.5;  // times as much, or as little
+constexpr double kGain = 0.05;      // a smaller gain does not count
+constexpr double kOtherCost = 1.5;  // a cost this many times higher or lower has changed
 constexpr double kKnownShare = 0.5;
-constexpr Nanoseconds kWindow = 100 * kMillisecond;  // in which rounds are compared with those kept
+constexpr Nanoseconds kWindow = 100 * kMillisecond;  // in which rounds are added up to compare
 constexpr Nanoseconds kShortestGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kLongestGap = 16 * kNanosecondsPerSecond;
 constexpr Nanoseconds kSoonest = kNanosecondsPerSecond / 4;
-constexpr double kLostShare = 0.02;  // of the time
+constexpr double kLostShare = 0.02;  // of the time, which looks may cost
 constexpr std::uint64_t kAlternateRounds = 10;
 constexpr std::size_t kNoPair = static_cast<std::size_t>(-1);
 
@@ -90,7 +90,10 @@ void CoreChoice::add(std::size_t grants, Nanoseconds duration, Nanoseconds wall)
   }
 }
 
-/** @brief Begin a look when it is due, or when rounds cost something else than at the latest. */
+/**
+ * @brief Begin a look when it is due, or when the cost of rounds differs from that of the latest
+ * look.
+ */
 void CoreChoice::watch(std::size_t grants, Nanoseconds duration, Nanoseconds wall) {
   if (rounds_ <= kRoundsBefore) {
     return;
@@ -125,11 +128,14 @@ void CoreChoice::use(bool one) {
   span_ = RoundCosts();
 }
 
-/** @brief Spans are in the order kept, other, other, kept, kept, ...: that takes fewer changes. */
+/**
+ * @brief Add a round to the look under way. The order of the spans is kept, other, other, kept,
+ * kept, ...: that takes fewer changes.
+ */
 void CoreChoice::look(std::size_t grants, Nanoseconds duration, Nanoseconds wall) {
   spent_ += duration;
   if (is_fresh_) {
-    is_fresh_ = false;  // the caches were another core's
+    is_fresh_ = false;  // its caches are cold
     return;
   }
   span_.add(grants, duration);
@@ -153,14 +159,16 @@ void CoreChoice::look(std::size_t grants, Nanoseconds duration, Nanoseconds wall
 
 CoreChoice::Better CoreChoice::better(double cost_of_one) {
   if (cost_of_one <= 0.0) {
-    return Better::kNeither;  // no rounds are alike
+    return Better::kNeither;  // no rounds can be compared
   }
   return cost_of_one < 1.0 - kGain   ? Better::kOne
          : cost_of_one > 1.0 + kGain ? Better::kAll
                                      : Better::kNeither;
 }
 
-/** @return what rounds cost on one core relative to all, of all pairs but @p without. */
+/**
+ * @return the cost of rounds on one core relative to all cores, over all pairs except @p without.
+ */
 double CoreChoice::costOfOne(std::size_t without) const {
   Pair sum;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {

@@ -1,4 +1,4 @@
-// Whether a run goes faster on one core or on all: a rule that is fed with what rounds took.
+// Decides whether a run goes faster on one core or on all, from the durations of its rounds.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CORE_CHOICE_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CORE_CHOICE_H
 
@@ -11,10 +11,13 @@
 
 namespace move_base_abstract {
 
-/** @brief What the user wants; kAlternate changes every few rounds, which only tests want. */
+/** @brief The user's wish. kAlternate changes every few rounds; it is for tests only. */
 enum class CoresWish { kAuto, kOne, kAll, kAlternate };
 
-/** @brief What rounds took, apart by how many participants were granted: only such are alike. */
+/**
+ * @brief The durations of rounds, by the number of granted participants: only rounds with like
+ * numbers are compared.
+ */
 class RoundCosts {
  public:
   void add(std::size_t grants, Nanoseconds duration);
@@ -22,10 +25,15 @@ class RoundCosts {
 
   std::uint64_t rounds() const { return rounds_; }
   Nanoseconds time() const { return time_; }
-  /** @return what these cost relative to @p others for the same mixture of rounds; 0: they have
-   * none in common. */
+  /**
+   * @return the cost of these rounds relative to @p others, for the same mixture of rounds; 0: they
+   * have no kind of rounds in common.
+   */
   double relativeTo(const RoundCosts& others) const;
-  /** @return how much of these rounds' time went to such that are in @p others, 0 to 1. */
+  /**
+   * @return the share of the time of these rounds, 0 to 1, that went to kinds of rounds which @p
+   * others has, too.
+   */
   double shareIn(const RoundCosts& others) const;
 
  private:
@@ -40,11 +48,11 @@ class RoundCosts {
 };
 
 /**
- * @brief Measures short spans of rounds on one core and on all in turn, keeps the better, and looks
- * again later, or when rounds cost something else.
+ * @brief Measures short spans of rounds on one core and on all cores in turn, and keeps what is
+ * faster. It measures ("looks") again later, or when the cost of rounds has changed.
  *
- * A look ends when its outcome hangs on no single pair of spans. Looks cost at most a fiftieth of
- * the time, but for the first.
+ * A look ends when its outcome depends on no single pair of spans. Looks cost at most a fiftieth of
+ * the time, except for the first.
  */
 class CoreChoice {
  public:
@@ -52,19 +60,20 @@ class CoreChoice {
 
   /** @return whether the next round is to be on one core. */
   bool isOne() const { return is_one_; }
-  /** @return what is kept while no look is under way. */
+  /** @return whether one core is kept while no look is under way. */
   bool keepsOne() const { return keeps_one_; }
   bool isLooking() const { return is_looking_; }
-  /** @return whether the look under way began because rounds had come to cost more. */
+  /** @return whether the look under way began because rounds cost more than before. */
   bool isDearer() const { return is_dearer_; }
 
   /**
-   * @brief A round is over.
-   * @param grants participants that worked in it; @param duration ns, wall;
+   * @brief Add a round that is over.
+   * @param grants the number of participants that worked in it.
+   * @param duration ns, wall.
    * @param wall the present, ns.
    */
   void add(std::size_t grants, Nanoseconds duration, Nanoseconds wall);
-  /** @brief The change that add() has asked for took so long. */
+  /** @brief Add the duration [ns, wall] of the change that add() has asked for. */
   void addChange(Nanoseconds duration) { spent_ += duration; }
 
  private:
@@ -90,15 +99,15 @@ class CoreChoice {
   bool is_dearer_ = false;
   std::uint64_t rounds_ = 0;
   RoundCosts span_;           // the present one
-  bool is_second_ = false;    // span of its pair
+  bool is_second_ = false;    // whether the present span is the second of its pair
   bool is_fresh_ = false;     // the next round is the first after a change
   std::vector<Pair> pairs_;   // of this look
   Nanoseconds spent_ = 0;     // wall, in this look
-  RoundCosts kept_;           // what rounds cost where they are kept, at the latest look
-  RoundCosts lately_;         // ... and since
+  RoundCosts kept_;           // cost of rounds with the kept choice, at the latest look
+  RoundCosts lately_;         // ... and since then
   Nanoseconds gap_ = 0;       // wall, until the next look
-  Nanoseconds due_ = 0;       // wall, of it
-  Nanoseconds earliest_ = 0;  // wall, if rounds come to cost something else
+  Nanoseconds due_ = 0;       // wall, of the next look
+  Nanoseconds earliest_ = 0;  // wall, of the next look if the cost of rounds changes
 };
 
 }  // namespace move_base_abstract

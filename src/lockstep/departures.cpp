@@ -1,4 +1,5 @@
-// Who leaves, dies, or is told to end.
+// How a participant leaves: by itself, because its process died, or because a signal told it to
+// end.
 #include "departures.h"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::size_t kMostDepartures = 1000;  // that are kept
+constexpr std::size_t kMostDepartures = 1000;  // in the list
 
 }  // namespace
 
@@ -64,7 +65,7 @@ void Departures::depart(MemberId id, const std::string& how) {
 void Departures::die(MemberId id, const std::string& how) {
   const auto found = run_.members.find(id);
   if (found == run_.members.end() || found->second.departing) {
-    return;  // it has left, and so may go
+    return;  // it has left: its process may end
   }
   const MemberState& state = *run_.rounds.members().find(id);
   const std::string why = run_.text.quoted(id) + " died" + run_.text.at() + ": " + how +
@@ -76,7 +77,7 @@ void Departures::die(MemberId id, const std::string& how) {
     run_.messages.say(LockstepMessage::Level::kWarn, why);
     return;
   }
-  if (run_.interruption.isActive()) {  // who knows no such signal dies of it
+  if (run_.interruption.isActive()) {  // a process that does not handle the signal dies of it
     run_.interruption.keep({Interruption::Label::Kind::kDied, id, why});
   } else {
     end_.degrade(why);
@@ -102,12 +103,14 @@ bool Departures::holdTime() {
   return false;
 }
 
-/** @brief All go: what they did in the round that is not over counts for none, whoever was first.
+/**
+ * @brief All participants end. Nothing that they did in the unfinished round counts, whichever was
+ * first.
  */
 void Departures::endTogether() {
   for (auto& [id, member] : run_.members) {
     if (!member.departing) {
-      run_.connections.close(member.connection, "all who take part were told to end");
+      run_.connections.close(member.connection, "all participants were told to end");
       depart(id, "was told to end");
     }
     member.turn = PendingTurn();
@@ -132,7 +135,10 @@ void Departures::goOnWithoutSome() {
   }
 }
 
-/** @return whether others have something to do yet, so that it matters when this one leaves. */
+/**
+ * @return whether other participants still have something to do, so that it matters when @p id
+ * leaves.
+ */
 bool Departures::goesOnWithout(MemberId id) const {
   if (run_.carriage.held.hasForOthers(id)) {
     return true;

@@ -1,4 +1,5 @@
-// Who leaves, dies, or is told to end.
+// How a participant leaves: by itself, because its process died, or because a signal told it to
+// end.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_DEPARTURES_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_DEPARTURES_H
 
@@ -17,27 +18,36 @@ class Departures {
   Departures(LockstepRun& run, RunEnd& end) : run_(run), end_(end) {}
 
   void toldToEnd(MemberId id, const wire::Stopping& stopping);
-  /** @brief It leaves without a grant. */
+  /** @brief A participant leaves without a grant. */
   void leave(MemberId id, const wire::Leave& leave);
-  /** @brief It has reported for the last time. */
+  /** @brief A participant has sent its last report. */
   void reportedLast(MemberId id);
-  /** @brief Its connection is lost or closed. */
+  /** @brief A participant's connection is lost or closed. */
   void die(MemberId id, const std::string& how);
-  /** @brief It goes when the round is over. @p how: "left", said of it. */
+  /**
+   * @brief Remove a participant when the round is over. @param how the verb for messages, such as
+   * "left".
+   */
   void depart(MemberId id, const std::string& how);
 
-  /** @return whether time stands because participants are told to end. */
+  /** @return whether time stands because participants were told to end. */
   bool holdTime();
-  /** @brief The round is over for @p id, which departs. */
+  /** @brief Remove @p id, which departs, as the round is over. */
   void apply(MemberId id);
-  /** @brief After the grants: those may still contain the last words of who has gone. */
+  /**
+   * @brief Send GONE for the members that have departed. Call this after the grants, which may
+   * still contain their last messages.
+   */
   void sayGone();
 
-  /** @return whether all have gone together: this round's lines are nobody's. */
+  /**
+   * @return whether all participants have gone together, so that the lines of this round do not
+   * count.
+   */
   bool areTogether() const { return are_together_; }
-  /** @return the same, for once. */
+  /** @return the same, and reset it. */
   bool takeTogether() { return std::exchange(are_together_, false); }
-  /** @return those while the run went on; the first ones. */
+  /** @return the departures while the run went on, up to a limit. */
   const std::vector<LockstepStatus::Departure>& list() const { return list_; }
 
  private:
@@ -50,7 +60,7 @@ class Departures {
   LockstepRun& run_;
   RunEnd& end_;
   bool are_together_ = false;
-  std::vector<MemberId> gone_;  // GONE is due after the next grants
+  std::vector<MemberId> gone_;  // to be named in GONE after the next grants
   std::vector<LockstepStatus::Departure> list_;
 };
 

@@ -1,4 +1,4 @@
-// Turns that a report tells beforehand.
+// Turns that a participant reports beforehand.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_FORESEEN_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_FORESEEN_H
 
@@ -17,12 +17,12 @@ struct Foreseen {
 };
 
 /**
- * @brief Move what comes after the AT items of @p report out of it.
+ * @brief Take the AT items, and all items after them, out of @p report.
  *
- * @param bytes what the report's items point into.
- * @throws wire::MalformedFrame where an instant is not after the one before it (the first: after
- * @p now) and before the report's wake-up, where a turn does anything but send, or with a last
- * report.
+ * @param bytes the bytes that the report's items point into.
+ * @throws wire::MalformedFrame if an instant is not after the one before it (the first one: after
+ * @p now), or not before the report's wake-up; if a turn does anything but send; or if this is a
+ * last report.
  */
 Foreseen takeForeseen(wire::Report& report, const std::shared_ptr<const std::string>& bytes,
                       Nanoseconds now);

@@ -1,4 +1,4 @@
-// What the participants that are granted are sent.
+// Sends the grants of a round to the participants.
 
 #include "grants.h"
 
@@ -11,7 +11,7 @@ namespace move_base_abstract {
 namespace {
 
 constexpr std::size_t kMostItems = wire::kLargestFrame - 64;  // bytes; the rest is the grant's own
-constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
+constexpr std::size_t kKeptGrant = 4096;  // bytes, to show the latest grant of a silent participant
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
     too_much_ = quote(member.name) + " is to be handed " + std::to_string(items.size()) +
                 " bytes at once" + run_.text.at() + ", in " +
                 countText(grant.mail.size(), "piece") + "; allowed: " + std::to_string(kMostItems) +
-                ". Messages that make more messages each time, without time passing, come to that";
+                ". This happens if each message leads to more messages while time stands still";
     return;
   }
   granted_.push_back(grant.member);

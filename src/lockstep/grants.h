@@ -1,4 +1,4 @@
-// What the participants that are granted are sent.
+// Sends the grants of a round to the participants.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
 
@@ -13,11 +13,20 @@ class Grants {
  public:
   explicit Grants(LockstepRun& run) : run_(run) {}
 
-  /** @brief Send them, and put in the place of a report what was told beforehand. */
+  /**
+   * @brief Send the grants. A turn that was reported beforehand gets no grant: it takes the place
+   * of a report.
+   */
   void send(const std::vector<LockstepRounds::Grant>& grants);
-  /** @return who was to be sent more than a frame may hold, in words; '' if nobody was. */
+  /**
+   * @return a text that names a participant whose grant would not fit into a frame; '' if there was
+   * none.
+   */
   const std::string& tooMuch() const { return too_much_; }
-  /** @return of the connections that owe the round's report, the one granted last; 0: none. */
+  /**
+   * @return the connection that was granted last, of those that still owe a report of this round;
+   * 0: none.
+   */
   ConnectionId lastAwaited();
 
  private:

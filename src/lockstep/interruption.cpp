@@ -41,7 +41,7 @@ Nanoseconds Interruption::due() const {
   if (!active_) {
     return kNever;
   }
-  // Who ends several processes may wait for one before it ends the next.
+  // A program that ends several processes may wait for one of them before it ends the next.
   const bool ending = std::any_of(concerned_.begin(), concerned_.end(), [](const auto& entry) {
     return entry.second.connection != 0 && !entry.second.knocked;
   });

@@ -1,4 +1,4 @@
-// What becomes of a run whose participants are told to end, at moments of the wall clock.
+// What happens to a run when signals tell its participants to end, at instants of the wall clock.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_INTERRUPTION_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_INTERRUPTION_H
 
@@ -14,16 +14,16 @@
 namespace move_base_abstract {
 
 /**
- * @brief Participants that are told to end by a signal, or go without a grant.
+ * @brief Participants that a signal told to end, or that leave without a grant.
  *
- * Whoever ends one of them may be about to end them all, in any order (Ctrl-C, roslaunch). So time
- * is held as soon as the first of them goes, and what its end would say of the run is kept back:
- * it is said only if others are still there when nobody else has gone for a while. `wall` is a
- * monotonic wall instant in ns.
+ * A signal to one of them may be the first of signals to all, in any order (Ctrl-C, roslaunch). So
+ * time stands as soon as the first of them ends, and the labels that its end would give the run are
+ * kept back. They count only if others are still there when no other participant has ended for a
+ * while. `wall` is a monotonic wall instant in ns.
  */
 class Interruption {
  public:
-  /** @brief Something to say of the run if it goes on. */
+  /** @brief A label that the run gets if it goes on. */
   struct Label {
     enum class Kind { kLeft, kInput, kDied };
     Kind kind;
@@ -31,29 +31,42 @@ class Interruption {
     std::string text;
   };
 
-  /** Wall; so long nobody must have gone until the run goes on without those that have. */
+  /**
+   * Wall time without another end, after which the run goes on without the participants that have
+   * ended.
+   */
   static constexpr Nanoseconds kGrace = 2 * kNanosecondsPerSecond;
-  /** Wall; so long a process that is told to end is waited for. */
+  /** Wall time for which the run waits for a process that was told to end. */
   static constexpr Nanoseconds kPatience = 20 * kNanosecondsPerSecond;
 
-  /** @brief A participant is told to end, or has left without a grant, while the run was at rest,
-   * or was not. */
+  /**
+   * @brief A participant was told to end, or has left without a grant. @param at_rest whether the
+   * run was at rest.
+   */
   void begin(MemberId id, ConnectionId connection, Nanoseconds wall, bool at_rest);
-  /** @brief It wants a grant for its last words: it does not go before. */
+  /**
+   * @brief A participant wants a grant for its last actions. It does not end before it gets one.
+   */
   void knocked(MemberId id);
   void lost(ConnectionId connection, Nanoseconds wall);
   void keep(Label label) { labels_.push_back(std::move(label)); }
 
   bool isActive() const { return active_; }
-  /** @return whether the run was at rest when the first of them was told to end. */
+  /** @return whether the run was at rest when the first participant was told to end. */
   bool rested() const { return rested_; }
-  /** @return who is told to end and has not yet, and since when [wall ns]. */
+  /**
+   * @return the participants that were told to end and have not ended yet, and since when [wall
+   * ns].
+   */
   std::map<MemberId, Nanoseconds> ending() const;
   bool concerns(MemberId id) const { return concerned_.count(id) != 0; }
-  /** @return the wall instant [ns] at which the run goes on with those who stay; kNever: none. */
+  /**
+   * @return the wall instant [ns] at which the run goes on with the participants that stay; kNever:
+   * there is no interruption.
+   */
   Nanoseconds due() const;
 
-  /** @brief It is over. @return what was kept back. */
+  /** @brief End the interruption. @return the labels that were kept back. */
   std::vector<Label> finish();
 
  private:
@@ -65,7 +78,7 @@ class Interruption {
 
   bool active_ = false;
   bool rested_ = false;
-  Nanoseconds last_ = 0;  // wall; somebody went
+  Nanoseconds last_ = 0;  // wall, when the latest one ended
   std::map<MemberId, Concerned> concerned_;
   std::vector<Label> labels_;
 };

@@ -1,4 +1,5 @@
-// Who may take part, as whom, and who hears of it.
+// How participants join: which nodes may take part, with which number, and how the others learn of
+// them.
 
 #include "joining.h"
 
@@ -11,9 +12,9 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::uint64_t kRefusalsTold = 10;  // one by one; then each that doubles their number
+constexpr std::uint64_t kRefusalsTold = 10;  // one by one; then each one that doubles the number
 
-/** @return whether both are the same; takes the same time wherever they differ. */
+/** @return whether both are the same. The comparison takes the same time wherever they differ. */
 bool isSameSecret(std::string_view one, std::string_view other) {
   unsigned difference = one.size() == other.size() ? 0U : 1U;
   for (std::size_t k = 0; k < one.size() && !other.empty(); ++k) {
@@ -74,7 +75,7 @@ void Joining::greet(ConnectionId id, const wire::Hello& hello) {
       quote(hello.name) + " takes part" + (run_.rounds.started() ? run_.text.at() : ""));
 }
 
-/** @brief The newcomer hears of all others, and they of it. */
+/** @brief Tell the newcomer of all others, and the others of it. */
 void Joining::introduce(MemberId id, const std::string& welcome) {
   const SessionMember& newcomer = run_.members.at(id);
   run_.connections.send(newcomer.connection, welcome);
@@ -101,7 +102,9 @@ void Joining::replaceOlder(std::string_view name) {
   }
 }
 
-/** @return a named participant's own number the first time, so that numbers are those of any run.
+/**
+ * @return a number for a new member. A named participant gets its own number the first time, so
+ * that its number is the same in every run.
  */
 MemberId Joining::freshId(std::string_view name) {
   const auto& named = run_.settings.participants;

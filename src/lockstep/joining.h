@@ -1,4 +1,5 @@
-// Who may take part, as whom, and who hears of it.
+// How participants join: which nodes may take part, with which number, and how the others learn of
+// them.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_JOINING_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_JOINING_H
 
@@ -17,9 +18,11 @@ class Joining {
  public:
   Joining(LockstepRun& run, Departures& departures);
 
-  /** @throws wire::MalformedFrame unless it may take part. */
+  /**
+   * @brief Let the sender of @p hello join. @throws wire::MalformedFrame if it may not take part.
+   */
   void greet(ConnectionId id, const wire::Hello& hello);
-  /** @brief A stranger is sent away. Thousands of them do not fill the log. */
+  /** @brief Refuse a connection that has not joined. Only some of many refusals are logged. */
   void refuse(ConnectionId id, const std::string& reason);
   void dropSilentStrangers();
 
@@ -33,7 +36,7 @@ class Joining {
   LockstepRun& run_;
   Departures& departures_;
   MemberId last_id_;
-  std::set<MemberId> used_ids_;  // of those that belong to named participants
+  std::set<MemberId> used_ids_;  // of the numbers of named participants
   std::uint64_t refused_ = 0;    // connections
 };
 

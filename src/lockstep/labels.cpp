@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostLabels = 100;  // of a kind
 
-/** @brief Add a label that is not there yet. @return what is to be said of it; '' if nothing. */
+/** @brief Add a label that is not there yet. @return the label to report; '' if there is none. */
 std::string addLabel(std::vector<std::string>& labels, const std::string& text) {
   const std::string label =
       labels.size() < kMostLabels ? shown(text) : "and more; only the first are listed";

@@ -1,4 +1,4 @@
-// What is to be known of a run as a whole: why it is not repeatable, or degraded.
+// Labels of a run: the reasons why it is not repeatable, or is degraded.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
 
@@ -9,15 +9,17 @@
 
 namespace move_base_abstract {
 
-/** @brief The labels of a run. Each is kept and said once; of either kind there are a hundred at
- * most. */
+/**
+ * @brief The labels of a run. Each is kept and reported once. There are at most a hundred of each
+ * kind.
+ */
 class RunLabels {
  public:
-  /** @param messages gets a message of each new label; outlives this. */
+  /** @param messages gets a message for each new label; it must outlive this object. */
   explicit RunLabels(MessageList& messages) : messages_(messages) {}
 
   void addNotRepeatable(const std::string& why);
-  /** @brief The same, unless @p why is ''. */
+  /** @brief Add a label, unless @p why is ''. */
   void addIfAny(const std::string& why) {
     if (!why.empty()) {
       addNotRepeatable(why);
@@ -25,7 +27,10 @@ class RunLabels {
   }
   void addDegraded(const std::string& why);
 
-  /** @return the first of all, as "not repeatable: why"; '' if there is none. */
+  /**
+   * @return the first label of all, as "not repeatable: why" or "degraded: why"; '' if there is
+   * none.
+   */
   const std::string& first() const { return first_; }
   const std::vector<std::string>& notRepeatable() const { return not_repeatable_; }
   const std::vector<std::string>& degraded() const { return degraded_; }

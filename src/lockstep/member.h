@@ -16,14 +16,16 @@
 
 namespace move_base_abstract {
 
-/** @brief What was done in a turn and waits for its round's end, and the bytes that it points into.
+/**
+ * @brief The actions of a turn, which wait for the end of the round, and the frame that they point
+ * into.
  */
 struct PendingTurn {
   std::shared_ptr<const std::string> frame;
   std::vector<wire::ReportItem> items;
 };
 
-/** @brief One of the turns that a participant has had by itself, with a lookahead. */
+/** @brief A turn that a participant has had by itself in a window. */
 struct WalkedTurn {
   Nanoseconds at = 0;  // simulated
   PendingTurn turn;
@@ -34,25 +36,25 @@ struct SessionMember {
   std::string name;
   std::string node_uri;
   std::string waits_for;             // its own words
-  std::string tells;                 // ... at which rates, and to whom
+  std::string tells;                 // its own words: at which rates it sends, and to whom
   std::uint64_t actions = 0;         // so far
-  PendingTurn turn;                  // none where `frame` is null
-  std::deque<PendingTurn> foreseen;  // those that its latest report told beforehand
-  std::deque<WalkedTurn> walked;     // those that others may have turns before
-  bool departing = false;            // goes when the round is over
-  bool dead = false;                 // ... without having left
+  PendingTurn turn;                  // none if `frame` is null
+  std::deque<PendingTurn> foreseen;  // from its latest report, still to come
+  std::deque<WalkedTurn> walked;     // turns that must wait, as others may act before them
+  bool departing = false;            // is removed when the round is over
+  bool dead = false;                 // ... because its process died
   std::string how;
-  std::string granted;        // the items of its latest grant, where they are few
-  std::string where;          // its own words, of the latest grant: what its thread is doing
-  bool silence_told = false;  // of the latest grant
+  std::string granted;        // the items of its latest grant, if they are few
+  std::string where;          // its own words, in the latest grant: what its thread does
+  bool silence_told = false;  // in the latest grant
   bool input_told = false;
-  bool has_changed = false;  // a parameter that it asks for, since its latest grant
+  bool has_changed = false;  // a parameter that it depends on, since its latest grant
   bool listed = false;       // has a report or departs
 };
 
 using SessionMembers = std::map<MemberId, SessionMember>;
 
-/** @brief Who has a report or departs, in the order of arrival. */
+/** @brief The members that have a report or depart, in the order of arrival. */
 class ChangedMembers {
  public:
   void add(MemberId id, SessionMember& member) {
@@ -62,7 +64,7 @@ class ChangedMembers {
     }
   }
   std::vector<MemberId> take() { return std::exchange(ids_, {}); }
-  /** @brief Forget those that have departed. */
+  /** @brief Forget all members, once they have departed. */
   void clear() { ids_.clear(); }
   bool empty() const { return ids_.empty(); }
 

@@ -1,4 +1,4 @@
-// What a session has to say to the user.
+// The messages of a session to the user.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_MESSAGE_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_MESSAGE_H
 
@@ -10,17 +10,20 @@
 
 namespace move_base_abstract {
 
-/** @brief Something for the user to read. */
+/** @brief A message for the user. */
 struct LockstepMessage {
   enum class Level { kDebug, kInfo, kWarn, kError };
   Level level;
   std::string text;
 };
 
-/** @brief Messages that nobody has read yet. */
+/** @brief The messages that have not been taken yet. */
 class MessageList {
  public:
-  /** @brief Add a message; of what others have written in it, only what is fit for a terminal. */
+  /**
+   * @brief Add a message. Parts that other programs have written are made fit for a terminal, see
+   * shown().
+   */
   void say(LockstepMessage::Level level, const std::string& text) {
     messages_.push_back({level, shown(text)});
   }

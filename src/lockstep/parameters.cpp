@@ -8,7 +8,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return the name as it is kept: no slash at its end, '' for all there are. */
+/** @return the name as it is kept: without a slash at its end, and '' for all parameters. */
 std::string_view trimmed(std::string_view name) {
   while (!name.empty() && name.back() == '/') {
     name.remove_suffix(1);
@@ -27,7 +27,7 @@ bool concerns(std::string_view one, std::string_view other) {
 
 std::string label(std::string_view name, std::string_view by) {
   return "parameter " + std::string(name.empty() ? "/" : name) +
-         " was set or deleted by somebody who does not take part, and " + std::string(by) +
+         " was set or deleted by a program that does not take part, and " + std::string(by) +
          " asks for it";
 }
 

@@ -12,8 +12,8 @@ using radio::Radio;
 
 namespace {
 
-// Robots tell how they move when they begin; who has not after this time [ns, simulated] hardly
-// will.
+// Robots report how they move when they begin. A robot that has not after this time [ns, simulated]
+// probably never will.
 constexpr Nanoseconds kTimeToTell = kNanosecondsPerSecond;
 
 }  // namespace
@@ -26,11 +26,11 @@ RadioTraffic::RadioTraffic(radio::Network network, Nanoseconds lookahead, Voices
 
 void RadioTraffic::join(MemberId id, const std::string& name) { fresh_.emplace_back(name, id); }
 
-/** @brief Give hosts to those who have joined, in an order that is that of every run. */
+/** @brief Give hosts to the members that have joined, in an order that is the same in every run. */
 void RadioTraffic::settle(Nanoseconds now) {
   if (began_ && !is_said_ && now > *began_ + kTimeToTell) {
     is_said_ = true;
-    sayWhatIsNot();  // before anything of this instant is done: whoever asks first
+    sayWhatIsNot();  // before all actions of this instant, whichever call comes first
   }
   if (fresh_.empty()) {
     return;
@@ -85,17 +85,21 @@ bool RadioTraffic::isWired(std::string_view name) {
                    .first->second;
 }
 
-/** @brief It is on no host, and tells somebody something who is: that is not on the air. Who only
- * listens, as recorders do, needs no host. */
+/**
+ * @brief Label the run if the sender is on no host: its message to a host is not on the radio. A
+ * node that only listens, such as a recorder, needs no host.
+ */
 void RadioTraffic::labelIfAlone(HostId from, std::string_view sender) {
   if (from == 0 && labelled_.insert(std::string(sender)).second) {
     voices_.label(quote(sender) +
-                  " is on no host of the network: what it says is not on the radio");
+                  " is on no host of the network: the messages that it sends are not on the radio");
   }
 }
 
-/** @brief Once, when all have had the time to tell: hosts of which nobody knows where they are, or
- * that have no nodes, and nodes that are on none. */
+/**
+ * @brief Report, once all robots have had the time to say how they move, what is not simulated:
+ * hosts without a known place, hosts without nodes, and nodes on no host.
+ */
 void RadioTraffic::sayWhatIsNot() const {
   const radio::Hosts& hosts = radio_.hosts();
   for (HostId id = 1; id <= hosts.count(); ++id) {
@@ -116,8 +120,9 @@ void RadioTraffic::sayWhatIsNot() const {
   for (const auto& [name, id] : alone_) {
     const auto robot = robots_.lower_bound({id, 0});
     if (robot == robots_.end() || robot->first.first != id) {
-      voices_.inform(quote(name) +
-                     " is on no host of the network: what it hears is not on the radio");
+      voices_.inform(
+          quote(name) +
+          " is on no host of the network: the messages that it gets are not on the radio");
     }
   }
 }
@@ -150,9 +155,10 @@ Carried RadioTraffic::carry(const Passage& passage) {
 }
 
 /**
- * @brief What became of it, as of @p now, when that was decided. With a lookahead others may have
- * come so far that nothing reaches them before that is over: what the radio brings sooner comes
- * then. Of one direction neither goes back from message to message, and so nor does the later one.
+ * @brief Note the outcome of a message, which was decided at @p now. With a lookahead, members may
+ * already have gone so far that nothing can reach them before now + lookahead, so a message that
+ * the radio brings sooner arrives then. In one direction of a link neither of these two instants
+ * goes back from message to message, so the arrival does not, either.
  */
 Carried RadioTraffic::decided(const Sent& sent, const Radio::Outcome& outcome, Nanoseconds now) {
   Counts& counts = counts_[std::minmax(sent.ends.first, sent.ends.second)];

@@ -1,4 +1,4 @@
-// What participants tell each other, on its way over the radio between their hosts.
+// Carries what participants send each other over the radio between their hosts.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_TRAFFIC_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_TRAFFIC_H
 
@@ -19,24 +19,25 @@
 
 namespace move_base_abstract {
 
-/** @brief How a link between two hosts is, and what has gone over it in both directions. */
+/** @brief The state of a link between two hosts, and the counts of messages in both directions. */
 struct LinkState {
   std::string one, other;
   bool is_up;
   std::uint64_t arrived, lost;
-  bool has_places;  // of both hosts, as they are known
+  bool has_places;  // whether `from` and `to` are known
   radio::Place from, to;
 };
 
 /**
- * @brief A carrier between the hosts of a network: knows which participant, or which robot of one,
- * is on which host.
+ * @brief A carrier between the hosts of a network. It knows the host of each participant, and of
+ * each robot of a participant.
  *
- * What is on no host, or goes on within one, or is wired, arrives at once.
+ * A message arrives at once if its sender or receiver is on no host, if both are on one host, or if
+ * its topic or service is wired.
  */
 class RadioTraffic : public Carrier {
  public:
-  /** @brief A line for the event log, about what was sent at @p order. */
+  /** @brief A line for the event log, about the message that was sent at @p order. */
   struct Line {
     MailOrder order;
     std::string name;    // of the topic or service
@@ -46,39 +47,51 @@ class RadioTraffic : public Carrier {
   using Tell = std::function<void(Line)>;
   using Say = std::function<void(const std::string&)>;
   struct Voices {
-    Tell tell;  // of each message between hosts
-    Say label;  // why not all is on the air, or not as it is
-    Say warn;   // of what may be meant otherwise
+    Tell tell;  // the lines, for each message between hosts
+    Say label;  // the label why something is not simulated as it is
+    Say warn;   // what the user may have meant otherwise
     Say inform;
   };
 
-  /** @param lookahead what each message takes at least [ns, simulated]. */
+  /** @param lookahead the least time that each message takes [ns, simulated]. */
   RadioTraffic(radio::Network network, Nanoseconds lookahead, Voices voices);
 
-  /** @brief It takes part: the hosts of those who do so before the first action are numbered in the
-   * order of their names. */
+  /**
+   * @brief A participant joins. The hosts of participants that join before the first action are
+   * numbered in the order of their names.
+   */
   void join(MemberId id, const std::string& name);
-  /** @throws std::invalid_argument if it is no motion. */
+  /**
+   * @brief A robot of @p id has reported how it moves from @p now on. @throws std::invalid_argument
+   * if @p motion is not valid.
+   */
   void move(MemberId id, const wire::Motion& motion, Nanoseconds now);
 
   Carried carry(const Passage& passage) override;
-  /** @return the instant at which what waits is to be looked at; kNever: as long as nobody moves
-   * otherwise. */
+  /**
+   * @return the instant at which to look() at the waiting messages; kNever: not before a host moves
+   * in another way.
+   */
   Nanoseconds nextLook() const { return radio_.nextLook(); }
-  /** @brief Decide on what has waited. @return by ticket, in the order of the decisions. */
+  /**
+   * @brief Decide on waiting messages. @return their tickets and outcomes, in the order of the
+   * decisions.
+   */
   std::vector<std::pair<std::uint64_t, Carried>> look(Nanoseconds now);
 
   /** @brief A line for the event log, with its instant. */
   struct Change {
     Nanoseconds at;
-    std::string name;    // of a host; '' of a link
+    std::string name;    // the host's; '' for a link
     std::string kind;    // host, or link
     std::string values;  // a JSON array
   };
-  /** @return lines on links that have come up or gone down up to @p now, and on fixed hosts that
-   * are new. */
+  /**
+   * @return lines about links that have come up or gone down up to @p now, and about new fixed
+   * hosts.
+   */
   std::vector<Change> changes(Nanoseconds now);
-  /** @return whether anything is another than at the last call. */
+  /** @return whether anything has changed since the last call. */
   bool takeNews() { return std::exchange(has_news_, false); }
   std::vector<LinkState> links(Nanoseconds now) const;
 
@@ -87,7 +100,7 @@ class RadioTraffic : public Carrier {
   struct Sent {
     MailOrder order;
     Ends ends;
-    std::string name, values;  // the beginning of them
+    std::string name, values;  // the latter without its end
   };
   struct Counts {
     std::uint64_t arrived = 0;
@@ -105,18 +118,18 @@ class RadioTraffic : public Carrier {
   radio::LinkWatch watch_;
   const Nanoseconds lookahead_;
   const Voices voices_;
-  std::optional<Nanoseconds> began_;                     // simulated; nothing: nobody has joined
-  bool is_said_ = false;                                 // what is not simulated
-  std::vector<std::pair<std::string, MemberId>> fresh_;  // have joined, and are on no host as yet
+  std::optional<Nanoseconds> began_;                     // simulated; nothing: no member has joined
+  bool is_said_ = false;                                 // that some things are not simulated
+  std::vector<std::pair<std::string, MemberId>> fresh_;  // have joined, and have no host as yet
   std::map<MemberId, radio::HostId> nodes_;
-  std::map<std::pair<MemberId, std::uint32_t>, radio::HostId> robots_;  // of participants
+  std::map<std::pair<MemberId, std::uint32_t>, radio::HostId> robots_;  // by member, sub
   std::map<std::string, bool, std::less<>> wired_;
   std::set<std::string> labelled_;
-  std::vector<std::pair<std::string, MemberId>> alone_;  // on no host of their own
+  std::vector<std::pair<std::string, MemberId>> alone_;  // are on no host
   std::map<std::uint64_t, Sent> waiting_;
   std::map<Ends, Counts> counts_;
   std::uint64_t ticket_ = 0;
-  radio::HostId told_ = 0;  // hosts up to this
+  radio::HostId told_ = 0;  // hosts up to this one have a line
   bool has_news_ = true;
 };
 

@@ -11,7 +11,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return FNV-1a, 64 bits, in hex. */
+/** @return the FNV-1a hash of @p bytes, 64 bits, in hex. */
 std::string hashText(std::string_view bytes) {
   std::uint64_t hash = 0xCBF29CE484222325U;
   for (const char byte : bytes) {
@@ -79,7 +79,8 @@ void RoundLog::closeRound() {
     if (isBefore(a.order, b.order)) {
       return true;
     }
-    // Of one action (who dies cancels several calls) by what they say.
+    // Lines of one action come in the order of their values: a member that dies cancels several
+    // calls.
     return !isBefore(b.order, a.order) && a.entry.values < b.entry.values;
   });
   for (Line& line : round_) {

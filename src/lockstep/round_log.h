@@ -1,4 +1,4 @@
-// The lines of the event log that one round adds, in their stated order.
+// The lines that one round adds to the event log, in their stated order.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
 
@@ -17,11 +17,11 @@ namespace move_base_abstract {
 /** @brief A line of the event log. */
 struct LockstepLogEntry {
   Nanoseconds time;    // simulated
-  std::string robot;   // of a message or call: the topic's or service's name
+  std::string robot;   // for a message or call: the topic's or service's name
   std::string kind;    // with log_messages also "message", "call", "response"
   std::string values;  // a JSON array
-  std::string type;    // of a message; this and
-  std::string bytes;   // what was sent only where they are kept
+  std::string type;    // of a message, and
+  std::string bytes;   // its bytes, if they are kept
 };
 
 /** @brief Collects the lines of a round, and puts them in order at its end. */
@@ -30,21 +30,21 @@ class RoundLog {
   using NameOf = std::function<std::string(MemberId)>;
 
   /**
-   * @param rounds says when it is, and what the order is; outlives this.
-   * @param keeps_bytes whether entries have what was sent.
+   * @param rounds the rounds, for their instant; must outlive this object.
+   * @param keeps_bytes whether entries have the bytes that were sent.
    */
   RoundLog(const LockstepRounds& rounds, bool keeps_bytes)
       : rounds_(rounds), keeps_bytes_(keeps_bytes) {}
 
-  /** @brief A participant's own line. */
+  /** @brief Add a line that a participant writes itself. */
   void add(const MailOrder& order, const wire::Log& log);
-  /** @brief A message, call or response between participants. */
+  /** @brief Add a line about a message, call or response between participants. */
   void add(const MessageRouter::Delivery& delivery, const NameOf& name_of);
-  /** @brief A line about what was sent at @p order. */
+  /** @brief Add a line about something that was sent at @p order. */
   void add(const MailOrder& order, LockstepLogEntry entry) {
     round_.push_back({order, std::move(entry)});
   }
-  /** @brief @p before gives lines up to now that come before those of a round. */
+  /** @brief Set a function that gives the lines up to now that come before those of a round. */
   void setBefore(std::function<std::vector<LockstepLogEntry>()> before) {
     before_ = std::move(before);
   }

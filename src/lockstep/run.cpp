@@ -10,8 +10,7 @@ namespace move_base_abstract {
 
 namespace {
 
-/** @brief What roscpp programs look at by themselves comes at once with chaos: else its order would
- * be the stated one. */
+/** @brief Hand unread mail over at once with chaos. Otherwise its order would be the stated one. */
 LockstepSettings settingsOf(LockstepSettings settings) {
   settings.keep_unread = settings.keep_unread && settings.chaos_seed == 0;
   return settings;
@@ -59,7 +58,7 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
   }
 }
 
-/** @brief The radio carries first: what else takes time comes on top. */
+/** @brief Add the radio. It carries first, and other delays come on top. */
 void LockstepRun::addRadio() {
   radio::Network network = radio::networkOf(settings.network);
   if (settings.chaos_delay != 0.0 && network.hasWaiting()) {
@@ -81,7 +80,7 @@ void LockstepRun::addRadio() {
   log.setBefore([this]() {
     std::vector<LockstepLogEntry> lines;
     if (!rounds.started()) {
-      return lines;  // who has joined first is an affair of the wall clock
+      return lines;  // the order of joining depends on the wall clock
     }
     for (RadioTraffic::Change& one : radio->changes(rounds.now())) {
       lines.push_back({one.at, one.name, one.kind, one.values, "", ""});

@@ -1,4 +1,4 @@
-// What the parts of a session share.
+// The data that the parts of a session share.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 
@@ -23,30 +23,31 @@
 
 namespace move_base_abstract {
 
-/** @return "chaos seed 7 with delays up to 0.05 s"; '' without. */
+/** @return a text such as "chaos seed 7 with delays up to 0.05 s"; '' without chaos. */
 std::string chaosText(const LockstepSettings& settings);
 
-/** @brief A run of the event-driven clock, without what becomes of it: each field has its own
- * rules.
+/**
+ * @brief The state of a run of the event-driven clock. Each field has its own rules; the parts of
+ * the session change them.
  */
 struct LockstepRun {
   LockstepRun(const LockstepSettings& settings, Nanoseconds wall);
   LockstepRun(const LockstepRun&) = delete;
   LockstepRun& operator=(const LockstepRun&) = delete;
 
-  /** @brief @p carrier carries, after those that were added before. */
+  /** @brief Add a carrier, which comes after those that were added before. */
   void addCarrier(std::unique_ptr<Carrier> carrier);
   void addRadio();
   void decideWaiting();
 
   const LockstepSettings settings;
-  RadioTraffic* radio = nullptr;  // one of the carriers; null: there is none
+  RadioTraffic* radio = nullptr;  // one of the carriers; null: there is no radio
   chaos::Decisions decisions;
   LockstepRounds rounds;
   RoundLog log;
   Carriage carriage;
   MessageRouter router;
-  Nanoseconds wall;  // the latest
+  Nanoseconds wall;  // the latest wall instant
   Connections connections;
   SessionMembers members;
   ChangedMembers changed;
@@ -55,7 +56,7 @@ struct LockstepRun {
   RunLabels labels;
   ParameterBook parameters;
   Interruption interruption;
-  std::unique_ptr<chaos::Order> order;  // of equal events; none: the stated one
+  std::unique_ptr<chaos::Order> order;  // of equal events; null: the stated order
 
  private:
   void beChaotic();

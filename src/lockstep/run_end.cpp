@@ -1,4 +1,4 @@
-// How a run ends: by itself, with somebody who leaves or dies, or by the time master.
+// The end of a run: by itself, when a participant leaves or dies, or from the time master.
 #include "run_end.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return what a run stood in that is ended now, of ended_by. */
+/** @return the code of ended_by for a run that is ended now and stood in @p phase. */
 std::string_view standstillCode(LockstepPhase phase) {
   return phase == LockstepPhase::kDeadlock        ? ended_by::kDeadlock
          : phase == LockstepPhase::kZeroDelayLoop ? ended_by::kZeroDelayLoop
@@ -32,7 +32,7 @@ void RunEnd::end(const std::string& reason) {
   code_ = code_ == ended_by::kOther ? standstillCode(run_.rounds.phase(run_.wall)) : code_;
   run_.rounds.end();
   reason_ = reason;
-  run_.interruption.finish();  // time has stood since then: it matters to nobody who went first
+  run_.interruption.finish();  // time has stood since it began, so its labels do not matter
   run_.connections.closeAll(reason, ended_as_wished_);
   run_.messages.say(LockstepMessage::Level::kInfo,
                     "the run ended" + run_.text.at() + " after " +
@@ -51,10 +51,9 @@ void RunEnd::endFromOutside(const std::string& reason) {
 
 void RunEnd::loseRosMaster(const std::string& how) {
   if (run_.rounds.started() && !run_.rounds.ended()) {
-    run_.labels.addNotRepeatable(
-        "the ROS master was lost" + run_.text.at() +
-        ": what it could not be asked any more, and where the run ended, is "
-        "the wall clock's");
+    run_.labels.addNotRepeatable("the ROS master was lost" + run_.text.at() +
+                                 ": the requests that it could still answer, and the instant of "
+                                 "the run's end, depend on the wall clock");
   }
   run_.labels.addDegraded(how + ", found" + run_.text.at());
   endFromOutside(how);

@@ -1,4 +1,4 @@
-// How a run ends.
+// The end of a run.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
 
@@ -9,39 +9,46 @@
 
 namespace move_base_abstract {
 
-/** @brief How a run ends: by itself, with somebody who leaves or dies, or by the time master. */
+/** @brief Ends a run: by itself, when a participant leaves or dies, or from the time master. */
 class RunEnd {
  public:
   explicit RunEnd(LockstepRun& run) : run_(run), is_strict_(run.settings.strict) {}
 
-  /** @brief END to everybody. Reports of a round that is not over are lost. */
+  /** @brief Send END to all participants. Reports of an unfinished round are lost. */
   void end(const std::string& reason);
-  /** @brief end(), as the settings wish. @p code: of ended_by. */
+  /** @brief Call end(), as the settings wish. @param code one of ended_by. */
   void endAsWished(const std::string& reason, std::string_view code);
-  /** @brief end(), because the wall clock or somebody outside says so; see LockstepStatus::cut. */
+  /** @brief Call end() because the wall clock or a user says so, see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason);
-  /** @brief End, and label, a run that has lost its ROS master. */
+  /** @brief End and label a run that has lost its ROS master. @param how the reason, for people. */
   void loseRosMaster(const std::string& how);
-  /** @brief Where the run is strict, the first label ends it. */
+  /** @brief End a strict run if it has a label. */
   void endIfLabelled();
-  /** @brief The run ends with those whose departure ends it. */
+  /** @brief End the run if a participant has gone whose departure ends it. */
   void endIfSomebodyHasGone();
 
   void beStrict() { is_strict_ = true; }
-  /** @brief It ends, or will, while there is something left to do. */
+  /** @brief Note that the run ends, or will end, while there is something left to do. */
   void cut() { is_cut_ = true; }
-  /** @brief Somebody has died. */
+  /**
+   * @brief Label the run, because a participant has died. This ends the run if on_death says so.
+   */
   void degrade(const std::string& why);
-  /** @brief @p member has gone: @p what, in words. */
+  /** @brief Note that @p member has gone. @param what the text that says how. */
   void noteDeparture(const SessionMember& member, const std::string& what);
 
-  /** @return whether it ends with what has just been done: no later turns of a window count. */
+  /**
+   * @return whether the run ends with the turns that were applied last, so that later turns of a
+   * window do not count.
+   */
   bool stopsTurns() const { return !left_.empty() || isLabelledStrictly(); }
-  /** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
+  /**
+   * @return why nothing happens any more: the text about a deadlock, a zero-delay loop or the end.
+   */
   std::string reason() const;
-  /** @return what has ended it, of ended_by. */
+  /** @return the cause of the end, one of ended_by. */
   std::string_view code() const { return code_; }
-  /** @return whose departure has ended it as end_with says, or ''. */
+  /** @return the node whose departure has ended the run as end_with says; else ''. */
   std::string node() const { return code_ == ended_by::kDeparture ? left_node_ : ""; }
   bool isAsWished() const { return ended_as_wished_; }
   bool isCut() const { return is_cut_; }
@@ -53,8 +60,8 @@ class RunEnd {
   bool is_strict_;
   bool is_cut_ = false;  // see LockstepStatus
   bool ended_as_wished_ = false;
-  std::string death_;  // on_death, or end_with, says that the run ends with it
-  std::string left_;   // end_with says that the run ends with who left
+  std::string death_;  // text about a death that ends the run, by on_death or end_with
+  std::string left_;   // text about a departure that ends the run, by end_with
   std::string left_node_;
   std::string reason_;  // of the end
   std::string_view code_ = ended_by::kOther;

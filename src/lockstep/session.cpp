@@ -28,7 +28,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
   keepEnd();
 }
 
-// ---- what comes in ------------------------------------------------------------------------
+// ---- inputs ----------------------------------------------------------------------------
 
 void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
   run_.wall = std::max(run_.wall, wall);
@@ -63,9 +63,9 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
   const bool greeted = connection.member != 0;
   const auto member = run_.members.find(connection.member);
   if (greeted && (member == run_.members.end() || member->second.departing)) {
-    return;  // it has left; what it still says does not count
+    return;  // it has left; its further frames do not count
   }
-  // A report is decoded where it stays, since what it contains points into its bytes.
+  // A report is decoded in its final place, since its items point into its bytes.
   if (greeted && wire::isReport(frame)) {
     return takeReport(connection.member, frame);
   }
@@ -98,7 +98,7 @@ void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
   }
 }
 
-/** @brief What came over the connection cannot be trusted any more. */
+/** @brief Drop a connection whose bytes cannot be trusted any more. */
 void LockstepSession::drop(ConnectionId id, const Connection& connection,
                            const std::string& reason) {
   if (connection.member == 0) {
@@ -138,7 +138,7 @@ void LockstepSession::takeKnock(MemberId id) {
     const std::string why = quote(member.name) + " had input from outside" + run_.text.at();
     if (run_.interruption.isActive()) {
       run_.interruption.knocked(id);
-      run_.interruption.keep({Interruption::Label::Kind::kInput, id, why});  // none enters as yet
+      run_.interruption.keep({Interruption::Label::Kind::kInput, id, why});  // it has to wait
     } else {
       run_.labels.addNotRepeatable(why);
     }
@@ -163,7 +163,7 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
   return run_.connections.flush();
 }
 
-/** @brief ... and those after it of which all turns have been told beforehand. */
+/** @brief Finish the round, and the rounds after it in which all turns were reported beforehand. */
 void LockstepSession::finishRound() {
   do {
     if (run_.rounds.windows().areThere()) {
@@ -203,8 +203,7 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
       missing_due_ = kNever;
       if (run_.settings.participants.empty()) {
         run_.labels.addNotRepeatable(
-            "no participants are named: who takes part from the start on depends on the wall "
-            "clock");
+            "no participants are named: the participants at the start depend on the wall clock");
       }
       run_.messages.say(LockstepMessage::Level::kInfo,
                         "the clock starts" + run_.text.at() + " with " +
@@ -267,11 +266,13 @@ Nanoseconds LockstepSession::nextWake() const {
 // ---- parameters ---------------------------------------------------------------------------
 
 /**
- * @brief What was set before the first round is there in every run, for all that is known. Who is
- * told to end sets at once: that says something of the run only if it goes on.
+ * @brief Label the run, if a participant depends on the parameter. A change before the first round
+ * does not count, since the parameter probably has this value in every run. During an interruption
+ * the label is kept back: participants that are told to end set parameters at once, which matters
+ * only if the run goes on.
  */
 void LockstepSession::parameterChangedOutside(const std::string& name) {
-  // Nodes that are told to end take their parameters back: when all have gone, that says nothing.
+  // Nodes that are told to end delete their parameters, which does not matter when all have gone.
   const bool anybody = std::any_of(run_.members.begin(), run_.members.end(),
                                    [](const auto& entry) { return !entry.second.departing; });
   if (!run_.rounds.started() || run_.rounds.ended() || !anybody) {
@@ -292,11 +293,11 @@ void LockstepSession::parameterNotTaken(const ParameterChange& change) {
 void LockstepSession::labelIf(const std::string& why) {
   if (!why.empty()) {
     run_.labels.addNotRepeatable(why);
-    poll_due_ = true;  // the run may be one that ends with its first label
+    poll_due_ = true;  // the first label may end the run
   }
 }
 
-// ---- what holds leaps of time back --------------------------------------------------------
+// ---- the gate ----------------------------------------------------------
 
 void LockstepSession::pause() {
   run_.rounds.gate().pause();
@@ -327,7 +328,7 @@ void LockstepSession::setLimit(double factor) {
   poll_due_ = true;
 }
 
-/** @brief Time does not leap over end_at, whatever else the gate is told. */
+/** @brief Let time stop at end_at, whatever the gate was told. */
 void LockstepSession::keepEnd() {
   const Nanoseconds end = toNanoseconds(run_.settings.end_at);
   if (end != 0 && !run_.rounds.gate().paused() &&
@@ -336,7 +337,7 @@ void LockstepSession::keepEnd() {
   }
 }
 
-// ---- what is so ------------------------------------------------------------------------------
+// ---- status -------------------------------------------------------------------------------
 
 LockstepStatus LockstepSession::status() const {
   LockstepStatus status;

@@ -1,4 +1,4 @@
-// The event-driven clock without sockets: bytes of connections in, bytes of connections out.
+// The event-driven clock without sockets: it takes and gives the bytes of connections.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SESSION_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_SESSION_H
 
@@ -23,12 +23,14 @@
 namespace move_base_abstract {
 
 /**
- * @brief A run of the event-driven clock: rounds, messages and their participants' connections.
+ * @brief A run of the event-driven clock: its rounds, its messages, and the connections of its
+ * participants.
  *
- * Feed it with connect(), received() and disconnected(), then call poll() and send what it gives;
- * call poll() at nextWake() even if nothing came in. Every `wall` is a monotonic wall instant in
- * ns. Nothing is decided outside poll(). Of several inputs before one poll() the result does not
- * depend on their order, but for the ids of participants that are not named in the settings.
+ * Call connect(), received() and disconnected() for inputs, then call poll() and send the bytes
+ * that it returns. Call poll() at nextWake(), too, even without an input. Every `wall` is a
+ * monotonic wall instant in ns. Nothing is decided outside poll(). The result does not depend on
+ * the order of the inputs before one poll(), except for the ids of participants that are not named
+ * in the settings.
  */
 class LockstepSession {
  public:
@@ -39,32 +41,37 @@ class LockstepSession {
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
 
-  /** @brief @p carrier says when messages, calls and responses arrive: with a lookahead, not before
-   * that is over. To be called first. */
+  /**
+   * @brief Add a carrier, which decides when messages, calls and responses arrive; with a
+   * lookahead, not before that is over. Call this first.
+   */
   void addCarrier(std::unique_ptr<Carrier> carrier) { run_.addCarrier(std::move(carrier)); }
 
-  /** @brief A new connection, which has 10 wall seconds to say HELLO. */
+  /** @brief Take a new connection. It has 10 wall seconds to say HELLO. */
   void connect(ConnectionId connection, Nanoseconds wall);
-  /** @brief Any piece of the connection's bytes; those of unknown connections are dropped. */
+  /** @brief Take any piece of a connection's bytes. Bytes of unknown connections are ignored. */
   void received(ConnectionId connection, std::string_view bytes, Nanoseconds wall);
-  /** @brief The connection is lost, also if this was the session's wish. */
+  /** @brief Note that a connection is lost or closed, also if the session has closed it. */
   void disconnected(ConnectionId connection, Nanoseconds wall);
-  /** @brief Decide what can be decided. @return what to send, one entry per connection. */
+  /** @brief Decide what can be decided. @return the bytes to send, one entry per connection. */
   std::vector<Output> poll(Nanoseconds wall);
-  /** @return the wall instant [ns] at which to poll next even if nothing comes in, or kNever. */
+  /** @return the wall instant [ns] at which to call poll() even without an input, or kNever. */
   Nanoseconds nextWake() const;
 
-  /** @return how many connections have said no HELLO yet. */
+  /** @return the number of connections that have not said HELLO yet. */
   std::size_t strangers() const { return run_.connections.strangers(); }
-  /** @return of the connections that owe the round's report, the one granted last; 0: none. */
+  /**
+   * @return the connection that was granted last, of those that still owe a report of this round;
+   * 0: none.
+   */
   ConnectionId lastAwaited() { return grants_.lastAwaited(); }
 
-  /** @return whether a participant is at the other end, also if it is about to leave. */
+  /** @return whether the connection is that of a participant, also if it is about to leave. */
   bool takesPart(ConnectionId connection) const {
     return run_.connections.memberOf(connection) != 0;
   }
   std::uint64_t rounds() const { return run_.rounds.clock().rounds; }
-  /** @return how many have not reported in the present round. */
+  /** @return the number of participants that still owe a report of this round. */
   std::size_t owing() const { return run_.rounds.members().owing(); }
   bool ended() const { return run_.rounds.ended(); }
 
@@ -73,36 +80,48 @@ class LockstepSession {
   LockstepPhase phase() const { return run_.rounds.phase(run_.wall); }
   LockstepStatus status() const;
 
-  /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
+  /**
+   * @return the log lines since the last call, sorted by time, round and (rank, sub, name, number).
+   */
   std::vector<LockstepLogEntry> takeLog() { return run_.log.take(); }
-  /** @return how the links of the radio are; none if that is as at the last call, or there is none.
+  /**
+   * @return the states of the radio's links; empty if nothing has changed since the last call, or
+   * there is no radio.
    */
   std::vector<LinkState> takeLinks() {
     return run_.radio != nullptr && run_.radio->takeNews() ? run_.radio->links(now())
                                                            : std::vector<LinkState>();
   }
   std::vector<LockstepMessage> takeMessages() { return run_.messages.take(); }
-  /** @return what chaos has decided otherwise than the stated order since the last call. */
+  /**
+   * @return the decisions by which chaos has departed from the stated order since the last call.
+   */
   std::vector<chaos::Decision> takeDecisions() { return run_.decisions.take(); }
-  /** @return what the ROS master is to be told before the output of the latest poll() is sent. */
+  /**
+   * @return the changes that the ROS master is to be told before the output of the latest poll() is
+   * sent.
+   */
   std::vector<ParameterChange> takeParameters() { return run_.parameters.take(); }
-  /** @brief Somebody who takes no part has set or deleted a parameter of ROS. */
+  /** @brief Note that a node which does not take part has set or deleted a ROS parameter. */
   void parameterChangedOutside(const std::string& name);
-  /** @brief The ROS master has not taken what a participant has set or deleted. */
+  /** @brief Note that the ROS master has not accepted a participant's change of a parameter. */
   void parameterNotTaken(const ParameterChange& change);
 
-  // ---- the gate: leaps wait for it, the present instant does not. See LockstepRounds. ----
+  // ---- the gate: it stops leaps of time, but not the present instant. See RoundGate. ----
   void pause();
   void resume();
   Nanoseconds step(Nanoseconds duration);
   void runUntil(Nanoseconds target);
   void setLimit(double factor);
 
-  /** @brief END to everybody; poll() gives it out. Reports of a round that is not over are lost. */
+  /**
+   * @brief Send END to all participants, with the next poll(). Reports of an unfinished round are
+   * lost.
+   */
   void end(const std::string& reason) { end_.end(reason); }
-  /** @brief end(), because the wall clock or somebody outside says so; see LockstepStatus::cut. */
+  /** @brief Call end() because the wall clock or a user says so, see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason) { end_.endFromOutside(reason); }
-  /** @brief End, and label, a run that has lost its ROS master. */
+  /** @brief End and label a run that has lost its ROS master. @param how the reason, for people. */
   void loseRosMaster(const std::string& how) { end_.loseRosMaster(how); }
 
  private:

@@ -9,7 +9,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return the first of @p names that is another one than @p name; empty: there is none. */
+/** @return the first of @p names that differs from @p name; '' if there is none. */
 std::string otherThan(const std::string& name, const std::set<std::string>& names) {
   for (const std::string& one : names) {
     if (one != name) {
@@ -28,14 +28,14 @@ bool beginsWith(std::string_view text, std::initializer_list<std::string_view> b
   return false;
 }
 
-/** @return whether a file is the same for everybody, or is told of in another way. */
+/** @return whether a file is the same in every run, or its use is reported in another way. */
 bool isHarmless(std::string_view path) {
-  constexpr std::string_view kMemory = "/dev/shm/";  // a folder as any
+  constexpr std::string_view kMemory = "/dev/shm/";  // a folder like others
   const std::string_view name = path.substr(path.rfind('/') + 1);
   return (!beginsWith(path, {kMemory}) &&
           beginsWith(path, {"/usr/", "/lib/", "/lib32/", "/lib64/", "/etc/", "/opt/", "/proc/",
                             "/sys/", "/dev/"})) ||
-         beginsWith(name, {"rospack_cache_", "rosstack_cache_"}) ||  // where packages are
+         beginsWith(name, {"rospack_cache_", "rosstack_cache_"}) ||  // of where packages are
          path.find("/__pycache__/") != std::string_view::npos;
 }
 
@@ -55,7 +55,7 @@ std::string SharedFiles::add(const std::string& member, const wire::Note& note) 
   }
   return quote(member) + (writes ? " writes " : " reads ") + shown(note.text) + ", which " +
          quote(other) + (writer.empty() ? " reads" : " writes") +
-         ": what passes between them so is not in the order of simulated time";
+         ": data that passes between them so is not in the order of simulated time";
 }
 
 }  // namespace move_base_abstract

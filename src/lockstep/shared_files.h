@@ -1,5 +1,6 @@
-// Files that participants have opened: one that two of them have, and one at least writes, is a way
-// past the order of simulated time. Which files do not matter is decided here, for all programs.
+// Files that participants have opened. If two participants use one file, and at least one writes
+// it, data can pass between them outside the order of simulated time. Here is decided which files
+// do not matter, for all programs.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
 
@@ -14,9 +15,9 @@ namespace move_base_abstract {
 class SharedFiles {
  public:
   /**
-   * @brief A participant has opened a file (kReads or kWrites, by its path
-   * without links and dots).
-   * @return why the run is not repeatable then; empty: it is.
+   * @brief Note that a participant has opened a file. @param note kReads or kWrites, with the path
+   * without links and dots.
+   * @return the reason why the run is not repeatable then; '' if it is.
    */
   std::string add(const std::string& member, const wire::Note& note);
 

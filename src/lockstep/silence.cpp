@@ -1,4 +1,4 @@
-// What is said of participants whose work on one grant takes long.
+// Messages about participants whose work on one grant takes long.
 
 #include "silence.h"
 

@@ -1,4 +1,4 @@
-// What is said of participants whose work on one grant takes long.
+// Messages about participants whose work on one grant takes long.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
 
@@ -12,9 +12,9 @@ class Silence {
  public:
   Silence(LockstepRun& run, Departures& departures) : run_(run), departures_(departures) {}
 
-  /** @brief One is silent, which may end it, or has answered at last. */
+  /** @brief Report that a participant is silent, which may drop it, or has answered at last. */
   void handle(const LockstepRounds::Event& event);
-  /** @brief It says what it is doing. */
+  /** @brief Take a participant's text about what its thread does. */
   void takeBusy(MemberId id, const wire::Busy& busy);
 
  private:

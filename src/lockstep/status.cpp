@@ -29,7 +29,7 @@ std::string StatusText::owed(const MemberState& member) const {
          (parts.empty() ? "" : " (" + joined(parts) + ")");
 }
 
-/** @return whose threads wait without end, how many, and what for. */
+/** @return for each member with threads that wait without a timeout: how many, and what for. */
 std::vector<std::string> StatusText::waiting() const {
   std::vector<std::string> parts;
   for (const LockstepStatus::Participant& member : participants()) {
@@ -42,7 +42,7 @@ std::vector<std::string> StatusText::waiting() const {
   return parts;
 }
 
-/** @return who has threads that wait without end, and what for; which goals nobody has answered. */
+/** @return the same as one text, together with the goals that have no answer. */
 std::string StatusText::stuck(const OpenGoals& goals) const {
   std::vector<std::string> parts = waiting();
   for (const auto& [goal, count] : goals.byAction()) {
@@ -65,8 +65,8 @@ std::vector<LockstepStatus::OpenGoals> StatusText::openGoals(const OpenGoals& go
 
 std::string StatusText::idle() const {
   const std::vector<std::string> parts = waiting();
-  return "idle" + at() + ": nobody wants to wake up" +
-         (parts.empty() ? "" : "; for work that may come wait: " + joined(parts));
+  return "idle" + at() + ": no participant wants to wake up" +
+         (parts.empty() ? "" : "; waiting for work: " + joined(parts));
 }
 
 std::string StatusText::latestRound() const {
@@ -124,7 +124,7 @@ std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began,
     return waiting;
   }
   for (const auto& [id, since] : interruption.ending()) {
-    waiting.push_back({nameOf(id), since, "the end that it was told to come to", "", ""});
+    waiting.push_back({nameOf(id), since, "its end, which a signal asked for", "", ""});
   }
   for (const MemberId id : rounds_.latestRound()) {
     const MemberState* member = rounds_.members().find(id);
@@ -159,7 +159,7 @@ std::vector<LockstepStatus::Participant> StatusText::participants() const {
 std::string StatusText::standstill(LockstepPhase phase, const OpenGoals& goals) const {
   switch (phase) {
     case LockstepPhase::kDeadlock:
-      return "deadlock" + at() + ": nobody wants to wake up, but " + stuck(goals);
+      return "deadlock" + at() + ": no participant wants to wake up, but " + stuck(goals);
     case LockstepPhase::kZeroDelayLoop:
       return "zero-delay loop" + at() + ": " + std::to_string(rounds_.clock().microstep) +
              " microsteps at one instant, the last of them by " + latestRound();

@@ -1,4 +1,4 @@
-// What a session says of itself, in state messages and in words.
+// The state of a session, for state messages and as texts.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
 
@@ -20,25 +20,24 @@
 
 namespace move_base_abstract {
 
-/** @brief What ended a run, as a code for programs: the reason is for people. */
+/** @brief What ended a run, as a code for programs. The reason is a text for people. */
 namespace ended_by {
 inline constexpr std::string_view kEndAt = "end_at";         // the setting
-inline constexpr std::string_view kIdle = "idle";            // nobody had anything left to do
+inline constexpr std::string_view kIdle = "idle";            // nothing was left to do
 inline constexpr std::string_view kDeparture = "departure";  // of a node that end_with names
-inline constexpr std::string_view kDeadlock =
-    "deadlock";  // ... and somebody waited for what was owed to it
-inline constexpr std::string_view kZeroDelayLoop = "zero_delay_loop";  // it stood in one
+inline constexpr std::string_view kDeadlock = "deadlock";  // the same, but one waited for something
+inline constexpr std::string_view kZeroDelayLoop = "zero_delay_loop";  // it stood in such a loop
 inline constexpr std::string_view kOther = "other";
 }  // namespace ended_by
 
-/** @brief All that a state message tells. */
+/** @brief The content of a state message. */
 struct LockstepStatus {
   struct Waiting {
     std::string name;
     Nanoseconds since;  // wall ns; before the start: since the session began to wait
     std::string owes;   // "its HELLO", "the report of round 17 (3 messages, wake-up due)"
-    std::string where;  // its thread, in its own words; '' if it has not said
-    std::string told;   // with its latest grant; '' if not known
+    std::string where;  // what its thread does, in its own words; '' if it is not known
+    std::string told;   // the items of its latest grant; '' if they are not known
   };
   struct Participant {
     MemberId id;
@@ -46,14 +45,14 @@ struct LockstepStatus {
     std::string node_uri;
     std::int32_t rank;
     std::optional<Nanoseconds> next;  // simulated; nothing: never
-    std::uint32_t open;               // application threads that wait without end
+    std::uint32_t open;               // threads that wait without a timeout
     std::string waits_for;            // its own words
-    std::string tells;                // ... at which rates, and to whom
+    std::string tells;                // its own words: at which rates it sends, and to whom
     bool knocked;
     std::size_t mail;  // waiting for its next grant
     bool owes;
   };
-  /** @brief Who has left or died while the run went on. */
+  /** @brief A participant that has left or died while the run went on. */
   struct Departure {
     std::string name;
     Nanoseconds time;  // simulated
@@ -73,11 +72,11 @@ struct LockstepStatus {
   std::vector<Participant> participants;    // by rank, then name
   std::vector<std::string> not_repeatable;  // why; empty: the run is repeatable
   std::vector<std::string> degraded;        // why
-  std::vector<Departure> departures;        // in the order in which they were; the first ones
+  std::vector<Departure> departures;        // in their order; the first ones only
   std::vector<OpenGoals> open_goals;        // by client, then action
-  std::string reason;                       // of deadlock, zero-delay loop and end: who and why
+  std::string reason;                       // text about a deadlock, a zero-delay loop or the end
   std::string ended_by;                     // one of ended_by
-  std::string ended_with;                   // the node whose departure has ended the run; else ''
+  std::string ended_with;                   // the node whose departure ended the run; else ''
   bool ended_as_wished;                     // as end_when_idle, end_at or end_with say
   bool cut;      // ended from outside while there was something left to do: another run of the same
                  // may end elsewhere
@@ -89,34 +88,45 @@ struct LockstepStatus {
   std::string chaos;       // chaosText()
 };
 
-/** @brief Says what is so, of rounds and their members, which outlive it. */
+/** @brief Makes texts about rounds and their members, which must outlive this object. */
 class StatusText {
  public:
   StatusText(const LockstepRounds& rounds, const SessionMembers& members)
       : rounds_(rounds), members_(members) {}
 
-  /** @return " at 12.5 s". */
+  /** @return the present as a text, such as " at 12.5 s". */
   std::string at() const;
-  /** @return '' of one that is not there. */
+  /** @return the member's name; '' if it is not there. */
   std::string nameOf(MemberId id) const;
   std::string quoted(MemberId id) const { return quote(nameOf(id)); }
-  /** @return what the member owes: "the report of round 17 (3 messages, wake-up due)". */
+  /** @return what the member owes, such as "the report of round 17 (3 messages, wake-up due)". */
   std::string owed(const MemberState& member) const;
-  /** @return of a deadlock and a zero-delay loop: who and why; else ''. */
+  /**
+   * @return the text about a deadlock or a zero-delay loop, with the participants and the reason;
+   * else ''.
+   */
   std::string standstill(LockstepPhase phase, const OpenGoals& goals) const;
-  /** @return that nobody has anything left to do, and whose threads wait for work. */
+  /**
+   * @return the text which says that no participant has anything left to do, and whose threads wait
+   * for work.
+   */
   std::string idle() const;
   /** @return the goals that have not ended. */
   std::vector<LockstepStatus::OpenGoals> openGoals(const OpenGoals& goals) const;
-  /** @brief A participant has gone before the start, which still waits for it: @p how it went. */
+  /**
+   * @brief Note that a participant has gone before the start, which still waits for it. @param how
+   * the text that says how it went.
+   */
   void keepDeparture(const std::string& name, const std::string& how) { departures_[name] = how; }
-  /** @return the names that the start waits for, and how many participants are there. */
+  /** @return the names that the start waits for, and the number of participants that are there. */
   std::string missing() const;
-  /** @param began wall ns; when the session began to wait. */
+  /** @param began wall ns, when the session began to wait. */
   std::vector<LockstepStatus::Waiting> waitingFor(Nanoseconds began,
                                                   const Interruption& interruption,
                                                   const MessageRouter& router) const;
-  /** @return what the member's latest grant said, the last ten things; '' if it is not known. */
+  /**
+   * @return a text with the last ten items of the member's latest grant; '' if they are not known.
+   */
   std::string told(MemberId id, const MessageRouter& router) const;
   std::vector<LockstepStatus::Participant> participants() const;
 
@@ -126,7 +136,7 @@ class StatusText {
   std::string describe(const wire::Deliver& item, MemberId id, const MessageRouter& router) const;
   std::string describe(const wire::CallIn& item, MemberId id, const MessageRouter& router) const;
   std::string describe(const wire::Answer& item, MemberId id, const MessageRouter& router) const;
-  /** @return nothing of what links and services come and go: nobody works on that for long. */
+  /** @return '' for news of links and services: no node works on that for long. */
   template <typename Other>
   std::string describe(const Other&, MemberId, const MessageRouter&) const {
     return "";

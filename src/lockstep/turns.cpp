@@ -1,4 +1,4 @@
-// What participants do in their turns comes about, in the stated order.
+// Applies what participants do in their turns, in the stated order.
 #include "turns.h"
 
 #include <algorithm>
@@ -21,7 +21,10 @@ void Turns::take(MemberId id, wire::Report report,
   member.turn = {bytes, std::move(report.items)};
 }
 
-/** @return whether @p id changes what others' turns lead to: links, services, parameters. */
+/**
+ * @return whether the turn of @p id affects the results of others' turns: links, services,
+ * parameters.
+ */
 bool Turns::changesOthers(MemberId id) const {
   const SessionMember& member = run_.members.at(id);
   return member.departing ||
@@ -57,7 +60,7 @@ void Turns::apply() {
       departures_.apply(id);
     }
   }
-  run_.changed.clear();  // who is dropped for its report has departed in its turn
+  run_.changed.clear();  // members that were dropped for their reports have departed above
   finish();
 }
 
@@ -114,7 +117,7 @@ void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem
   }
 }
 
-/** @throws MessageRouter::BadAction unless it says what is set, and to what. */
+/** @throws MessageRouter::BadAction if @p item is not a valid parameter. */
 void Turns::applyParameter(const SessionMember& member, const wire::Parameter& item) {
   if (const std::string fault = faultOf(member.name, item); !fault.empty()) {
     throw MessageRouter::BadAction(fault);
@@ -122,7 +125,7 @@ void Turns::applyParameter(const SessionMember& member, const wire::Parameter& i
   run_.parameters.change(member.name, item);
 }
 
-/** @throws MessageRouter::BadAction unless it is a motion that somebody has asked for. */
+/** @throws MessageRouter::BadAction if there is no radio, or @p motion is not valid. */
 void Turns::applyMotion(MemberId id, const SessionMember& member, const wire::Motion& motion) {
   if (run_.radio == nullptr) {
     throw MessageRouter::BadAction(quote(member.name) +

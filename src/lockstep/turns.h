@@ -1,4 +1,4 @@
-// What participants do in their turns comes about, in the stated order.
+// Applies what participants do in their turns, in the stated order.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_TURNS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_TURNS_H
 
@@ -19,17 +19,19 @@ class Turns {
   Turns(LockstepRun& run, RunEnd& end, Departures& departures)
       : run_(run), end_(end), departures_(departures) {}
 
-  /** @brief Keep what @p report tells until the round is over; its items point into @p bytes. */
+  /** @brief Keep @p report until the round is over. Its items point into @p bytes. */
   void take(MemberId id, wire::Report report, const std::shared_ptr<const std::string>& bytes);
-  /** @brief The round is over. */
+  /** @brief Apply the turns of the round, which is over. */
   void apply();
-  /** @brief The one turn of @p member that is due. */
+  /** @brief Apply the turn of @p member that is due. */
   void applyOne(MemberId id, SessionMember& member);
-  /** @brief All turns of a round, or of an instant of a window, are applied. */
+  /** @brief Finish a round, or an instant of a window, after all its turns are applied. */
   void finish();
-  /** @brief Who has asked for a parameter that has changed is to be told so with its next grant. */
+  /**
+   * @brief Note the members that depend on a parameter which has changed, for their next grants.
+   */
   void noteChangedParameters();
-  /** @brief No mail points into what was applied. */
+  /** @brief Free the applied turns. No mail may point into them any more. */
   void forgetApplied() {
     applied_.clear();
     run_.carriage.forgetArrived();

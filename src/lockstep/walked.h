@@ -1,4 +1,5 @@
-// Turns that a participant has had by itself, with a lookahead, and what comes of them later.
+// Turns that a participant has had by itself in a window, and that are applied later ("walked"
+// turns).
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_H
 
@@ -12,7 +13,7 @@
 
 namespace move_base_abstract {
 
-/** @brief A parameter of ROS that was set, or deleted, in such a turn. */
+/** @brief A ROS parameter that was set or deleted in such a turn. */
 struct WalkedSet {
   Nanoseconds at = 0;  // simulated
   MailOrder order;
@@ -22,11 +23,11 @@ struct WalkedSet {
 };
 
 /**
- * @return the turns of @p report, whose items are taken out; the first at @p begin, those after AT
- * items at their instants.
- * @param bytes what the report's items point into.
- * @throws wire::MalformedFrame where an instant is before that of the turn before it, or not before
- * @p end.
+ * @brief Take the items out of @p report.
+ * @param bytes the bytes that the report's items point into.
+ * @return the turns of the report: the first at @p begin, the others at the instants of AT items.
+ * @throws wire::MalformedFrame if an instant is before that of the previous turn, or not before @p
+ * end.
  */
 std::deque<WalkedTurn> takeWalked(wire::Report& report,
                                   const std::shared_ptr<const std::string>& bytes,

@@ -1,4 +1,4 @@
-// With a lookahead: what participants have done by themselves is applied instant by instant.
+// With a lookahead: applies the turns that participants have had by themselves, instant by instant.
 
 #include "walked_turns.h"
 
@@ -9,7 +9,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @throws wire::MalformedFrame if what @p turn sets is no parameter. */
+/** @throws wire::MalformedFrame if @p turn sets an invalid parameter. */
 void checkSets(const SessionMember& member, const PendingTurn& turn) {
   for (const wire::ReportItem& item : turn.items) {
     if (const auto* set = std::get_if<wire::Parameter>(&item)) {
@@ -37,8 +37,10 @@ void WalkedTurns::take(MemberId id, wire::Report report,
   std::move(turns.begin(), turns.end(), std::back_inserter(member.walked));
 }
 
-/** @brief Take out of @p turns what does not wait until nobody can act before it any more: how the
- * participant stands after the last of them, and the parameters that it has set. */
+/**
+ * @brief Take the items out of @p turns that do not have to wait until no member can act before
+ * them: the state of the participant after its last turn, and the parameters that it has set.
+ */
 void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   SessionMember& member = run_.members.at(id);
   for (WalkedTurn& walked : *turns) {
@@ -54,7 +56,7 @@ void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
         sets_.push_back({walked.at,
                          run_.rounds.members().order(id, 0, member.actions + sets_.size()),
                          member.name, walked.turn.frame, *set});
-        run_.rounds.windows().holdUntil(id, walked.at);  // it is to see what it has set
+        run_.rounds.windows().holdUntil(id, walked.at);  // it must see the value that it has set
       } else {
         kept.push_back(item);
       }
@@ -63,7 +65,7 @@ void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   }
 }
 
-/** @return the first instant whose turns are not applied, or kNever. */
+/** @return the first instant whose turns are not applied yet, or kNever. */
 Nanoseconds WalkedTurns::first() const {
   Nanoseconds first = kNever;
   for (const auto& [id, member] : run_.members) {
@@ -94,7 +96,7 @@ void WalkedTurns::apply() {
   applySets(last);
 }
 
-/** @brief Who has gone, and has no turn left that counts. */
+/** @brief Remove the participants that have gone and have no turns left to apply. */
 void WalkedTurns::applyGone() {
   std::vector<MemberId> ids;
   for (const auto& [id, member] : run_.members) {
@@ -134,12 +136,12 @@ void WalkedTurns::applyInstant(Nanoseconds at) {
       departures_.apply(id);
     }
   }
-  run_.changed.clear();  // who was dropped for what it has done has departed
+  run_.changed.clear();  // members that were dropped for their turns have departed
   turns_.finish();
   run_.rounds.windows().endInstant();
 }
 
-/** @brief The ROS master is told of what was set up to @p until, itself included. */
+/** @brief Pass on the parameters that were set up to and including @p until, for the ROS master. */
 void WalkedTurns::applySets(Nanoseconds until) {
   std::stable_sort(sets_.begin(), sets_.end(), [](const WalkedSet& a, const WalkedSet& b) {
     return a.at != b.at ? a.at < b.at : isBefore(a.order, b.order);

@@ -1,4 +1,4 @@
-// With a lookahead: the turns that participants have had by themselves come about.
+// With a lookahead: applies the turns that participants have had by themselves.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
 
@@ -21,13 +21,15 @@ class WalkedTurns {
   WalkedTurns(LockstepRun& run, RunEnd& end, Departures& departures, Turns& turns)
       : run_(run), end_(end), departures_(departures), turns_(turns) {}
 
-  /** @brief Keep what @p report tells until nobody can act before it; its items point into @p
+  /**
+   * @brief Keep the turns of @p report until no member can act before them. Its items point into @p
    * bytes.
-   * @throws wire::MalformedFrame if what it sets is no parameter, or an instant is out of order. */
+   * @throws wire::MalformedFrame if it sets an invalid parameter, or an instant is out of order.
+   */
   void take(MemberId id, wire::Report report, const std::shared_ptr<const std::string>& bytes);
   /**
-   * @brief Apply the turns of all instants before which nobody can have a turn any more, in the
-   * order of time. If the run ends with one of them, the others are not done.
+   * @brief Apply the turns of all instants before which no member can have a turn any more, in the
+   * order of time. If the run ends with one of them, later ones are not applied.
    */
   void apply();
 
@@ -42,7 +44,7 @@ class WalkedTurns {
   RunEnd& end_;
   Departures& departures_;
   Turns& turns_;
-  std::vector<WalkedSet> sets_;  // parameters that the ROS master has not been told
+  std::vector<WalkedSet> sets_;  // not told to the ROS master yet
 };
 
 }  // namespace move_base_abstract

@@ -8,7 +8,9 @@ namespace {
 
 constexpr std::size_t kTimeDigits = 13;  // of the wall time in ms; in ns it has more
 
-/** @brief ROS's own: the clock, which the grants replace, and what serves people to look at. */
+/**
+ * @brief ROS's own topics: the clock, which the grants replace, and topics for people to look at.
+ */
 constexpr const char* kNeverCounted[] = {"/clock", "/rosout", "/rosout_agg", "/statistics"};
 
 std::string resolved(const std::string& topic, std::string_view node) {
@@ -43,7 +45,7 @@ std::string encodeWelcome(MemberId id, const wire::Hello& hello, const LockstepS
   welcome.own_id = id;
   welcome.rank = rankOf(hello);
   welcome.leave_limit_ns = kLastWordsLimit;
-  // Early enough that it is known when the silence is told.
+  // Early enough that the text is known when the silence is reported.
   welcome.busy_limit_ns =
       settings.silence_limit > 0.0 ? toNanoseconds(settings.silence_limit) / 5 * 4 : kNever;
   welcome.excluded_topics.assign(excluded.begin(), excluded.end());

@@ -1,4 +1,4 @@
-// What the time master decides for every participant, and tells each in its WELCOME.
+// The values that the time master decides for a participant, and sends in its WELCOME.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WELCOME_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WELCOME_H
 
@@ -15,31 +15,33 @@
 
 namespace move_base_abstract {
 
-/** @brief Of nodes that declare no rank: they come after the robots, which have 0. */
+/** @brief The rank of nodes that declare none. They come after the robots, which have 0. */
 constexpr std::int32_t kDefaultRank = 1000;
 
-/** @brief How long a connection that was told the end may take to close [ns, wall]. */
+/** @brief The time that a connection may take to close after END [ns, wall]. */
 constexpr Nanoseconds kLeaveLimit = kNanosecondsPerSecond;
 
-/** @brief How long one that goes waits for its last words to be taken [ns, wall]: longer than time
- * stands because it was told to end. */
+/**
+ * @brief The time that a leaving participant waits until its last actions are taken [ns, wall]. It
+ * is longer than the time for which a signal to end makes simulated time stand.
+ */
 constexpr Nanoseconds kLastWordsLimit = Interruption::kGrace + kNanosecondsPerSecond;
 
-/** @return the rank that a newcomer gets. */
+/** @return the rank of a newcomer. */
 inline std::int32_t rankOf(const wire::Hello& hello) {
   return hello.rank_declared ? hello.rank : kDefaultRank;
 }
 
 /**
- * @brief Whether ROS made the name unique: with the wall time, of which rospy gives ms behind a
- * process number ("_4711_1600000000000") and roscpp ns.
+ * @brief Whether ROS made the name unique with the wall time. rospy adds a process number and ms
+ * ("_4711_1600000000000"), roscpp adds ns.
  */
 bool isAnonymous(std::string_view name);
 
 /**
- * @return the topics that do not go through the time master, as @p node ("/robot_1/driver") sees
- * them: those that never do, and those of the setting, in which a name without '/' is below the
- * node's namespace, and one behind '~' below the node itself.
+ * @return the topics that do not go through the time master, for @p node ("/robot_1/driver"). These
+ * are the topics that never do, and those of the setting. In the setting, a name without '/' is
+ * below the node's namespace, and a name after '~' is below the node itself.
  */
 std::vector<std::string> excludedTopics(const LockstepSettings& settings, std::string_view node);
 

@@ -6,7 +6,7 @@
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-constexpr std::size_t kUnderWay = 64;  // so many copies may be when their sender leaves
+constexpr std::size_t kUnderWay = 64;  // the most copies under way when their sender leaves
 
 }  // namespace
 
@@ -35,10 +35,10 @@ bool Copies::isCopy(const std::string& sender, const Connection& connection, std
   std::deque<std::size_t>& last = found->second;
   const auto same = std::find(last.begin(), last.end(), digest);
   if (same == last.end()) {
-    last_.erase(found);  // another node of this name, or the same one by itself
+    last_.erase(found);  // another node of this name, or the same one outside of lockstep
     return false;
   }
-  last.erase(last.begin(), same + 1);  // each comes once, and in this order
+  last.erase(last.begin(), same + 1);  // copies come once each, and in this order
   return true;
 }
 

@@ -1,4 +1,4 @@
-// The thread of a participant: what runs between its reports and its grants.
+// The thread of a participant: the work between its grants and its reports.
 #include "core.h"
 
 #include <ros/console.h>
@@ -16,7 +16,10 @@ namespace {
 
 std::atomic<bool> exists{false};  // two cores would both set ros::Time
 
-/** When the library is loaded: a node handle from before the Participant has started ROS. */
+/**
+ * Runs when the library is loaded, because a node handle may start ROS before the Participant
+ * exists.
+ */
 __attribute__((constructor)) void beforeRos() { Membership::beforeRos(); }
 
 }  // namespace

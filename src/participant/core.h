@@ -1,4 +1,4 @@
-// What a participant is behind its public face: mail, timers and topics, in one thread.
+// The implementation of a Participant: mail, timers and topics, in one thread.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_CORE_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_CORE_H
 
@@ -23,7 +23,7 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief The participant's state; it has its turn except inside wait(). */
+/** @brief The participant's state. The participant has its turn, except inside wait(). */
 class Core : public Program, public std::enable_shared_from_this<Core> {
  public:
   enum class Woken { kDone, kTime, kOver };
@@ -39,14 +39,14 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
 
   /**
    * @brief Give the turn away until @p done() is true or simulated time has come to @p until.
-   * Callbacks run meanwhile, or wait until after (as they do inside a callback anyway).
-   * @param what a wait for something without end is shown as a wait for this.
+   * Callbacks run meanwhile, or wait until afterwards (inside a callback they always wait).
+   * @param what names what the node waits for, if the wait has no timeout.
    */
   Woken wait(Nanoseconds until, Callbacks callbacks, const std::function<bool()>& done = nullptr,
              const std::string& what = "");
   bool giveWay();
 
-  /** @throws Error if the caller is another thread, or the participant has left. */
+  /** @throws Error if another thread calls, or the participant has left. */
   void check(const char* what) const;
   void checkOutsideCallback(const char* what) const;
 
@@ -111,7 +111,7 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
   ros::NodeHandle& nodeFor(const std::string& name, std::string* rest);
 
   const std::thread::id thread_ = std::this_thread::get_id();
-  std::mutex mutex_;  // of the membership, which another thread looks at
+  std::mutex mutex_;  // for the membership, which another thread reads
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
 

@@ -19,13 +19,13 @@
 #include "move_base_abstract/lockstep_participant.h"
 
 namespace ros {
-CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none of its headers
+CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but not in its headers
 }
 
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-/** @brief Runs in roscpp's internal queue behind whatever /clock has put there. */
+/** @brief Runs in roscpp's internal queue after all callbacks that /clock has put there. */
 class Marker : public ros::CallbackInterface {
  public:
   CallResult call() override {
@@ -45,7 +45,7 @@ class Marker : public ros::CallbackInterface {
   bool is_passed_ = false;
 };
 
-/** @brief Tell roscpp, by the slave API as a ROS master does, that nobody publishes @p topic. */
+/** @brief Tell roscpp that no node publishes @p topic, by the slave API, as a ROS master does. */
 bool endConnections(const std::string& topic) {
   const std::string& uri = ros::XMLRPCManager::instance()->getServerURI();
   std::string host;

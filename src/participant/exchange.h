@@ -1,4 +1,4 @@
-// Topics and services of a participant as the time master knows them; messages as bytes.
+// Topics and services of a participant as the time master knows them, and messages as bytes.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_EXCHANGE_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_EXCHANGE_H
 
@@ -16,7 +16,7 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief What the time master knows of a topic. */
+/** @brief A topic as the time master knows it. */
 struct SharedTopic {
   std::uint32_t number = 0;
   std::string name;
@@ -24,7 +24,9 @@ struct SharedTopic {
   bool is_subscribed = false;
 };
 
-/** @brief Topics by name and by number; they stay where they are. @tparam Topic a SharedTopic. */
+/**
+ * @brief Topics by name and by number. References to them stay valid. @tparam Topic a SharedTopic.
+ */
 template <class Topic>
 class TopicTable {
  public:
@@ -50,29 +52,30 @@ class TopicTable {
   std::map<std::uint32_t, Topic> topics_;
 };
 
-// Told once, however many publishers and subscribers the node has; nothing of excluded topics.
+// The time master is told once, however many publishers and subscribers the node has; of excluded
+// topics it is not told.
 void advertise(Membership& membership, SharedTopic& topic, const ros::AdvertiseOptions& options);
 void unadvertise(Membership& membership, SharedTopic& topic);
 void subscribe(Membership& membership, SharedTopic& topic, const ros::SubscribeOptions& options);
 void unsubscribe(Membership& membership, SharedTopic& topic);
 
-/** @return what roscpp would have as the header of a connection to the one who publishes. */
+/** @return the header that roscpp would have for a connection to this publisher. */
 ros::M_string headerOf(const wire::Publisher& item, const std::string& sender,
                        const std::string& topic);
 
-/** @return the message without its length, as it goes over the wire. */
+/** @return the message without its length, as it is sent in frames. */
 std::string_view payloadOf(const ros::SerializedMessage& message);
-/** @return a message that has come over the wire. */
+/** @return the message of a payload from a frame. */
 ros::SerializedMessage messageOf(std::string_view payload);
 
-/** @brief What a service's handler says to a call. */
+/** @brief The result of a service's handler. */
 struct Handled {
   bool is_good = false;
   std::string response;
-  std::string error;  // what it has thrown
+  std::string error;  // text of the exception that it threw
 };
 
-/** @return the values of the event `uncaught`: a handler of this service has thrown. */
+/** @return the values of the event `uncaught`, after a handler of this service has thrown. */
 std::string uncaughtOf(const std::string& service);
 
 Handled handleCall(ros::ServiceCallbackHelper& helper, const std::string& service,

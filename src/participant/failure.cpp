@@ -28,8 +28,10 @@ void endWithError() {
   }
 }
 
-/** As soon as the library is loaded, so that it comes after all that the program has to do at its
- * end. */
+/**
+ * Runs as soon as the library is loaded, so that endWithError() comes after everything that the
+ * program does at its end.
+ */
 __attribute__((constructor)) void watchEnd() { std::atexit(endWithError); }
 
 }  // namespace

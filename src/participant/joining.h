@@ -1,4 +1,4 @@
-// Where a run is and how this node shows itself to it, as ROS's parameters say.
+// Finds the run and presents this node to it, as ROS parameters say.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_JOINING_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_JOINING_H
 
@@ -18,24 +18,25 @@ constexpr const char* kLockstepMode = "lockstep";
 struct Presence {
   std::string name;
   std::string uri;                   // of the node's XML-RPC server
-  std::optional<std::int32_t> rank;  // nothing: none is declared, and the time master gives one
+  std::optional<std::int32_t> rank;  // nothing: not declared; the time master chooses one
 };
 
 /**
- * @brief Read what the node's own parameters say.
- * @param rank of the node if its program says so; else ~lockstep_rank does.
- * @throws Error where a parameter is bad.
+ * @brief Read the node's own parameters.
+ * @param rank the rank, if the program declares one; otherwise the parameter ~lockstep_rank counts.
+ * @throws Error if a parameter is wrong.
  */
 Presence readPresence(const std::optional<std::int32_t>& rank);
 
 /**
  * @brief Connect @p link to the time master, which may still be starting.
  * @return false if ROS is shut down meanwhile.
- * @throws NotLockstep if the time master runs but is not in lockstep; Error for a bad address.
+ * @throws NotLockstep if the time master runs but is not in lockstep.
+ * @throws Error if its address is wrong.
  */
 bool connectToTimeMaster(const std::string& name, Link* link);
 
-/** @return HELLO as a whole frame. @throws Error where the run's secret cannot be read. */
+/** @return HELLO as a whole frame. @throws Error if the run's secret cannot be read. */
 std::string helloOf(const Presence& presence);
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -30,7 +30,7 @@ Bell::~Bell() { ::close(descriptor_); }
 
 void Bell::ring() {
   const std::uint64_t one = 1;
-  // It fails only where the counter is full, and then the bell rings already.
+  // It fails only if the counter is full, and then the bell rings already.
   [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof(one));
 }
 
@@ -68,7 +68,7 @@ bool Link::connect(const std::string& address) {
   return false;
 }
 
-/** @return whether the time master is on this computer, and takes part by a Unix socket. */
+/** @return whether the time master is on this computer and has accepted a Unix connection. */
 bool Link::connectLocally(const std::string& address) {
   const LocalAddress local = localAddressOf(address);
   socket_ = local.size > 0 ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : -1;
@@ -99,7 +99,7 @@ Link::Event Link::wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* fram
   if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
     return Event::kNothing;
   }
-  // The socket first: it tells who is a member, and that decides what the bell is about.
+  // The socket comes first, because the members decide what the bell means.
   if (polled[0].revents == 0) {
     return Event::kBell;
   }
@@ -116,7 +116,7 @@ void Link::finish(int patience_ms) {
   if (!isOpen()) {
     return;
   }
-  // Closing a socket with unread bytes in it resets the connection, and the last report is lost.
+  // Closing a socket with unread bytes resets the connection, and the last report would be lost.
   ::shutdown(socket_, SHUT_WR);
   std::array<char, 4096> rest;
   pollfd polled{socket_, POLLIN, 0};

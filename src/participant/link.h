@@ -1,5 +1,5 @@
-// A participant's socket to the time master, and the bell by which roscpp's thread wakes its
-// reader.
+// A participant's socket to the time master, and the bell by which a thread of roscpp wakes the
+// thread that reads from it.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_LINK_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_LINK_H
 
@@ -10,7 +10,10 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief Rings in one thread, is heard in a poll of another; any number of rings is one. */
+/**
+ * @brief An event from one thread that wakes a poll in another. Several rings before silence()
+ * count as one.
+ */
 class Bell {
  public:
   Bell();
@@ -26,7 +29,7 @@ class Bell {
   int descriptor_;
 };
 
-/** @brief A blocking TCP connection: bytes out, bytes in. */
+/** @brief A blocking connection that sends and receives bytes. */
 class Link {
  public:
   enum class Event { kBytes, kBell, kNothing, kClosed };
@@ -38,21 +41,24 @@ class Link {
 
   /**
    * @brief Connect to @p address, "host:port"; on the time master's own computer by a Unix socket.
-   * @return whether somebody listens there. @throws Error if it is no address.
+   * @return whether the connection was accepted.
+   * @throws Error if @p address is not valid.
    */
   bool connect(const std::string& address);
   bool isOpen() const { return socket_ >= 0; }
-  /** @brief From now on a signal that tells the process to end is told to the peer. */
+  /** @brief From now on, tell the peer when a signal tells this process to end. */
   void announceStopSignals();
 
-  /** @return false if there is nobody to take it. */
+  /** @return false if the peer has gone. */
   bool send(std::string_view bytes);
 
-  /** @brief Wait for at most @p timeout_ms of wall time; what comes is appended to @p frames. */
+  /** @brief Wait for at most @p timeout_ms of wall time. Append the received bytes to @p frames. */
   Event wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
 
-  /** @brief Tell the peer that nothing more comes, wait until it has read all, for at most
-   * @p patience_ms of wall time, and close. */
+  /**
+   * @brief Tell the peer that no more bytes come, wait for at most @p patience_ms of wall time
+   * until it has read all, and close.
+   */
   void finish(int patience_ms);
   void close();
 

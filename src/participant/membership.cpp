@@ -23,13 +23,13 @@ constexpr int kPollMilliseconds = 100;  // wall; how soon an end of ROS is notic
 const char* const kClosed = "the time master has closed the connection";
 const char* const kReplaced = "another node of its name has taken its place";
 
-/** @return as gettid(), without a system call for each grant. */
+/** @return the same as gettid(), without a system call for each grant. */
 int ownThread() {
   thread_local const int thread = static_cast<int>(::syscall(SYS_gettid));
   return thread;
 }
 
-/** @return whether nothing that it lists has come to the program. */
+/** @return whether the grant has no items for the program. */
 bool isEmpty(const wire::Grant& grant) {
   return std::all_of(grant.items.begin(), grant.items.end(),
                      [](const auto& item) { return std::holds_alternative<wire::Changed>(item); });
@@ -85,7 +85,7 @@ bool Membership::leave(const std::string& reason, State as, bool is_asked_to) {
     link_.send(wire::encode(wire::ParticipantFrame(wire::Leave{reason})));
   }
   end_reason_ = as == State::kLeft ? "it has left" : reason;
-  state_ = as;  // not before all is sent: who reads from the connection closes it then
+  state_ = as;  // after all is sent, as the reading thread closes the connection then
   return true;
 }
 
@@ -102,7 +102,7 @@ void Membership::end(const std::string& reason, bool as_wished) {
   if (as_wished && ros::ok()) {
     ROS_INFO("lockstep: the run is over for %s: %s", name().c_str(), reason.c_str());
   } else {
-    const bool is_told_to_end = awaitsOwnSignal();  // the time master may be quicker than that
+    const bool is_told_to_end = awaitsOwnSignal();  // the time master may end before this process
     if (isReplaced()) {
       fail(name(), kReplaced);
     } else if (!is_told_to_end) {
@@ -241,7 +241,7 @@ void Membership::handle(const wire::Welcome& frame) {
       [this](std::uint64_t round) { tellBusy(round); });
 }
 
-/** @return the round that is being worked on, 0 if none is. From any thread. */
+/** @return the round that is being worked on; 0: none. Any thread may call this. */
 std::uint64_t Membership::grantedRound() {
   const Lock lock(program_);
   return state_ == State::kTurn ? round_ : 0;
@@ -294,7 +294,7 @@ void Membership::handle(wire::Grant& grant) {
   beginTurn(grant, grant.time_ns, is_repeated ? microstep_ + 1 : grant.microstep);
 }
 
-/** @brief ... with what was kept for @p now, and with what @p grant has besides. */
+/** @brief Begin a turn with the mail that was kept for @p now and the items of @p grant. */
 void Membership::beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint32_t microstep) {
   const std::string kept = window_.arrived(now);
   const auto first =
@@ -320,7 +320,7 @@ void Membership::beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint3
 
 void Membership::handle(const wire::End& frame) { end(std::string(frame.reason), frame.as_wished); }
 
-// ---- what the next report says ---------------------------------------------------------------
+// ---- the next report ---------------------------------------------------------------------
 
 void Membership::append(const wire::ReportItem& item) {
   const Lock lock(program_);
@@ -328,7 +328,7 @@ void Membership::append(const wire::ReportItem& item) {
     return;
   }
   if (std::holds_alternative<wire::Background>(item)) {
-    is_background_ = true;  // of the report, whichever it will be
+    is_background_ = true;  // in the next report, whichever that is
     return;
   }
   must_report_ = must_report_ || std::holds_alternative<wire::Rest>(item) ||

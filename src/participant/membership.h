@@ -1,5 +1,5 @@
 // A roscpp node's membership in a run: its connection to the time master, its reports and its
-// grants. One for the library and for unmodified programs; what differs between them is a Program.
+// grants. The library and unmodified programs share it; a Program has the differences between them.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_MEMBERSHIP_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_MEMBERSHIP_H
 
@@ -22,12 +22,14 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief What a membership asks of its node, in the thread that awaits the grant. */
+/**
+ * @brief The functions of a node that its membership calls, in the thread that awaits the grant.
+ */
 class Program {
  public:
   virtual ~Program() = default;
 
-  /** @brief Around what several threads share; a program of one thread needs none. */
+  /** @brief Lock the data that several threads share. A program of one thread needs no lock. */
   virtual void lock() {}
   virtual void unlock() {}
 
@@ -38,72 +40,82 @@ class Program {
   virtual void handle(const wire::NoSubscriber& item) = 0;
   virtual void handle(const wire::Deliver& item) = 0;
   virtual void handle(const wire::CallIn& item) = 0;
-  /** @brief All that came with the grant is handled: what came from outside may enter. */
+  /** @brief Let input from outside enter. Called after all items of the grant are handled. */
   virtual void onGranted() = 0;
 
   virtual void onMember(const std::string& /*name*/) {}
-  /** @brief A member is about to be forgotten: what it sent before is judged while it is one. */
+  /**
+   * @brief A member is about to be forgotten. Messages that it has sent are to be examined before
+   * that.
+   */
   virtual void beforeGone() {}
-  /** @return whether something from outside of lockstep asks for a grant. */
+  /** @return whether input from outside of lockstep needs a grant. */
   virtual bool hasInput() = 0;
-  /** @brief No grant came for a while (100 ms of wall time). @return whether to wait on for one. */
+  /** @brief No grant has come for 100 ms of wall time. @return whether to go on waiting for one. */
   virtual bool waitsOn() = 0;
   /** @brief The time master has ended this node's part. */
   virtual void onEnd() = 0;
-  /** @return the thread that works on the present grant, as gettid() says; 0: who has read it. */
+  /**
+   * @return the id, as of gettid(), of the thread that works on the present grant; 0: the thread
+   * that has read it.
+   */
   virtual int busyThread() { return 0; }
 };
 
-/** @brief What a report says besides what was done. */
+/** @brief The content of a report besides its actions. */
 struct Wish {
   Nanoseconds next = kNever;  // simulated
-  std::uint32_t open = 0;     // threads that wait without end for what is owed to them
-  std::string waits = {};     // for what
-  std::uint32_t idle = 0;     // those that wait without end for work that may come
+  std::uint32_t open = 0;     // threads that wait without a timeout for something owed to them
+  std::string waits = {};     // what they wait for
+  std::uint32_t idle = 0;     // threads that wait without a timeout for work
 };
 
-/** @brief How a call of a participant's service has ended. */
+/** @brief The outcome of a call of a participant's service. */
 struct Reply {
   wire::CallStatus status = wire::CallStatus::kServerGone;
   std::string bytes;
 
   bool isGood() const { return status == wire::CallStatus::kOk; }
-  /** @return why it is not good. */
+  /** @return the reason why the call has failed. */
   std::string why() const;
 };
 
 class Membership {
  public:
-  /** kReported: waits for a grant. kLeft: by itself. kOver: the time master or ROS has ended it. */
+  /**
+   * kReported: waits for a grant. kLeft: has left by itself. kOver: ended by the time master or
+   * ROS.
+   */
   enum class State { kNew, kJoining, kTurn, kReported, kLeft, kOver };
 
   explicit Membership(Program& program) : program_(program) {}
 
-  /** @brief Listen to why the node is shut down. Before ros::start(). */
+  /** @brief Watch for the reason of a shutdown. Call this before ros::start(). */
   static void beforeRos() { watchForNamesake(); }
 
   // ---- joining and leaving
-  /** @brief What it shows of itself. Before connect(). */
+  /** @brief Set how the node presents itself. Call this before connect(). */
   void present(Presence presence) { presence_ = std::move(presence); }
   /** @brief See connectToTimeMaster(). */
   bool connect() { return connectToTimeMaster(presence_.name, &link_); }
   /** @brief Present the node and wait for its first grant. @throws Error */
   void join();
   /**
-   * @brief Take no more part; what was done goes out. From any thread.
-   * @param is_asked_to somebody else has asked for it, at some moment of the wall clock.
-   * @return false if there was nothing to leave. Else whoever reads from the connection, or would,
-   * is to finish() it.
+   * @brief Leave the run, with a last report of what was done. Any thread may call this.
+   * @param is_asked_to whether another program has asked for it, at some instant of the wall clock.
+   * @return false if there was nothing to leave. Otherwise the thread that reads from the
+   * connection must finish() it.
    */
   bool leave(const std::string& reason, State as = State::kLeft, bool is_asked_to = false);
-  /** @brief Close the connection when the time master has read all. */
+  /** @brief Close the connection when the time master has read all bytes. */
   void finish() { link_.finish(leave_limit_ms_); }
   void ring() { bell_->ring(); }
 
   // ---- rounds
-  /** @brief Report if there is a grant, and wait for the next one, or for the end. */
+  /** @brief Send a report if there is a grant, and wait for the next grant, or for the end. */
   void exchange(const Wish& wish);
-  /** @return whether the latest grant has brought nothing, and nothing from outside asked for it.
+  /**
+   * @return whether the latest grant has brought nothing, and was not caused by input from outside.
    */
   bool isPlainGrant() const { return hasTurn() && is_plain_; }
   bool hasTurn() const { return state_ == State::kTurn; }
@@ -115,39 +127,48 @@ class Membership {
   std::int32_t rank() const { return rank_; }
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
-  /** @return when the item that is being handled has come: now(), unless it was kept. */
+  /**
+   * @return the instant at which the item that is being handled has come: now(), unless it was
+   * kept.
+   */
   Nanoseconds came() const { return came_; }
   std::uint32_t microstep() const { return microstep_; }
-  /** @return the number of the present turn: that of its round, where each has its own. */
+  /**
+   * @return the number of the present turn: the number of its round, if each turn has its own
+   * round.
+   */
   std::uint64_t round() const { return turns_; }
-  /** @return how long everything takes from one participant to another; 0: no time. */
+  /** @return the time [ns] that everything takes from one participant to another; 0: no time. */
   Nanoseconds lookahead() const { return window_.lookahead(); }
   const std::shared_ptr<Bell>& bell() const { return bell_; }
 
-  // ---- what the next report says
+  // ---- the next report
   void append(const wire::ReportItem& item);
   void label(const std::string& reason);
 
-  // ---- calls of services that participants offer; for who has the turn
+  // ---- calls of services that participants offer; for the thread that has the turn
   /** @return the number of the call. */
   std::uint32_t call(const std::string& service, std::string_view request);
   bool isAnswered(std::uint32_t call) const { return answers_.count(call) > 0; }
-  /** @brief Once, of a call that isAnswered(). */
+  /** @return the answer of a call that isAnswered(). Call this once for each call. */
   Reply takeAnswer(std::uint32_t call) { return std::move(answers_.extract(call).mapped()); }
-  /** @brief Ask to be told when a participant offers @p service, which isFound() says then. */
+  /**
+   * @brief Ask the time master for news of @p service. When a participant offers it, isFound() is
+   * true.
+   */
   void watch(const std::string& service);
   bool isFound(const std::string& service) const { return found_.count(service) > 0; }
 
-  // ---- the members, this node among them. From any thread.
+  // ---- the members, with this node. Any thread may call these.
   bool isMember(const std::string& name);
   bool isMemberAt(const std::string& uri);
-  /** @return the names of those that take part. */
+  /** @return the names of the members. */
   std::set<std::string> present();
-  /** @return the names of those that did. */
+  /** @return the names of former members. */
   std::set<std::string> gone();
   std::string nameOf(std::uint32_t member);
   std::string uriOf(std::uint32_t member);
-  /** @return whether roscpp alone carries @p topic: the time master has said so. */
+  /** @return whether roscpp alone carries @p topic, as the time master says. */
   bool isExcluded(const std::string& topic) const { return excluded_.count(topic) > 0; }
 
  private:
@@ -169,12 +190,12 @@ class Membership {
   void handle(const wire::End& frame);
   void take(const wire::Answer& item);
   void take(const wire::Found& item);
-  void take(const wire::Happened&) {}  // it foresees nothing
-  void take(const wire::Heard&) {}     // what it sends to the deaf goes no further
-  void take(const wire::Window&) {}    // taken out of the grant before
+  void take(const wire::Happened&) {}  // it reports no turns beforehand
+  void take(const wire::Heard&) {}     // the time master drops what is not heard
+  void take(const wire::Window&) {}    // it was taken out of the grant before
   void take(const wire::Arrives&) {}
   void take(const wire::Came& item) { came_ = item.time_ns; }
-  void take(const wire::Changed&) {}  // it asks the ROS master each time
+  void take(const wire::Changed&) {}  // it asks the ROS master every time
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);
@@ -190,33 +211,33 @@ class Membership {
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   wire::FrameBuffer frames_;
 
-  // Under the program's lock: the state where it changes, and what follows.
+  // Under the program's lock: changes of the state, and the members below.
   std::atomic<State> state_{State::kNew};
   std::string items_;  // of the next report
   std::set<std::string> labels_;
   std::map<std::uint32_t, Other> members_;
   std::multiset<std::string> names_;  // of members
-  std::set<std::string> gone_;        // names of those that were
+  std::set<std::string> gone_;        // names of former members
   bool has_knocked_ = false;
 
-  // As WELCOME has said, before the first grant.
+  // From WELCOME, before the first grant.
   std::int32_t rank_ = 0;
   std::set<std::string> excluded_;
   int leave_limit_ms_ = 0;  // wall
 
   std::string end_reason_;
-  std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() says
+  std::atomic<int> reader_{0};  // thread that has read the latest grant, as of gettid()
   std::uint64_t round_ = 0;
   std::uint64_t turns_ = 0;
   Window window_;
-  Nanoseconds told_at_ = 0;     // the instant of what was appended last
-  bool must_report_ = false;    // before its next turn, in the window or not
-  bool is_background_ = false;  // so is its wish
+  Nanoseconds told_at_ = 0;     // the instant of the latest appended item
+  bool must_report_ = false;    // before its next turn, also within a window
+  bool is_background_ = false;  // time does not go on for its wake-up alone
   bool is_plain_ = false;
   Nanoseconds now_ = 0;
   Nanoseconds came_ = 0;
   std::uint32_t microstep_ = 0;
-  std::string told_;  // to the time master: what is waited for
+  std::string told_;  // what it waits for, as it has told the time master
   std::uint32_t calls_made_ = 0;
   std::map<std::uint32_t, Reply> answers_;
   std::set<std::string> found_;

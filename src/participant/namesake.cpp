@@ -8,7 +8,7 @@
 
 namespace ros {
 
-/** What roscpp itself does when somebody asks it to end; no header has it. */
+/** roscpp's own handler of a request to shut down; no header declares it. */
 void shutdownCallback(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response);
 
 }  // namespace ros
@@ -16,7 +16,7 @@ void shutdownCallback(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& respons
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-const char* const kNamesake = "same name";  // in the ROS master's reason
+const char* const kNamesake = "same name";  // part of the ROS master's reason
 
 std::atomic<bool> is_replaced{false};
 
@@ -32,7 +32,7 @@ void onShutdown(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response) {
 }  // namespace
 
 void watchForNamesake() {
-  // Whoever binds first stays: ros::start() tries to, later.
+  // The first handler stays, so the one that ros::start() binds later has no effect.
   ros::XMLRPCManager::instance()->bind("shutdown", onShutdown);
 }
 

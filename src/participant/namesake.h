@@ -1,14 +1,16 @@
-// Another node that takes this one's name: the ROS master then has this one shut down, and says
-// why.
+// Notices another node of this node's name. The ROS master then shuts this node down, and gives the
+// reason.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_NAMESAKE_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_NAMESAKE_H
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief Listen to why this node is shut down. Before ros::start(). */
+/** @brief Watch for the reason of a shutdown. Call this before ros::start(). */
 void watchForNamesake();
 
-/** @return whether another node of this one's name has taken its place. From any thread. */
+/**
+ * @return whether another node of this node's name has taken its place. Any thread may call this.
+ */
 bool isReplaced();
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -1,4 +1,4 @@
-// What reaches a participant by roscpp's own ways: it is taken up in the participant's thread.
+// Input that reaches a participant through roscpp itself. The participant's thread takes it.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_OUTSIDE_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_OUTSIDE_H
 
@@ -17,7 +17,10 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief Holds what roscpp's threads want called, and rings the bell; the participant takes it. */
+/**
+ * @brief Holds the callbacks from roscpp's threads until the participant takes them, and rings the
+ * bell.
+ */
 class OutsideQueue : public ros::CallbackQueueInterface {
  public:
   explicit OutsideQueue(std::shared_ptr<Bell> bell) : bell_(std::move(bell)) {}
@@ -42,7 +45,7 @@ class OutsideQueue : public ros::CallbackQueueInterface {
     return waiting_.empty();
   }
 
-  /** @return the first callback, which is no longer in the queue; null if there is none. */
+  /** @return the first callback, and remove it from the queue; null if there is none. */
   ros::CallbackInterfacePtr take() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (waiting_.empty()) {
@@ -59,11 +62,16 @@ class OutsideQueue : public ros::CallbackQueueInterface {
   std::deque<std::pair<std::uint64_t, ros::CallbackInterfacePtr>> waiting_;
 };
 
-/** @brief What was read last of a topic; roscpp reads a message once for all who take its type. */
+/**
+ * @brief The latest message that was read on a topic. roscpp reads a message once for all
+ * subscriptions of its type.
+ */
 using Reading = std::shared_ptr<std::size_t>;  // Copies::digestOf()
 
-/** @brief Stands before a subscription's own helper: hands each message over instead of calling
- * back. */
+/**
+ * @brief Wraps a subscription's own helper. It hands each message to a handler instead of calling
+ * the callback.
+ */
 class Interceptor : public ros::SubscriptionCallbackHelper {
  public:
   using Handler = std::function<void(const ros::MessageEvent<void const>&)>;

@@ -7,7 +7,7 @@
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-/** @return whether it can stand in XML 1.0; xmlrpcpp puts it there as it is. */
+/** @return whether @p text is allowed in XML 1.0, where xmlrpcpp puts it unchanged. */
 bool canStand(const std::string& text) {
   const auto is_control = [](char letter) {
     return static_cast<unsigned char>(letter) < ' ' && letter != '\t' && letter != '\n' &&

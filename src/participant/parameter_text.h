@@ -1,4 +1,4 @@
-// Parameters of ROS as XML-RPC can say them.
+// Values of ROS parameters as XML-RPC.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_PARAMETER_TEXT_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_PARAMETER_TEXT_H
 
@@ -9,8 +9,8 @@
 namespace move_base_abstract::lockstep::internal {
 
 /**
- * @return @p value as XML-RPC says it; empty: it cannot. It has no type, or something in it has
- * none; a text in it is no UTF-8, or has control characters.
+ * @return @p value as XML-RPC; empty if XML-RPC cannot express it: it, or a part of it, has no
+ * type, or a text in it is not UTF-8 or has control characters.
  */
 std::string parameterText(const XmlRpc::XmlRpcValue& value);
 

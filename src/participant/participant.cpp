@@ -1,4 +1,4 @@
-// The public face of a participant; core.cpp and topics.cpp do the work.
+// The public classes of a participant; core.cpp and topics.cpp do the work.
 #include <ros/init.h>
 #include <ros/names.h>
 
@@ -15,13 +15,15 @@ using internal::Core;
 
 namespace {
 
-/** @return the instant [ns] that lies @p duration after the present; the present if that is
- * negative. */
+/**
+ * @return the instant [ns] that is @p duration after the present; the present if @p duration is
+ * negative.
+ */
 Nanoseconds after(const Core& core, const ros::Duration& duration) {
   return addSaturated(core.now(), std::max<Nanoseconds>(duration.toNSec(), 0));
 }
 
-/** @return the end of a wait [ns]. */
+/** @return the end of a wait [ns], or kNever. */
 Nanoseconds endOf(const Core& core, const std::optional<ros::Duration>& timeout) {
   return timeout ? after(core, *timeout) : kNever;
 }
@@ -72,8 +74,8 @@ bool Timer::isRunning() const { return state_ && state_->isRunning(); }
 
 namespace {
 
-// Of the Participant that there is, for what is said without having one at hand. One thread has
-// both.
+// The core of the present Participant, for calls that have no Participant at hand. They come from
+// its thread.
 std::weak_ptr<Core>& present() {
   static auto* const instance = new std::weak_ptr<Core>;
   return *instance;
@@ -81,7 +83,10 @@ std::weak_ptr<Core>& present() {
 
 }  // namespace
 
-/** @brief Of move_base_abstract/properties.h, found by its name. @return 0: the row was taken. */
+/**
+ * @brief Write a row for move_base_abstract/properties.h, which finds this by name. @return 0 if it
+ * was taken.
+ */
 extern "C" __attribute__((visibility("default"))) int move_base_abstract_log_row(
     const char* kind, const char* values) {
   try {
@@ -91,7 +96,7 @@ extern "C" __attribute__((visibility("default"))) int move_base_abstract_log_row
       core->append(wire::Log{0, core->name(), kind, values});
       return 0;
     }
-  } catch (const Error&) {  // another thread, or the run is over
+  } catch (const Error&) {  // called from another thread, or after the run
   }
   return 1;
 }
@@ -250,7 +255,7 @@ bool Rate::sleep() {
     start_ = end;
     return participant_.sleepUntil(end);
   }
-  start_ = now > end + cycle_ ? now : end;  // far behind: start anew, as ros::Rate does
+  start_ = now > end + cycle_ ? now : end;  // far behind: start again, as ros::Rate does
   return false;
 }
 

@@ -18,8 +18,9 @@ constexpr std::uint64_t kOneIn = 16;
 constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
 constexpr std::uint64_t kSecond = 1'000'000'000;   // ns
 
-/** @return whether the variable is there, with its two numbers. @throws Error if it has another
- * form. */
+/**
+ * @return whether the variable is set, and its two numbers. @throws Error if it has another form.
+ */
 bool read(const char* variable, const char* form, std::string* first, std::uint64_t* milliseconds) {
   const char* const text = std::getenv(variable);
   if (text == nullptr || *text == '\0') {
@@ -36,7 +37,9 @@ bool read(const char* variable, const char* form, std::string* first, std::uint6
   return true;
 }
 
-/** The system's own: libc's sleeps are those of the program, which take simulated time. */
+/**
+ * Sleep by a system call, since the sleeps of libc belong to the program and take simulated time.
+ */
 void sleepFor(std::uint64_t nanoseconds) {
   timespec time{};
   time.tv_sec = static_cast<time_t>(nanoseconds / kSecond);

@@ -12,7 +12,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @brief Closes what it has opened. */
+/** @brief An open file, which is closed with this object. */
 class File {
  public:
   explicit File(const std::string& path)
@@ -57,7 +57,7 @@ std::string contents(const std::string& path) {
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     refuse(path, "others may use it too; chmod 600 changes that");
   }
-  std::string text(kLongestSecret + 3, '\0');  // one byte too many shows, beside a line's end
+  std::string text(kLongestSecret + 3, '\0');  // a line end, and one byte too many
   const ssize_t size = read(file.get(), text.data(), text.size());
   if (size < 0) {
     refuse(path, std::strerror(errno));
@@ -71,7 +71,7 @@ std::string contents(const std::string& path) {
 std::string runSecret(const std::string& text, const std::string& file) {
   if (!text.empty() && !file.empty()) {
     throw std::invalid_argument(
-        "lockstep_secret and lockstep_secret_file must not be set both: one says it all");
+        "lockstep_secret and lockstep_secret_file must not be set both: one is enough");
   }
   std::string secret = file.empty() ? trimmed(text) : contents(file);
   const char* const key = file.empty() ? "lockstep_secret" : "lockstep_secret_file";

@@ -1,4 +1,4 @@
-// The secret of a run, which keeps strangers of the same machine out. No ROS.
+// The secret of a run, which keeps other programs on the computer out. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_RUN_SECRET_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_RUN_SECRET_H
 
@@ -7,18 +7,19 @@
 
 namespace move_base_abstract {
 
-/** @brief Parameters that name the secret: as a text, or as a file that has it. */
+/** @brief The parameters of the secret: its text, or a file that has it. */
 constexpr const char* kSecretParameter = "/time_master/lockstep_secret";
 constexpr const char* kSecretFileParameter = "/time_master/lockstep_secret_file";
 
 constexpr std::size_t kLongestSecret = 1024;  // bytes
 
 /**
- * @param text the one parameter, '' if it is not set; @param file the other one.
+ * @param text the parameter lockstep_secret; '' if it is not set.
+ * @param file the parameter lockstep_secret_file; '' if it is not set.
  * @return the secret, without white space around it; '' if there is none.
- * @throws std::invalid_argument that begins with the name of a parameter (without its namespace):
- * both are set, or the file is missing, empty or too long, or not only its owner, who runs this
- * process, may read it.
+ * @throws std::invalid_argument if both are set, if the file is missing, empty or too long, or if
+ * anybody except this process's user may read it. The text begins with the name of a parameter,
+ * without its namespace.
  */
 std::string runSecret(const std::string& text, const std::string& file);
 

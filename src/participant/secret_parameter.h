@@ -1,4 +1,4 @@
-// The run's secret as a participant's parameters say it.
+// The run's secret from ROS parameters, for a participant.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_SECRET_PARAMETER_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_SECRET_PARAMETER_H
 
@@ -11,7 +11,8 @@
 namespace move_base_abstract {
 
 /**
- * @return the secret, '' if there is none. Ask when the time master is there, which may bring it.
+ * @return the secret; '' if there is none. Call this when the time master is there, because it may
+ * come with the parameters.
  * @throws std::invalid_argument, see runSecret().
  */
 inline std::string secretOfRun() {

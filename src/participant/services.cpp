@@ -69,7 +69,7 @@ void Core::handle(const wire::CallIn& item) {
     if (alive) {
       alive->answer(caller, number, caller_name, request);
     } else {
-      append(wire::Response{caller, number, false, name() + " offers this service no longer"});
+      append(wire::Response{caller, number, false, name() + " no longer offers this service"});
     }
   });
 }

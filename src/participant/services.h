@@ -1,4 +1,4 @@
-// What a participant offers: handles of its services.
+// The services that a participant offers.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_SERVICES_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_SERVICES_H
 
@@ -24,7 +24,7 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  /** @return the item that answers the call. */
+  /** @brief Call the handler, and append the answer to the next report. */
   void answer(std::uint32_t caller, std::uint32_t number, const std::string& caller_name,
               std::string_view request);
   void listenOutside(ros::NodeHandle& node, const std::shared_ptr<OutsideQueue>& queue,

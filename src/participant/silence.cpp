@@ -13,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Nanoseconds kLooksPerLimit = 10;
 constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
-constexpr Nanoseconds kLongestGap = 100;  // ms, wall; as long may the end of a process take
+constexpr Nanoseconds kLongestGap = 100;  // ms, wall; it may delay the end of a process
 constexpr Nanoseconds kShortestGap = 1;   // ms, wall
 
 }  // namespace

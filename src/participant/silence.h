@@ -1,4 +1,4 @@
-// A participant whose work on one grant takes long says where it is.
+// Lets a participant whose work on one grant takes long say what it is doing.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_SILENCE_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_SILENCE_H
 
@@ -11,17 +11,17 @@
 
 namespace move_base_abstract::lockstep::internal {
 
-/** @brief Looks, in a thread of its own, for how long a grant is being worked on. */
+/** @brief Watches, in a thread of its own, how long the work on a grant takes. */
 class SilenceWatch {
  public:
-  /** @return the number of the round that is being worked on; 0: none. */
+  /** @brief Returns the number of the round that is being worked on; 0: none. */
   using Granted = std::function<std::uint64_t()>;
-  /** @brief The work on this round takes long; called once for each. */
+  /** @brief Called once for each round on which the work takes long. */
   using Tell = std::function<void(std::uint64_t)>;
 
   ~SilenceWatch() { end(); }
 
-  /** @param limit wall ns; kNever: nothing is watched. Once. */
+  /** @brief Begin to watch. Call this once. @param limit wall ns; kNever: nothing is watched. */
   void begin(Nanoseconds limit, Granted granted, Tell tell);
   void end();
 

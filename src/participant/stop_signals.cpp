@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
 
-// What a handler of signals may use: nothing that allocates, and no lock.
+// A signal handler may use these: they do not allocate and have no lock.
 std::atomic<int> connection{-1};
 std::atomic<int> senders{0};
 std::atomic<bool> came{false};
@@ -31,10 +31,10 @@ void tell() {
   }
 }
 
-/** Go on as if nobody handled the signal: the process ends by it. */
+/** Go on as if the signal had no handler: it ends the process. */
 void endBy(int number) {
   ending = number;
-  // Who is sending right now, perhaps this very thread, has STOPPING follow and ends the process.
+  // A thread that is sending now, perhaps this one, sends STOPPING next and ends the process.
   if (!due && ending.exchange(0) != 0) {
     ::raise(number);  // when this handler has returned
   }
@@ -74,7 +74,7 @@ Sending::~Sending() {
       sigset_t only;
       ::sigemptyset(&only);
       ::sigaddset(&only, number);
-      ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // this thread may have left it to others
+      ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // this thread may have blocked it
       ::raise(number);
     }
   }

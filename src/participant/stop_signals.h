@@ -1,4 +1,5 @@
-// SIGINT and SIGTERM, seen beside whoever handles them: the time master is told at once.
+// Notices SIGINT and SIGTERM in addition to the program's handlers, and tells the time master at
+// once.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_STOP_SIGNALS_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_STOP_SIGNALS_H
 
@@ -7,20 +8,23 @@ namespace move_base_abstract::lockstep::internal {
 /**
  * @brief Send STOPPING over a connection when a signal tells the process to end.
  *
- * What handled the signal before is called then; where nothing did, the process ends by it as ever.
- * A signal that is ignored stays so. One connection per process.
+ * Then the earlier handler of the signal is called. If there was none, the signal ends the process
+ * as usual. An ignored signal stays ignored. One connection per process.
  *
  * @param socket of the connection to the time master
  */
 void announceStopSignals(int socket);
 
-/** @brief The connection is about to be closed. */
+/** @brief Stop sending over a connection that is about to be closed. */
 void forgetStopSignals(int socket);
 
-/** @return whether such a signal has come. */
+/** @return whether SIGINT or SIGTERM has come. */
 bool stopSignalCame();
 
-/** @brief While bytes of a frame are on their way none of another one may come between them. */
+/**
+ * @brief Exists while the bytes of a frame are being sent, so that the bytes of another frame do
+ * not come between them.
+ */
 class Sending {
  public:
   Sending();

@@ -29,9 +29,9 @@ constexpr std::size_t kMostFrames = 64;
 constexpr std::size_t kMostShown = 12;
 constexpr int kAnswerLooks = 100;  // of 10 ms, wall
 
-// What the handler of the signal writes. Its owner is the thread that asks; one at a time.
+// The signal handler writes these. They belong to the thread that asks; one thread at a time.
 std::array<void*, kMostFrames> frames;
-std::atomic<int> asked{0};  // id of a thread
+std::atomic<int> asked{0};  // id of the thread that is asked
 std::atomic<int> count{0};
 
 void onAsked(int /*number*/) {
@@ -82,7 +82,7 @@ std::string firstLine(const std::string& path) {
   return line;
 }
 
-/** @return what a descriptor is of: "pipe:[123]", "/dev/ttyUSB0". */
+/** @return the object behind a descriptor, such as "pipe:[123]" or "/dev/ttyUSB0". */
 std::string targetOf(long descriptor) {
   std::array<char, 256> target{};
   const ssize_t length = ::readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(),
@@ -91,7 +91,7 @@ std::string targetOf(long descriptor) {
                     : "descriptor " + std::to_string(descriptor);
 }
 
-/** @brief The call of the system that a thread is in, and whether a signal may be sent to it. */
+/** @brief The system call that a thread is in, and whether a signal may be sent to it. */
 struct Doing {
   std::string words;
   bool may_be_asked;
@@ -129,9 +129,11 @@ std::string functionName(const char* symbol) {
   return status == 0 ? demangled.get() : symbol;
 }
 
-/** @return a frame as "function in file+0x12ab", where addr2line finds the line; '': not known. */
+/**
+ * @return a frame as "function in file+0x12ab", for which addr2line finds the line; '': not known.
+ */
 std::string place(void* address) {
-  const auto* const at = static_cast<const char*>(address) - 1;  // in the call, not behind it
+  const auto* const at = static_cast<const char*>(address) - 1;  // in the call, not after it
   Dl_info info;
   if (::dladdr(at, &info) == 0 || info.dli_fname == nullptr) {
     return "";
@@ -152,7 +154,7 @@ bool isOurs(const std::string& text) {
 
 std::string stackText(std::size_t depth) {
   std::vector<std::string> places;
-  for (std::size_t k = 2; k < depth; ++k) {  // the handler, and what has called it
+  for (std::size_t k = 2; k < depth; ++k) {  // without the handler and its caller
     const std::string text = place(frames[k]);
     if (!text.empty() && !isOurs(text)) {
       places.push_back(text);
@@ -166,9 +168,9 @@ std::string stackText(std::size_t depth) {
   return text;
 }
 
-/** @return the thread's functions; '' if it does not answer. */
+/** @return the functions of the thread; '' if it does not answer. */
 std::string askForStack(int id) {
-  // The first time it loads a library, which a handler of signals must not.
+  // The first call of backtrace() loads a library, which a signal handler must not do.
   ::backtrace(frames.data(), 1);
   struct sigaction own {};
   own.sa_handler = onAsked;
@@ -192,7 +194,7 @@ std::string askForStack(int id) {
   }
   int waiting = id;
   if (asked.compare_exchange_strong(waiting, 0)) {
-    return "";  // it keeps the signal for later
+    return "";  // the thread has blocked the signal
   }
   return stackText(static_cast<std::size_t>(count));
 }

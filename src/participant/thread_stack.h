@@ -1,4 +1,4 @@
-// What a thread of this process is doing, in words, for whoever wonders why it takes so long.
+// Describes what a thread of this process is doing, for a user who wonders why it takes so long.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_THREAD_STACK_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_THREAD_STACK_H
 
@@ -7,13 +7,14 @@
 namespace move_base_abstract::lockstep::internal {
 
 /**
- * @brief Its name, whether it computes or which call of the system it waits in, and its functions,
- * the innermost last: "thread 'agent' computes: main in /path/agent+0x1a2b > plan() in ...".
+ * @return the thread's name, whether it computes or in which system call it waits, and its
+ * functions, the innermost last: "thread 'agent' computes: main in /path/agent+0x1a2b > plan() in
+ * ...".
  *
- * The thread is asked by a signal. One that waits in a call which a signal would end early is not
- * asked: the call is all that is said then. Not for the thread itself.
+ * The thread is asked by a signal. If it waits in a system call that a signal would end early, it
+ * is not asked, and the text has no functions. Do not call this for the calling thread.
  *
- * @param id as gettid() says; a thread that has gone is named as gone
+ * @param id as of gettid(); for a thread that has ended, the text says that it has gone.
  */
 std::string describeThread(int id);
 

@@ -52,7 +52,8 @@ void TimerState::fire() {
   if (oneshot_) {
     is_running_ = false;
   } else {
-    // Before the callback, which may stop the timer. What a sleeping callback missed is one call.
+    // Before the callback, which may stop the timer. Calls that a sleeping callback has missed
+    // become one.
     due_ += std::max<Nanoseconds>((core->now() - due_) / period_, 0) * period_ + period_;
     core->schedule(*this);
   }

@@ -1,4 +1,4 @@
-// Topics of a participant: between members by report and grant, else by roscpp.
+// Topics of a participant. Messages between members go by report and grant, all others by roscpp.
 #include <ros/console.h>
 #include <ros/single_subscriber_publisher.h>
 #include <ros/topic_manager.h>
@@ -10,7 +10,10 @@
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-/** @brief As roscpp does: the first field of a header, the first of the message, counts up. */
+/**
+ * @brief Write the sequence number, as roscpp does: it is the first field of the header, which is
+ * the first field of the message.
+ */
 void writeSequence(const ros::SerializedMessage& message, std::uint32_t sequence) {
   ros::serialization::OStream stream(message.message_start, sizeof(sequence));
   ros::serialization::serialize(stream, sequence);
@@ -99,7 +102,7 @@ void Core::publish(Topic& topic, const ros::SerializedMessage& message, const st
   } else if (!topic.latched) {
     append(wire::Send{topic.number, 0, 0, payload});
   } else {
-    // Only to those that are known: who is not gets it when its SUBSCRIBER item comes, once.
+    // Only to the known receivers. Another one gets it once, when its SUBSCRIBER item comes.
     topic.last = std::string(payload);
     for (const std::uint32_t receiver : topic.receivers) {
       append(wire::Send{topic.number, 0, receiver, payload});
@@ -133,7 +136,7 @@ std::uint32_t Core::subscribers(Topic& topic) {
     takeOutside();
     return static_cast<std::uint32_t>(topic.connected.size());
   }
-  return static_cast<std::uint32_t>(topic.receivers.size());  // an onlooker changes nothing
+  return static_cast<std::uint32_t>(topic.receivers.size());  // an onlooker does not count
 }
 
 void Core::handle(const wire::Subscriber& item) {
@@ -169,7 +172,7 @@ void Subscription::listenOutside(ros::NodeHandle& node, const std::shared_ptr<Ou
   queue_ = queue;
   ros::SubscribeOptions outside = options_;
   outside.topic = unresolved;
-  outside.queue_size = 0;  // ours applies at delivery; copies from members must not push others out
+  outside.queue_size = 0;  // ours applies at delivery; copies from members must not displace others
   outside.callback_queue = queue.get();
   outside.helper =
       boost::make_shared<Interceptor>(options_.helper, topic_->reading, std::move(handler));
@@ -183,7 +186,7 @@ bool Subscription::isWanted() {
 
 void Subscription::handle(const HeaderPtr& header, const std::string& payload) {
   ros::SubscriptionCallbackHelperDeserializeParams params;
-  // The helper reads only; its interface has no const.
+  // The helper only reads, although its interface has no const.
   params.buffer = reinterpret_cast<std::uint8_t*>(const_cast<char*>(payload.data()));
   params.length = static_cast<std::uint32_t>(payload.size());
   params.connection_header = header;
@@ -222,7 +225,7 @@ std::shared_ptr<Subscription> Core::subscribe(const ros::SubscribeOptions& optio
   internal::subscribe(membership_, topic, options);
   topic.subscriptions.push_back(subscription.get());
   for (const auto& [id, sender] : topic.publishers) {
-    if (sender.last) {  // the time master has sent it already, for an older subscription
+    if (sender.last) {  // it has come already, for an older subscription
       deliver(subscription, sender.header, *sender.last);
     }
   }
@@ -275,7 +278,7 @@ void Core::handle(const wire::Deliver& item) {
   const auto found =
       topic == nullptr ? decltype(topic->publishers.end()){} : topic->publishers.find(item.sender);
   if (topic == nullptr || found == topic->publishers.end()) {
-    return;  // unsubscribed when it was under way
+    return;  // unsubscribed while it was under way
   }
   Sender& sender = found->second;
   const std::string payload(item.payload);
@@ -319,7 +322,7 @@ void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
   }
   Topic& topic = subscription->topic();
   if (!topic.excluded && isCopy(topic, sender, event.getConnectionHeaderPtr())) {
-    return;  // a member's message comes with a grant; this is the copy for those that are none
+    return;  // a member's message comes with a grant; this is the copy for other nodes
   }
   if (!topic.constant && !topic.excluded) {
     label("a message on " + topic.name + " came from " + sender + ", which does not take part");

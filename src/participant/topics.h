@@ -1,4 +1,4 @@
-// What a participant publishes and hears: handles of its topics.
+// The topics on which a participant publishes and listens.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_TOPICS_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_TOPICS_H
 
@@ -22,11 +22,13 @@ class Subscription;
 
 using HeaderPtr = boost::shared_ptr<ros::M_string>;
 
-/** @brief A member that publishes on a topic of ours, as its PUBLISHER item presented it. */
+/**
+ * @brief A member that publishes on a topic of this node, as its PUBLISHER item has presented it.
+ */
 struct Sender {
   std::string md5;
   bool latched = false;
-  HeaderPtr header;                 // what roscpp would have as the connection header
+  HeaderPtr header;                 // the header that roscpp would have for the connection
   std::optional<std::string> last;  // of a latched topic
 };
 
@@ -35,8 +37,8 @@ struct Topic : SharedTopic {
   int publications = 0;  // handles alive
   bool latched = false;
   bool has_header = false;
-  bool excluded = false;  // roscpp alone carries it, uncounted
-  bool constant = false;  // what comes from outside is the same in every run
+  bool excluded = false;  // roscpp alone carries it, outside of lockstep
+  bool constant = false;  // messages from outside are the same in every run
   std::uint32_t sequence = 0;
   std::string md5;                             // of what is published
   std::optional<std::string> last;             // latched
@@ -61,7 +63,7 @@ class Publication {
 
  private:
   std::weak_ptr<Core> core_;
-  Topic* topic_;  // good while the core lives
+  Topic* topic_;  // valid while the core exists
 };
 
 class Subscription : public std::enable_shared_from_this<Subscription> {
@@ -80,15 +82,19 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
     return options_.md5sum == "*" || options_.md5sum == md5;
   }
 
-  /** @brief One more message waits in the mail. */
+  /** @brief Note that one more message waits in the mail. */
   void expect() { ++waiting_; }
-  /** @return whether its turn has come to be handled: the queue size keeps the newest. */
+  /**
+   * @return whether the next message is to be handled. The queue size keeps only the newest ones.
+   */
   bool isWanted();
-  /** @brief Hand over one message: of a member (bytes), or from outside (a message already). */
+  /**
+   * @brief Hand one message to the callback: from a member as bytes, or from outside as a message.
+   */
   void handle(const HeaderPtr& header, const std::string& payload);
   void handle(const ros::MessageEvent<void const>& event);
 
-  /** @brief Have roscpp deliver what comes from outside through @p queue. */
+  /** @brief Let roscpp deliver messages from outside through @p queue. */
   void listenOutside(ros::NodeHandle& node, const std::shared_ptr<OutsideQueue>& queue,
                      const std::string& unresolved, Interceptor::Handler handler);
 
@@ -97,7 +103,7 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
   Topic* topic_;
   ros::SubscribeOptions options_;
   std::size_t waiting_ = 0;
-  std::shared_ptr<OutsideQueue> queue_;  // roscpp holds a plain pointer to it
+  std::shared_ptr<OutsideQueue> queue_;  // roscpp keeps a plain pointer to it
   ros::Subscriber outside_;
 };
 

@@ -6,7 +6,7 @@
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-// More turns at one instant are the time master's: it knows a loop without delay.
+// More turns at one instant are left to the time master, which recognizes a zero-delay loop.
 constexpr unsigned kMostRepeats = 100;
 constexpr std::size_t kLength = 4;  // bytes of a frame before its type
 

@@ -1,4 +1,4 @@
-// A window of simulated time through which a participant goes by itself.
+// A window of simulated time, through which a participant goes by itself.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_WINDOW_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_WINDOW_H
 
@@ -13,21 +13,27 @@ namespace move_base_abstract::lockstep::internal {
 class Window {
  public:
   /**
-   * @brief If @p grant gives one, take it out of the grant, and keep what arrives later in it.
-   * @return whether it gives one.
+   * @brief If @p grant has a window, take it out of the grant, and keep the mail that arrives later
+   * in it. @return whether it has a window.
    */
   bool take(wire::Grant* grant);
 
-  /** @return how long it takes until others know, and as long for their answer; 0: a round [ns]. */
+  /**
+   * @return the time [ns] that a message takes to another participant, and its answer as well; 0: a
+   * round.
+   */
   Nanoseconds lookahead() const { return lookahead_; }
-  /** @return when what was kept first arrives, or kNever. */
+  /** @return the instant of the first arrival that is kept, or kNever. */
   Nanoseconds firstArrival() const { return arrivals_.empty() ? kNever : arrivals_.front().at; }
   /**
-   * @param wish the instant at which the program wants to go on. @param now that of its last turn.
-   * @return the instant of its next turn in the window, or kNever: there is none.
+   * @param wish the instant at which the program wants to go on.
+   * @param now the instant of its last turn.
+   * @return the instant of its next turn in the window; kNever: there is none.
    */
   Nanoseconds next(Nanoseconds wish, Nanoseconds now);
-  /** @return what arrives not after @p now, as a frame of a grant without its length; '': nothing.
+  /**
+   * @return the mail that arrives up to @p now, as the frame of a grant without its length; '':
+   * none.
    */
   std::string arrived(Nanoseconds now);
 
@@ -40,7 +46,7 @@ class Window {
   bool is_open_ = false;
   Nanoseconds end_ = 0;
   Nanoseconds lookahead_ = 0;
-  unsigned repeats_ = 0;  // of an instant
+  unsigned repeats_ = 0;  // turns at the same instant
   std::deque<Arrival> arrivals_;
 };
 

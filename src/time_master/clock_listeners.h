@@ -1,4 +1,5 @@
-// Notices nodes that listened to /clock and died, on the clock that does not wait for them.
+// Notices nodes that listened to /clock and died, on the scaled clock, which does not wait for
+// them.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_LISTENERS_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_LISTENERS_H
 
@@ -18,12 +19,13 @@
 namespace move_base_abstract {
 
 /**
- * @brief Who stops listening has ended, or died: a node that ends takes its name back from the ROS
- * master, one that was killed or crashed does not, and no longer answers.
+ * @brief Watches the nodes that listen to /clock. A node that stops listening has ended or died. If
+ * it ended, it has unregistered from the ROS master. If it was killed or crashed, it has not, and
+ * it no longer answers.
  */
 class ClockListeners {
  public:
-  /** @return the latched publisher of /clock; this outlives it. */
+  /** @return the latched publisher of /clock. This object must outlive it. */
   ros::Publisher advertise(ros::NodeHandle& node) {
     const auto nothing = [](const ros::SingleSubscriberPublisher&) {};
     const auto note = [this](const ros::SingleSubscriberPublisher& link) {
@@ -33,7 +35,9 @@ class ClockListeners {
                                                 true);
   }
 
-  /** @brief Look for deaths. @param at when that is, in words. @return whether there is a new one.
+  /**
+   * @brief Look for deaths. @param at the present instant, as a text. @return whether there is a
+   * new one.
    */
   bool update(const std::string& at) {
     const std::size_t known = died_.size();
@@ -42,14 +46,14 @@ class ClockListeners {
       left_.erase(left_.begin());
       if (died_.size() < kMost && hasDied(name)) {
         died_.push_back("'" + shown(name) + "' died (found at " + at + ")");
-        ROS_ERROR("%s: it does not answer any more, and has not taken its leave of the ROS master",
+        ROS_ERROR("%s: it does not answer any more, and has not unregistered from the ROS master",
                   died_.back().c_str());
       }
     }
     return died_.size() != known;
   }
 
-  /** @brief Forget who has gone: somebody else watches. */
+  /** @brief Forget the nodes that have gone, because the session watches them in lockstep. */
   void forget() { left_.clear(); }
 
   /** @return the texts of all deaths. */
@@ -61,8 +65,8 @@ class ClockListeners {
     WallClock::time_point due;
   };
 
-  static constexpr std::chrono::milliseconds kPatience{500};  // who ends is about to say so
-  static constexpr std::chrono::milliseconds kLimit{200};     // for an answer
+  static constexpr std::chrono::milliseconds kPatience{500};  // wall, for a node to unregister
+  static constexpr std::chrono::milliseconds kLimit{200};     // wall, for an answer
   static constexpr std::size_t kMost = 100;
 
   static bool hasDied(const std::string& name) {

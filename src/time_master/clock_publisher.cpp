@@ -32,7 +32,7 @@ ClockPublisher::~ClockPublisher() {
 
 void ClockPublisher::set(Nanoseconds time) {
   time_ = time;
-  // The lock is taken only where somebody sleeps: not for each of thousands of leaps per second.
+  // The lock is taken only if the thread sleeps, not for each of thousands of leaps per second.
   if (waiting_) {
     const std::lock_guard<std::mutex> lock(mutex_);
     wake_.notify_all();
@@ -51,15 +51,18 @@ void ClockPublisher::run() {
     wake_.wait_until(lock, published + gap_, [this] { return ending_; });
   }
   if (time_ != last) {
-    publish(time_);  // the last word of the run
+    publish(time_);  // the last time of the run
   }
 }
 
-/** @brief Wait for another time than @p last, or for its repetition. @return false: the end. */
+/**
+ * @brief Wait for another time than @p last, or until @p last is to be repeated. @return false at
+ * the end.
+ */
 bool ClockPublisher::awaitTime(std::unique_lock<std::mutex>& lock, Nanoseconds last) {
   const auto due = Clock::now() + repeat_gap_;
   const auto news = [&] { return ending_ || time_ != last; };
-  waiting_ = true;  // before the look at time_: a set() after that look sees it
+  waiting_ = true;  // before time_ is read, so that a later set() sees it
   if (last == 0) {
     wake_.wait(lock, news);
   } else {

@@ -1,4 +1,4 @@
-// Puts the simulated time of the event-driven clock onto /clock, no faster than is asked for.
+// Publishes the simulated time of the event-driven clock on /clock, at a limited rate.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
 
@@ -15,12 +15,15 @@
 namespace move_base_abstract {
 
 /**
- * @brief Publishes the newest time: at once, or as soon as the largest rate allows; and again while
- * it stands still, so that nodes that come late or have missed a message recover.
+ * @brief Publishes the newest time, at once or as soon as the largest rate allows. While time
+ * stands still, it repeats the last time, for nodes that start late or have missed a message.
  */
 class ClockPublisher {
  public:
-  /** @param first 0: nothing is published before the first set(). Rates [Hz, wall]. */
+  /**
+   * @param first the first time [ns, simulated]; 0: nothing is published before the first set().
+   * @param largest_rate, repeat_rate [Hz, wall]
+   */
   ClockPublisher(const ros::Publisher& publisher, Nanoseconds first, double largest_rate,
                  double repeat_rate);
   ~ClockPublisher();
@@ -28,7 +31,10 @@ class ClockPublisher {
   ClockPublisher(const ClockPublisher&) = delete;
   ClockPublisher& operator=(const ClockPublisher&) = delete;
 
-  /** @brief Simulated time [ns] is now this, later than before. Any thread; does not wait. */
+  /**
+   * @brief Set the simulated time [ns], which must be later than before. Any thread may call this;
+   * it does not block.
+   */
   void set(Nanoseconds time);
 
  private:
@@ -46,7 +52,7 @@ class ClockPublisher {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, as it uses the other members
 };
 
 }  // namespace move_base_abstract

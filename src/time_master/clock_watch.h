@@ -17,7 +17,7 @@
 
 namespace move_base_abstract {
 
-/** @return whether a living node already bears this node's name. Call it before ros::start(). */
+/** @return whether a living node already has this node's name. Call this before ros::start(). */
 inline bool ownNameIsTaken() {
   XmlRpc::XmlRpcValue request, response, uri;
   request[0] = ros::this_node::getName();
@@ -32,10 +32,10 @@ inline bool ownNameIsTaken() {
 }
 
 /**
- * @brief Listens to /clock and remembers for a while which other nodes were heard.
+ * @brief Listens to /clock, and remembers for a while which other nodes publish it.
  *
- * What it hears, its own node's messages too, waits in a queue of its own until update(): nobody is
- * to be woken by each.
+ * All messages, also those of its own node, wait in a queue of its own until update(), so that they
+ * do not wake a thread each.
  */
 class ClockWatch {
  public:
@@ -53,8 +53,10 @@ class ClockWatch {
     return names;
   }
 
-  /** @brief Hear who publishes, forget who fell silent. @return whether heard() is another list
-   * than before. */
+  /**
+   * @brief Read the messages, and forget the nodes that are silent. @return whether heard() has
+   * changed.
+   */
   bool update() {
     queue_.callAvailable();
     const auto now = WallClock::now();
@@ -72,7 +74,10 @@ class ClockWatch {
     return changed;
   }
 
-  /** @brief Wait up to @p limit [wall] for a message of another node. @return who was heard. */
+  /**
+   * @brief Wait up to @p limit [wall] for a message of another node. @return the nodes that were
+   * heard.
+   */
   std::vector<std::string> listen(std::chrono::milliseconds limit) {
     const auto deadline = WallClock::now() + limit;
     while (ros::ok() && others_.empty() && WallClock::now() < deadline) {
@@ -119,7 +124,7 @@ class ClockWatch {
     const auto [other, is_new] = others_.try_emplace(name, Other{now, now - 2 * kLogGap});
     other->second.heard = now;
     changed_ = changed_ || is_new;
-    // By the wall clock: a throttle in ROS time would follow the very clock that is in doubt.
+    // By the wall clock, because a throttle in ROS time would depend on the clock that is in doubt.
     if (now - other->second.logged > kLogGap) {
       other->second.logged = now;
       ROS_ERROR("%s publishes /clock too (%.9f s): time will jump; stop it, or this time master",

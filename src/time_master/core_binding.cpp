@@ -19,7 +19,7 @@ namespace move_base_abstract {
 namespace {
 
 constexpr int kDeepestChild = 16;
-constexpr double kFewestTicks = 5.0;  // less says nothing of how busy a core is
+constexpr double kFewestTicks = 5.0;  // fewer do not tell how busy a core is
 
 std::string folderOf(pid_t process) { return "/proc/" + std::to_string(process); }
 
@@ -36,13 +36,16 @@ std::vector<pid_t> threadsOf(pid_t process) {
   return threads;
 }
 
-/** @return when the process began, in the kernel's ticks; '' if there is none. */
+/**
+ * @return the time at which the process began, in the kernel's ticks; '' if there is no such
+ * process.
+ */
 std::string beginOf(pid_t process) {
   const std::string line = wholeFile(folderOf(process) + "/stat");
   const std::size_t name_end = line.rfind(')');
   std::istringstream fields(name_end == std::string::npos ? "" : line.substr(name_end + 1));
   std::string field;
-  for (int k = 3; k <= 22; ++k) {  // as proc(5) counts them
+  for (int k = 3; k <= 22; ++k) {  // numbers of the fields in proc(5)
     fields >> field;
   }
   return fields ? field : "";
@@ -59,7 +62,10 @@ bool setCores(pid_t thread, const cpu_set_t& cores) {
   return sched_setaffinity(thread, sizeof(cores), &cores) == 0;
 }
 
-/** @return what keeps other runs off a core until it is closed; none if one has it. */
+/**
+ * @return a claim that keeps other runs off a core until it is closed; none if another run has the
+ * core.
+ */
 Descriptor claimCore(int core) {
   Descriptor claim(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
@@ -86,7 +92,7 @@ void CoreBinding::useThisThread() {
 }
 
 void CoreBinding::add(pid_t process) {
-  freeChildren();  // it may be one
+  freeChildren();  // it may be a child
   Process& added = processes_[process];
   if (++added.uses > 1) {
     return;
@@ -188,7 +194,7 @@ void CoreBinding::apply(pid_t id, Process& process, bool to_one) {
   }
 }
 
-/** @return false if somebody else has changed its cores, or it may not be changed. */
+/** @return false if another program has changed the thread's cores, or they may not be changed. */
 bool CoreBinding::applyTo(pid_t id, Process& process, bool to_one) {
   const auto now = coresOf(id);
   if (!now) {
@@ -254,7 +260,7 @@ void CoreBinding::freeChildrenOf(pid_t parent, const cpu_set_t& own, int depth) 
 
 // ---- which core ------------------------------------------------------------------------------
 
-/** @return what each core has done since the latest call, or since the computer was started. */
+/** @return the work of each core since the last call, or since the computer was started. */
 std::map<int, CoreBinding::Work> CoreBinding::takeWork() {
   std::ifstream file("/proc/stat");
   std::map<int, Work> latest;
@@ -279,7 +285,7 @@ std::map<int, CoreBinding::Work> CoreBinding::takeWork() {
   return since;
 }
 
-/** @brief The one that is idle most of the time, and no other run's. */
+/** @brief Choose the core that is idle most of the time and is not another run's. */
 bool CoreBinding::choose(bool is_wished) {
   const cpu_set_t cores = allowed();
   std::map<int, Work> work = takeWork();

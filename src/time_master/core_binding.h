@@ -1,4 +1,4 @@
-// Binds the processes of a run to one core of this computer, and gives back what each had. No ROS.
+// Binds the processes of a run to one core of this computer, and gives each its cores back. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_BINDING_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_BINDING_H
 
@@ -16,11 +16,11 @@
 namespace move_base_abstract {
 
 /**
- * @brief All threads of the processes that are told, and one thread of this process, on one core.
+ * @brief Binds all threads of the added processes, and one thread of this process, to one core.
  *
- * Only on a core that each of them may use anyway. A process that changes its own cores is left
- * alone from then on, as is one that may not be changed. Of several runs on this computer each has
- * a core of its own, by a claim that ends with its process. Not for several threads.
+ * It is a core that each of them may use anyway. A process that changes its own cores is left alone
+ * from then on, and so is a process that may not be changed. Each run on this computer has a core
+ * of its own, by a claim that ends with its process. Not thread-safe.
  */
 class CoreBinding {
  public:
@@ -29,29 +29,29 @@ class CoreBinding {
   CoreBinding& operator=(const CoreBinding&) = delete;
   ~CoreBinding() { release(); }
 
-  /** @brief The calling thread is the one that works beside the processes. */
+  /** @brief Make the calling thread the one that is bound together with the processes. */
   void useThisThread();
   void add(pid_t process);
-  /** @brief Give back to @p process, which may have ended, what it had. */
+  /** @brief Give @p process, which may have ended, its cores back. */
   void remove(pid_t process);
 
   /** @return whether there are several cores to choose from. */
   bool hasChoice() const;
   /**
-   * @brief Put all on one core; again, for threads and processes that are new.
-   * @param is_wished also on a core that another run has, if there is no other.
-   * @return false if there is no core for it: then nothing is bound.
+   * @brief Bind all to one core. Call this again for new threads and processes.
+   * @param is_wished whether a core of another run may be taken, if there is no other.
+   * @return false if there is no core. Then nothing is bound.
    */
   bool bind(bool is_wished);
-  /** @brief Give all their cores back. The core stays this run's. */
+  /** @brief Give all processes their cores back. This run keeps the claim on its core. */
   void release();
-  /** @brief Choose anew the next time. */
+  /** @brief Release, and choose another core the next time. */
   void leaveCore();
-  /** @brief Give the children of the processes, which take no part, the cores of their parents. */
+  /** @brief Give the child processes, which do not take part, the cores that their parents had. */
   void freeChildren();
 
   bool isBound() const { return is_bound_; }
-  /** @return the core's number, -1 if none is chosen. */
+  /** @return the number of the core; -1 if none is chosen. */
   int core() const { return core_; }
 
  private:
@@ -60,7 +60,7 @@ class CoreBinding {
     bool is_bound = false;
   };
   struct Process {
-    std::string began;  // as /proc says: another process may get its number
+    std::string began;  // as /proc says, since another process may get its number
     cpu_set_t own;      // of its first thread
     int uses = 0;
     bool is_left_alone = false;
@@ -89,7 +89,7 @@ class CoreBinding {
   cpu_set_t one_;
   bool is_bound_ = false;
   Descriptor claim_;
-  std::map<int, Work> work_;  // of each core, at the latest look
+  std::map<int, Work> work_;  // of each core, at the latest takeWork()
 };
 
 }  // namespace move_base_abstract

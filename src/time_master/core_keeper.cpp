@@ -6,7 +6,8 @@ namespace move_base_abstract {
 namespace {
 
 constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
-// Who works for so long may do so beside others, or in several threads: messages take less.
+// A participant that works for so long may need a core for itself, or have several threads: a round
+// that only handles messages takes less.
 constexpr Nanoseconds kLongRound = 20 * kMillisecond;
 constexpr Nanoseconds kCoreGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kChildrenGap = 500 * kMillisecond;  // a look takes about 1 ms
@@ -60,7 +61,7 @@ void CoreKeeper::finishRound(Nanoseconds wall) {
   const bool was_looking = choice_.isLooking();
   choice_.add(grants, wall - begun_, wall);
   if (choice_.isLooking() && !was_looking && choice_.isDearer()) {
-    binding_.leaveCore();  // somebody else may have come to work there
+    binding_.leaveCore();  // another program may work there now
   }
   if (binding_.isBound() && wall >= children_due_) {
     binding_.freeChildren();
@@ -68,7 +69,7 @@ void CoreKeeper::finishRound(Nanoseconds wall) {
   }
 }
 
-/** @brief Have the processes where the choice wants them. */
+/** @brief Bind or release the processes as the choice says. */
 void CoreKeeper::apply() {
   const bool is_wanted = choice_.isOne() && binding_.hasChoice();
   if (is_wanted == binding_.isBound() && !(is_wanted && is_new_)) {

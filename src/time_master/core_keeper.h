@@ -1,4 +1,4 @@
-// Carries out on which cores a run goes on: measures its rounds, and binds its processes. No ROS.
+// Keeps a run on the cores that are chosen: measures its rounds, and binds its processes. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_KEEPER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_KEEPER_H
 
@@ -14,30 +14,33 @@
 
 namespace move_base_abstract {
 
-/** @brief Not for several threads; begin() is called by the one that sends the grants. */
+/** @brief Not thread-safe. The thread that sends the grants calls begin(). */
 class CoreKeeper {
  public:
   explicit CoreKeeper(CoresWish wish) : wish_(wish), choice_(wish) {}
 
   void begin() { binding_.useThisThread(); }
-  /** @brief A participant of this computer takes part. */
+  /** @brief Add the process of a participant on this computer. */
   void join(pid_t process);
-  /** @brief ... no more; it may have ended. */
+  /** @brief Remove the process of a participant, which may have ended. */
   void leave(pid_t process);
 
   /**
-   * @brief To be called when something was decided, before it is sent.
-   * @param rounds so far; @param owing participants that work in the latest;
-   * @param wall when the decision began, ns.
+   * @brief Measure a round, and change the cores if that is due. Call this after each decision of
+   * the session, before its output is sent.
+   * @param rounds the number of rounds so far.
+   * @param owing the number of participants that work in the latest round.
+   * @param wall the wall instant [ns] at which the decision began.
    */
   void follow(std::uint64_t rounds, std::size_t owing, Nanoseconds wall);
-  /** @return the wall instant [ns] at which to call follow() even if nothing comes in, or kNever.
+  /**
+   * @return the wall instant [ns] at which to call follow() even if nothing is received, or kNever.
    */
   Nanoseconds due() const;
-  /** @brief Give all back: the run is over. */
+  /** @brief Give all processes their cores back, because the run is over. */
   void end();
 
-  /** @return "all" or "one (core 3)". */
+  /** @return the cores in use: "all", or a text such as "one (core 3)". */
   std::string text() const;
 
  private:
@@ -49,12 +52,12 @@ class CoreKeeper {
   CoreChoice choice_;
   CoreBinding binding_;
   bool is_over_ = false;
-  bool is_new_ = false;  // somebody has joined who is not bound yet
+  bool is_new_ = false;  // a process was added that is not bound yet
   std::uint64_t round_ = 0;
-  std::size_t grants_ = 0;  // of the round that is under way; 0: none is
-  Nanoseconds begun_ = 0;   // wall, of it
+  std::size_t grants_ = 0;  // of the round under way; 0: there is none
+  Nanoseconds begun_ = 0;   // wall, of this round
   Nanoseconds children_due_ = 0;
-  Nanoseconds core_due_ = 0;  // wall; when a core is asked for again, after there was none
+  Nanoseconds core_due_ = 0;  // wall; when to try again, after there was no core
 };
 
 }  // namespace move_base_abstract

@@ -23,7 +23,7 @@ class Descriptor {
     }
   }
   int get() const { return fd_; }
-  /** @brief Leave it to the caller to close it. */
+  /** @brief Give the descriptor to the caller, who has to close it. */
   int release() { return std::exchange(fd_, -1); }
 
  private:

@@ -35,7 +35,7 @@ void appendJsonArray(std::string& out, const std::vector<std::string>& texts) {
   out += ']';
 }
 
-/** @brief What ended the run, and when. */
+/** @brief Append what ended the run, and when. */
 void appendEnding(std::string& out, const EventLogWriter::End& end) {
   out += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false");
   if (!end.ended_by.empty()) {
@@ -49,7 +49,7 @@ void appendEnding(std::string& out, const EventLogWriter::End& end) {
   out += end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "";
 }
 
-/** @brief Who went before the end; nothing where nobody did. */
+/** @brief Append the participants that went before the end; nothing if there are none. */
 void appendDepartures(std::string& out,
                       const std::vector<EventLogWriter::End::Departure>& departures) {
   for (std::size_t index = 0; index < departures.size(); ++index) {
@@ -61,7 +61,7 @@ void appendDepartures(std::string& out,
   out += departures.empty() ? "" : "]";
 }
 
-/** @brief Which goals have not ended; nothing where all have. */
+/** @brief Append the goals that have not ended; nothing if all have. */
 void appendOpenGoals(std::string& out, const std::vector<EventLogWriter::End::OpenGoals>& open) {
   for (std::size_t index = 0; index < open.size(); ++index) {
     out += index == 0 ? ",\"open_goals\":[{\"client\":" : ",{\"client\":";
@@ -88,7 +88,10 @@ void appendCsv(std::string& out, std::string_view text) {
   out += '"';
 }
 
-/** @return @p text on one line: a name's control characters, or JSON's line breaks, as spaces. */
+/**
+ * @return @p text on one line: control characters of a name, and line breaks of JSON, become
+ * spaces.
+ */
 std::string onOneLine(std::string_view text) {
   std::string line(text);
   for (char& letter : line) {
@@ -99,10 +102,10 @@ std::string onOneLine(std::string_view text) {
 
 // ---- files -----------------------------------------------------------------------------------
 
-constexpr std::string_view kHead = "{\"event_log\":1,";  // of the first line; in CSV behind "# "
+constexpr std::string_view kHead = "{\"event_log\":1,";  // of the first line; in CSV after "# "
 constexpr std::string_view kCsvMark = "# ";
 
-/** @param part whether it may have been cut off, even before its first byte, by a full disk. */
+/** @param part whether a full disk may have cut the file off, even before its first byte. */
 bool isEventLog(int fd, bool part) {
   char start[32];
   const ssize_t size = pread(fd, start, sizeof(start), 0);
@@ -116,7 +119,9 @@ bool isEventLog(int fd, bool part) {
   return false;
 }
 
-/** @return why what is at @p path must not be replaced; '' if nothing is there, or an event log. */
+/**
+ * @return why the file at @p path must not be replaced; '' if there is none, or it is an event log.
+ */
 std::string objection(const std::string& path) {
   const Descriptor fd(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (fd.get() < 0) {
@@ -129,7 +134,7 @@ std::string objection(const std::string& path) {
   if (!is_file || !isEventLog(fd.get(), endsWith(path, ".part"))) {
     return path + " is there already and is no event log: it is not replaced";
   }
-  // Whoever writes a log holds the lock on it. (Some file systems have no locks.)
+  // A process that writes a log holds the lock on it. (Some file systems have no locks.)
   return flock(fd.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK
              ? ""
              : path + " is being written by another process";
@@ -139,7 +144,7 @@ std::string objection(const std::string& path) {
   throw std::invalid_argument("must be a path that can be written, got '" + path + "': " + why);
 }
 
-/** @return a new file PATH.part, locked. @throws std::invalid_argument */
+/** @return a new file PATH.part, locked. @throws std::invalid_argument if it cannot be made. */
 std::FILE* create(const std::string& path) {
   const std::string part = path + ".part";
   for (const std::string& name : {path, part}) {
@@ -148,7 +153,7 @@ std::FILE* create(const std::string& path) {
       refuse(path, why);
     }
   }
-  unlink(part.c_str());  // an event log of an earlier run, as objection() has seen
+  unlink(part.c_str());  // an event log of an earlier run, as objection() has checked
   Descriptor fd(open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (fd.get() < 0) {
     refuse(path, part + ": " + std::strerror(errno));
@@ -235,7 +240,7 @@ void EventLogWriter::writeOut() {
 }
 
 void EventLogWriter::fail(const std::string& what, const std::string& reason) {
-  file_.reset();  // what comes now would follow a gap
+  file_.reset();  // later events would follow a gap
   const std::lock_guard<std::mutex> lock(buffer_mutex_);
   error_ = "event log " + path_ + ".part " + what + ": " + reason;
 }
@@ -263,7 +268,7 @@ std::string EventLogWriter::finish(const End& end) {
     fail("cannot be written to the disk", std::strerror(errno));
   }
   if (file_) {
-    const std::string why = objection(path_);  // it may have come during the run
+    const std::string why = objection(path_);  // a file may have appeared during the run
     file_.reset();
     if (!why.empty()) {
       fail("cannot be given its name", why);

@@ -1,4 +1,4 @@
-// Writes the events of a run to a file that two runs can be compared by. No ROS.
+// Writes the events of a run to a file, by which two runs can be compared. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_EVENT_LOG_WRITER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_EVENT_LOG_WRITER_H
 
@@ -14,12 +14,12 @@
 namespace move_base_abstract {
 
 /**
- * @brief One event log: JSON lines where the path ends in .jsonl, CSV where it ends in .csv.
+ * @brief One event log: JSON lines if the path ends in .jsonl, CSV if it ends in .csv.
  *
- * While the run goes on, the file is PATH.part; a proper end renames it to PATH, so that what a
- * crash leaves behind cannot be taken for a whole run. The format is told in docs/time_master.md
- * and read by move_base_abstract/runs/event_log.py. Thread-safe; only flush() and finish() wait for
- * the disk, and add() where nobody has flushed for long.
+ * While the run goes on, the file is PATH.part. A proper end renames it to PATH, so the file that a
+ * crash leaves behind is not taken for a whole run. docs/time_master.md describes the format, and
+ * move_base_abstract/runs/event_log.py reads it. Thread-safe. flush() and finish() wait for the
+ * disk; add() does so only if flush() was not called for long.
  */
 class EventLogWriter {
  public:
@@ -28,10 +28,10 @@ class EventLogWriter {
     std::string reason;
     std::vector<std::string> not_repeatable_because;
     std::vector<std::string> degraded_because;
-    bool by_fault = false;  // neither as wished nor because somebody has asked for it
+    bool by_fault = false;  // neither as the settings wish nor on request
     std::optional<std::int64_t> cut_ns =
-        {};  // simulated; where it was ended from outside, see LockstepStatus
-    /** @brief Who left or died while the run went on, in this order. */
+        {};  // simulated; instant of an end from outside, see LockstepStatus
+    /** @brief A participant that left or died while the run went on. */
     struct Departure {
       std::string node;
       std::int64_t time_ns;  // simulated
@@ -45,38 +45,39 @@ class EventLogWriter {
       std::size_t count;
     };
     std::vector<OpenGoals> open_goals = {};
-    std::string ended_by = {};    // a code of LockstepStatus; '': none is written
-    std::string ended_with = {};  // the node whose departure has ended the run; ''
+    std::string ended_by = {};    // a code of ended_by; '': none is written
+    std::string ended_with = {};  // the node whose departure ended the run; ''
     std::int64_t at_ns = 0;       // simulated; when it ended
   };
 
   /**
-   * @param stored_topics what the user says of them; the head says so, where there are any.
-   * @param more_of_head JSON, '"key":value', that the head has, too; '': none.
+   * @param start_ns the first instant of simulated time.
+   * @param stored_topics the topics that nodes only store; the head names them, if there are any.
+   * @param more_of_head a further entry of the head, as JSON '"key":value'; '': none.
    *
-   * Of what is there under @p path or PATH.part already, only an event log is replaced, and no
+   * A file that already exists as @p path or PATH.part is replaced only if it is an event log. No
    * symbolic link is followed.
-   * @throws std::invalid_argument if @p path has another ending or cannot be written, if something
-   * else is there, or if another process writes this log.
+   * @throws std::invalid_argument if @p path has another ending or cannot be written, if it is a
+   * file of another kind, or if another process writes this log.
    */
   EventLogWriter(const std::string& path, std::int64_t start_ns,
                  const std::vector<std::string>& stored_topics = {},
                  const std::string& more_of_head = {});
 
-  /** @param values a JSON array; what is none is written as an array of one text. */
+  /** @param values a JSON array. A text that is not one is written as an array of this one text. */
   void add(std::int64_t time_ns, std::string_view robot, std::string_view kind,
            std::string_view values);
 
-  /** @brief Hand everything added so far to the file system. */
+  /** @brief Write everything that was added so far to the file. */
   void flush();
 
   /**
    * @brief Write the end record and give the file its name.
-   * @return an error's text; '' if all is on the disk and bears its name.
+   * @return the text of an error; '' if the whole file is on the disk and has its name.
    */
   std::string finish(const End& end);
 
-  /** @return what went wrong in writing so far; '' if nothing did. */
+  /** @return the text of an error in writing so far; '' if there was none. */
   std::string error() const;
 
  private:
@@ -87,8 +88,8 @@ class EventLogWriter {
   void writeOut();
   void fail(const std::string& what, const std::string& reason);
 
-  mutable std::mutex buffer_mutex_;  // taken for moments only
-  std::mutex file_mutex_;            // taken while the disk is waited for; before buffer_mutex_
+  mutable std::mutex buffer_mutex_;  // held for moments only
+  std::mutex file_mutex_;            // held while waiting for the disk; before buffer_mutex_
   const std::string path_;
   const bool csv_;
   std::unique_ptr<std::FILE, Close> file_;

@@ -11,7 +11,7 @@ using Json = nlohmann::json;
 
 constexpr int kDeepestNesting = 100;  // readers of logs may recurse
 
-/** @brief Takes note of nothing but the depth; false ends the parse. */
+/** @brief Checks the depth only. A handler that returns false ends the parse. */
 class DepthCheck : public nlohmann::json_sax<Json> {
  public:
   bool null() override { return true; }

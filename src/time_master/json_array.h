@@ -1,4 +1,4 @@
-// Whether a text can be a value of the event log. No ROS.
+// Checks whether a text can be a value in the event log. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_JSON_ARRAY_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_JSON_ARRAY_H
 

@@ -20,9 +20,9 @@ constexpr const char* kAddressParameter = "/time_master/lockstep_address";
 constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
 constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
 constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
-// Kinds of the events by which it is judged how nodes fared.
+// The kinds of events that say how nodes ended.
 constexpr std::array<std::string_view, 3> kOfEnds = {"uncaught", "unasked", "asked"};
-constexpr int kSightings = 2;  // who subscribes to /clock in order to take part has time to join
+constexpr int kSightings = 2;  // so that a node that joins has time to do so
 
 LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
   LockstepSettings settings = parameters.lockstep;
@@ -49,7 +49,7 @@ void log(const LockstepMessage& message) {
   }
 }
 
-/** @param problem '': none. */
+/** @brief Log an error. @param problem '': none. */
 void complain(const std::string& problem) {
   if (!problem.empty()) {
     ROS_ERROR("%s", problem.c_str());
@@ -102,8 +102,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
     });
     setParameter(kAddressParameter, server_->address());
   } catch (const std::runtime_error& error) {
-    // The ROS master may have died after it had told somebody: the run has begun, and ends in
-    // order.
+    // The ROS master may have died after it gave the address to a node. So the run has begun, and
+    // it ends properly.
     ended_ = End{false, error.what()};
   }
   ROS_INFO("lockstep: participants are expected at %s", server_->address().c_str());
@@ -135,14 +135,14 @@ LockstepServer::Listeners LockstepMode::listeners() {
   return listeners;
 }
 
-/** @brief Leave the file that says to whoever has started this node that time has started. */
+/** @brief Write the file that tells the program which started this node that time has started. */
 void LockstepMode::noteStart() const {
   if (!parameters_.note_of_start.empty()) {
     complain(writeNewFile("note_of_start", parameters_.note_of_start, ""));
   }
 }
 
-/** @brief Leave the file that says to whoever has started this node how the run has ended. */
+/** @brief Write the file that tells the program which started this node how the run has ended. */
 void LockstepMode::noteEnd(const LockstepStatus& status) const {
   if (!parameters_.note_of_end.empty()) {
     complain(writeNewFile("note_of_end", parameters_.note_of_end,
@@ -237,13 +237,16 @@ void LockstepMode::lookForEnd(const LockstepStatus& status) {
     server_->with([&](LockstepSession& session) { session.loseRosMaster(gone); });
     ended_ = End{false, gone};
   } else if (status.phase == LockstepPhase::kEnded) {
-    // Nobody but the session itself ends it before finish(): as wished, else by a death or a
+    // Before finish(), only the session itself ends the run: as wished, or by a death or a
     // deadlock.
     ended_ = End{status.ended_as_wished, status.reason};
   }
 }
 
-/** @brief What makes a state message worth sending at once: not each round and not each leap. */
+/**
+ * @brief Return a text that changes when a state message should be sent at once. It does not change
+ * with each round or leap.
+ */
 std::string LockstepMode::notable(const LockstepStatus& status) const {
   const bool moving = status.phase == LockstepPhase::kRunning ||
                       status.phase == LockstepPhase::kWaiting ||
@@ -278,7 +281,7 @@ void LockstepMode::updateBystanders(const LockstepStatus& status) {
   const bool asked = ros_master_->answers() != answers_;
   answers_ = ros_master_->answers();
   std::set<std::string> others = ros_master_->clockSubscribers();
-  others.erase("/rosout");  // stamps lines of the log and does nothing else by the clock
+  others.erase("/rosout");  // it uses the clock only to stamp lines of the log
   std::set<std::string> participants;
   for (const LockstepStatus::Participant& participant : status.participants) {
     others.erase(participant.name);
@@ -361,7 +364,7 @@ std::string LockstepMode::setFactor(double factor) {
 
 std::string LockstepMode::pause() {
   server_->with([](LockstepSession& session) { session.pause(); });
-  return "paused: " + text(now()) + " is finished, and no time comes after it";
+  return "paused: " + text(now()) + " is finished, and time stands still there";
 }
 
 std::string LockstepMode::resume() {
@@ -380,8 +383,8 @@ void LockstepMode::runUntil(Nanoseconds target) {
 std::string LockstepMode::hold(const std::string& holder, double) {
   throw std::invalid_argument(
       "hold by '" + holder +
-      "': not in lockstep, where time stands still anyway until whoever takes part has done its "
-      "work; work that shall take simulated time is charged by the participant (see charge)");
+      "': there are no holds in lockstep, where time stands still anyway while a participant "
+      "works; if work should take simulated time, the participant charges it (see charge)");
 }
 
 std::string LockstepMode::release(const std::string& holder) {

@@ -23,13 +23,16 @@
 
 namespace move_base_abstract {
 
-/** @brief Time moves when all who take part have done with the present; see LockstepSession. */
+/**
+ * @brief The mode in which time goes on when all participants have finished the present instant;
+ * see LockstepSession.
+ */
 class LockstepMode : public TimeMode {
  public:
   /**
-   * @param begin 0: the run starts at the setting's start_time; else it goes on from here.
-   * @throws std::invalid_argument beginning with a parameter's key, std::runtime_error if it cannot
-   * listen.
+   * @param begin the first instant [ns, simulated]; 0: the start_time of the settings.
+   * @throws std::invalid_argument if a parameter is wrong; the text begins with its key.
+   * @throws std::runtime_error if it cannot listen.
    */
   LockstepMode(const NodeParameters& parameters, const ros::Publisher& clock, Nanoseconds begin);
   ~LockstepMode() override;

@@ -31,7 +31,7 @@ constexpr std::size_t kMostStrangers = 256;   // connections without a HELLO
 constexpr std::size_t kMostConnections = 4096;
 constexpr int kRoundPatience = 1;               // ms, wall; see awaitReports()
 constexpr Nanoseconds kLookPeriod = 1'000'000;  // wall, while one round follows another
-constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
+constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for the last bytes to all
 
 Nanoseconds wallNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -60,7 +60,7 @@ LockstepServer::LockstepServer(const LockstepSettings& settings, const std::stri
   }
   watch(event_.get(), kEvent, EPOLLIN, EPOLL_CTL_ADD);
   watch(timer_.get(), kTimer, EPOLLIN, EPOLL_CTL_ADD);
-  wake();  // so that the session's first wake-up is asked for
+  wake();  // so that the thread asks for the session's first wake-up
   thread_ = std::thread([this] { run(); });
 }
 
@@ -124,14 +124,15 @@ void LockstepServer::run() {
 }
 
 /**
- * @brief Read the reports of a round, the one that is likely to be the last one first: being woken
- * by each of them, and asking the kernel who has something to say, costs more than the reports.
+ * @brief Read the reports of a round, and begin with the one that is likely to come last. To be
+ * woken by each report, and to ask the kernel which sockets are readable, would cost more than the
+ * reports.
  *
- * Not for long: everything else is looked at only after it.
+ * This does not wait for long, because everything else is handled only afterwards.
  */
 LockstepServer::Reports LockstepServer::awaitReports() {
   Reports reports = Reports::kNone;
-  bool is_likely_there = false;  // of the others, when the last one is
+  bool is_likely_there = false;  // the others, once the last report is there
   for (ConnectionId id = last_awaited_; id != 0;) {
     const auto found = connections_.find(id);
     if (found == connections_.end() || (!is_likely_there && !isReadable(found->second.socket))) {
@@ -147,13 +148,18 @@ LockstepServer::Reports LockstepServer::awaitReports() {
   return reports == Reports::kNone ? reports : Reports::kAll;
 }
 
-/** @return whether there is something to read, before that takes long or the server is woken. */
+/**
+ * @return whether the socket becomes readable within kRoundPatience, before the server is woken.
+ */
 bool LockstepServer::isReadable(const Descriptor& socket) const {
   std::array<pollfd, 2> polled{{{socket.get(), POLLIN, 0}, {event_.get(), POLLIN, 0}}};
   return ::poll(polled.data(), polled.size(), kRoundPatience) > 0 && polled[0].revents != 0;
 }
 
-/** @brief Ask for a wake-up. One asked for before and earlier stands: it only costs a look. */
+/**
+ * @brief Ask for a wake-up. An earlier wake-up that was asked for before stays; it costs only a
+ * look.
+ */
 void LockstepServer::arm(Nanoseconds due) {
   if (!closing_.empty()) {
     due = std::min(due, connections_.at(closing_.front()).close_due);
@@ -163,7 +169,7 @@ void LockstepServer::arm(Nanoseconds due) {
   }
   armed_ = due;
   itimerspec when{};
-  const Nanoseconds at = std::max<Nanoseconds>(due, 1);  // 0 would switch it off
+  const Nanoseconds at = std::max<Nanoseconds>(due, 1);  // 0 would switch the timer off
   when.it_value.tv_sec = at / kNanosecondsPerSecond;
   when.it_value.tv_nsec = at % kNanosecondsPerSecond;
   timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &when, nullptr);
@@ -182,7 +188,7 @@ void LockstepServer::work() {
   listenOrNot();
 }
 
-/** @brief While nobody works: what was decided is not sent yet. */
+/** @brief Let the core keeper work while no participant does: the decisions are not sent yet. */
 void LockstepServer::keepCores(Nanoseconds wall) {
   if (session_.ended()) {
     cores_.end();
@@ -245,13 +251,15 @@ void LockstepServer::acceptAll(const Descriptor& listener, Nanoseconds wall) {
   }
 }
 
-/** @return whether more connections can be taken. Those that cannot wait in the kernel's queue. */
+/** @return whether more connections can be accepted. Others wait in the kernel's queue. */
 bool LockstepServer::mayListen() const {
   return !exhausted_ && session_.strangers() < kMostStrangers &&
          connections_.size() < kMostConnections;
 }
 
-/** @brief Looking at a connection that cannot be taken, again and again, would take a whole core.
+/**
+ * @brief Watch the listening sockets only while connections can be accepted. Otherwise one that
+ * waits would wake the thread all the time.
  */
 void LockstepServer::listenOrNot() {
   if (mayListen() != listening_) {
@@ -270,7 +278,8 @@ bool LockstepServer::accept(const Descriptor& listener, Nanoseconds wall) {
     if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
       exhausted_ = true;
       messages_.push_back({LockstepMessage::Level::kError,
-                           std::string("a participant cannot be taken: ") + std::strerror(errno)});
+                           std::string("the connection of a participant cannot be accepted: ") +
+                               std::strerror(errno)});
       return false;
     }
     return errno == ECONNABORTED || errno == EINTR;
@@ -347,7 +356,7 @@ void LockstepServer::sendMore(ConnectionId id, Connection& connection) {
                                 connection.unsent.size() - sent, MSG_NOSIGNAL);
     if (size < 0 && errno != EINTR) {
       if (errno != EAGAIN) {
-        sent = connection.unsent.size();  // nobody will read it
+        sent = connection.unsent.size();  // no one will read it
       }
       break;
     }
@@ -360,12 +369,12 @@ void LockstepServer::sendMore(ConnectionId id, Connection& connection) {
     watch(connection.socket.get(), id, EPOLLIN | (awaits_space ? EPOLLOUT : 0U), EPOLL_CTL_MOD);
   }
   if (connection.closing && !awaits_space) {
-    // Not close(): unread bytes of the other side would make the kernel throw away our last ones.
+    // Not close(): with unread bytes of the other side, the kernel would discard our last ones.
     shutdown(connection.socket.get(), SHUT_WR);
   }
 }
 
-/** @brief Close those that were told the end and have not closed their side in time. */
+/** @brief Close connections that got END and have not closed their side in time. */
 void LockstepServer::closeOverdue(Nanoseconds wall) {
   while (!closing_.empty() && connections_.at(closing_.front()).close_due <= wall) {
     forget(closing_.front());

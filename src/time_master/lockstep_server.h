@@ -20,31 +20,36 @@
 namespace move_base_abstract {
 
 /**
- * @brief Listens on a TCP port and hands bytes to a session and back, with one wait, one receive,
- * one decision and one send for each hop.
+ * @brief Listens on a TCP port, and passes bytes between connections and a session. Each hop of a
+ * message takes one wait, one receive, one decision and one send.
  *
- * Threading: the session belongs to a mutex. The server's thread takes it for each piece of work;
- * others get at the session by with(), which may be called from any thread.
+ * Threading: a mutex protects the session. The server's thread locks it for each piece of work.
+ * Other threads use the session through with(), which any thread may call.
  */
 class LockstepServer {
  public:
-  /** @brief Called by the server's thread, with the session locked: they must not wait for others
-   * who wait for it. */
+  /**
+   * @brief Functions that the server's thread calls with the session locked. They must not wait for
+   * a thread that waits for the session.
+   */
   struct Listeners {
-    std::function<void(Nanoseconds)> time;               // simulated time, when it has changed
+    std::function<void(Nanoseconds)> time;               // simulated time has changed
     std::function<void(const LockstepLogEntry&)> event;  // a line of the event log
-    // What was set and deleted, before the grants that follow from it; returns what was not taken.
+    // Changes of parameters, before the grants that follow from them; returns those that were not
+    // accepted.
     std::function<std::vector<ParameterChange>(const std::vector<ParameterChange>&)> parameters;
   };
 
   /**
-   * @param host name or address to bind to; @param port 0: any free one.
-   * @param cores on which participants of this computer run.
-   * @throws std::invalid_argument as LockstepSession does, std::runtime_error if it cannot listen.
+   * @param host the name or address to bind to.
+   * @param port the TCP port; 0: any free one.
+   * @param cores the cores on which participants of this computer run.
+   * @throws std::invalid_argument as LockstepSession does.
+   * @throws std::runtime_error if it cannot listen.
    */
   LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
                  CoresWish cores, Listeners listeners);
-  /** Ends the run, if nobody did; see finish(). */
+  /** Ends the run, if it has not ended; see finish(). */
   ~LockstepServer();
 
   LockstepServer(const LockstepServer&) = delete;
@@ -53,22 +58,22 @@ class LockstepServer {
   /** @return "host:port", for participants. */
   const std::string& address() const { return address_; }
 
-  /** @brief Do @p action(session) and have decided what follows from it. */
+  /** @brief Call @p action(session), and let the server's thread decide what follows. */
   template <typename Action>
   auto with(Action action) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const Waker waker{*this};  // whatever comes of it, also an exception
+    const Waker waker{*this};  // after an exception, too
     return action(session_);
   }
 
-  /** @return what is so, as of the latest call or the latest piece of work. */
+  /** @return the state as of the latest call or the latest piece of work. */
   LockstepStatus status() const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    wake();  // where nothing comes in, the session learns only so how late it is
+    wake();  // without input, only this tells the session how late it is
     return session_.status();
   }
 
-  /** @return on which cores the participants of this computer run. */
+  /** @return the cores on which the participants of this computer run, see CoreKeeper::text(). */
   std::string cores() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return cores_.text();
@@ -81,8 +86,10 @@ class LockstepServer {
 
   std::vector<LockstepMessage> takeMessages();
 
-  /** @brief Tell all participants that the run is over, and why; after a wall second at most, end
-   * the thread. What they have reported until then is in the log. */
+  /**
+   * @brief Tell all participants that the run is over, and why. After a wall second at most, end
+   * the thread. The log has what they have reported until then.
+   */
   void finish(const std::string& reason);
 
  private:
@@ -97,9 +104,9 @@ class LockstepServer {
     Descriptor socket;
     std::string unsent;
     std::optional<pid_t> process;  // of a participant; 0: on another computer
-    bool closing = false;          // the session has done with it: sent to the end, then closed
-    Nanoseconds close_due = 0;     // wall; of one that is closing
-    bool awaits_space = false;     // asked to be told when it takes bytes again
+    bool closing = false;          // the session has closed it: the rest is sent first
+    Nanoseconds close_due = 0;     // wall; if it is closing
+    bool awaits_space = false;     // waits until the socket takes bytes again
   };
 
   void watch(int fd, std::uint64_t id, std::uint32_t events, int operation);
@@ -130,24 +137,23 @@ class LockstepServer {
   Listeners listeners_;
   Descriptor listener_;
   const std::string address_;
-  Descriptor
-      local_listener_;  // for participants on this computer; none where there is no such socket
+  Descriptor local_listener_;  // for participants on this computer; may be none
   Descriptor epoll_;
   Descriptor event_;
   Descriptor timer_;
   bool listening_ = true;
-  bool exhausted_ = false;      // no free file descriptors; the next that is closed ends it
+  bool exhausted_ = false;      // no free file descriptors, until one is closed
   Nanoseconds armed_ = kNever;  // wall
   std::unordered_map<ConnectionId, Connection> connections_;
   std::vector<ConnectionId> closing_;
-  ConnectionId last_awaited_ = 0;  // who is likely to report last; 0: nobody owes a report
-  Nanoseconds look_due_ = 0;       // wall; when everything else is looked at, at the latest
+  ConnectionId last_awaited_ = 0;  // likely to report last; 0: no report is owed
+  Nanoseconds look_due_ = 0;       // wall; the latest look at everything else
   ConnectionId last_id_;
   std::vector<char> buffer_;
   std::vector<LockstepMessage> messages_;
   Nanoseconds told_ = 0;  // simulated
   std::atomic<bool> stopping_{false};
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, as it uses the other members
 };
 
 }  // namespace move_base_abstract

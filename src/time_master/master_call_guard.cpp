@@ -21,9 +21,9 @@ bool masterTakesConnections() {
 }
 
 [[noreturn]] void endProcess(const char* why) {
-  ROS_FATAL("a call to the ROS master at %s does not come back: %s", ros::master::getURI().c_str(),
+  ROS_FATAL("a call to the ROS master at %s does not return: %s", ros::master::getURI().c_str(),
             why);
-  _exit(1);  // not exit(): what it would wait for is what hangs
+  _exit(1);  // not exit(), which would wait for the call that hangs
 }
 
 }  // namespace
@@ -76,7 +76,10 @@ void MasterCallGuard::run() {
   }
 }
 
-/** @brief With the lock, so that a section which ends just now is not cut off. */
+/**
+ * @brief End the process if it is time. Called with the lock, so that a section which ends just now
+ * is safe.
+ */
 void MasterCallGuard::look(bool refused) {
   if (sections_ == 0 || ending_) {
     return;

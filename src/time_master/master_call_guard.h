@@ -1,4 +1,4 @@
-// Ends the process where a call to a ROS master that has gone would hold it up for ever.
+// Ends the process if a call to a ROS master that has gone would block it for ever.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_MASTER_CALL_GUARD_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_MASTER_CALL_GUARD_H
 
@@ -10,22 +10,24 @@
 namespace move_base_abstract {
 
 /**
- * @brief roscpp's calls to the ROS master have no end where it dies in the middle of one, and are
- * repeated without end where it has died before.
+ * @brief Guards calls of roscpp to the ROS master. Such a call never returns if the master dies
+ * during it, and roscpp repeats it for ever if the master has died before.
  *
- * While a Section lives and the master refuses connections three times in a row (a wall second
- * apart), or a signal has asked for the end and 3 s have passed, the process says so and ends with
- * code 1. A section must have nothing in hand that would be lost.
+ * The guard works while a Section exists. If the master refuses connections three times in a row (a
+ * wall second apart), or 3 s have passed since a signal told the process to end, the guard logs
+ * this and ends the process with code 1. A section must not have data that would be lost then.
  */
 class MasterCallGuard {
  public:
-  /** @param signal_number not 0: the process was asked to end. Call it after ros::init. */
+  /** @brief Call this after ros::init. @param signal_number not 0: the process was told to end. */
   explicit MasterCallGuard(const std::atomic<int>& signal_number);
   ~MasterCallGuard();
   MasterCallGuard(const MasterCallGuard&) = delete;
   MasterCallGuard& operator=(const MasterCallGuard&) = delete;
 
-  /** @brief Wait for the ROS master. @return false if a signal has asked for the end meanwhile. */
+  /**
+   * @brief Wait for the ROS master. @return false if a signal told the process to end meanwhile.
+   */
   bool awaitMaster();
 
   class Section {
@@ -48,10 +50,10 @@ class MasterCallGuard {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;
-  int sections_ = 0;  // one may contain others
+  int sections_ = 0;  // sections may be nested
   int refusals_ = 0;
   int looks_after_signal_ = 0;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, as it uses the other members
 };
 
 }  // namespace move_base_abstract

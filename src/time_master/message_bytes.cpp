@@ -32,7 +32,7 @@ void MessageBytes::add(std::string_view type, std::string_view bytes) {
   size_ += record.size();
   if (file_ && (size_ > kLimit ||
                 std::fwrite(record.data(), 1, record.size(), file_.get()) != record.size())) {
-    file_.reset();  // the record that is cut off is the end
+    file_.reset();  // the file ends here, maybe with a record that is cut off
   }
 }
 

@@ -1,4 +1,4 @@
-// Keeps the bytes of what participants send each other, for who compares two runs. No ROS.
+// Keeps the bytes of the messages between participants, for programs that compare two runs. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
 
@@ -11,17 +11,17 @@
 namespace move_base_abstract {
 
 /**
- * @brief A file with the type and the bytes of each message, call and response of the event log, in
- * its order: twice a length (4 bytes, little endian) and as many bytes.
+ * @brief A file with the type and the bytes of each message, call and response in the event log, in
+ * its order. Each of the two is a length (4 bytes, little endian) and as many bytes.
  *
- * It ends with what would make it longer than kLimit, and where the disk is full. Read by
- * move_base_abstract_ros/messages/message_fields.py.
+ * The file ends when it would become longer than kLimit, or the disk is full.
+ * move_base_abstract_ros/messages/message_fields.py reads it.
  */
 class MessageBytes {
  public:
   static constexpr std::uint64_t kLimit = 256U << 20;  // bytes
 
-  /** @throws std::invalid_argument if there is something at @p path, or it cannot be written. */
+  /** @throws std::invalid_argument if @p path exists, or cannot be written. */
   explicit MessageBytes(const std::string& path);
   void add(std::string_view type, std::string_view bytes);
 

@@ -1,4 +1,5 @@
-// Files that a run leaves for others: each is seen when it is whole, and replaces nothing. No ROS.
+// Files that a run leaves for other programs. Each appears when it is whole, and replaces no other.
+// No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_NEW_FILE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_NEW_FILE_H
 
@@ -14,8 +15,7 @@ namespace move_base_abstract {
 
 /**
  * @brief Write a new file, under the name PATH.part until it is whole.
- *
- * @return why @p path is not there, "@p what @p path: reason"; '' if it is.
+ * @return why @p path was not written, as "@p what @p path: reason"; '' if it was.
  */
 inline std::string writeNewFile(const std::string& what, const std::string& path,
                                 std::string_view text) {
@@ -23,7 +23,7 @@ inline std::string writeNewFile(const std::string& what, const std::string& path
   std::FILE* const file = std::fopen(part.c_str(), "wxe");
   bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   good = (file == nullptr || std::fclose(file) == 0) && good;
-  good = good && link(part.c_str(), path.c_str()) == 0;  // rename() would replace what is there
+  good = good && link(part.c_str(), path.c_str()) == 0;  // rename() would replace an existing file
   const int error = errno;
   if (file != nullptr) {
     unlink(part.c_str());

@@ -1,4 +1,4 @@
-// The time master's ROS side: services, the state topic and the change of mode, in one thread.
+// The ROS side of the time master: services, the state topic and the change of mode, in one thread.
 #include <move_base_abstract/AcquireHold.h>
 #include <move_base_abstract/ReleaseHold.h>
 #include <move_base_abstract/RunUntil.h>
@@ -56,7 +56,7 @@ std::string numbered(const std::string& path, int run) {
              : path.substr(0, dot) + "_" + std::to_string(run) + path.substr(dot);
 }
 
-/** @brief An instant or duration of ROS in ns; exact, also where it is negative. */
+/** @brief Return an instant or duration of ROS in ns; exact, also if it is negative. */
 template <typename RosTime>
 Nanoseconds fromRos(const RosTime& time) {
   return static_cast<Nanoseconds>(time.sec) * kNanosecondsPerSecond + time.nsec;
@@ -71,7 +71,7 @@ class TimeMasterNode {
       : watch_(watch),
         parameters_(parameters),
         state_gap_(static_cast<Nanoseconds>(1e9 / parameters.state_rate)) {
-    // Of a run that was killed; participants would take it for that of this run.
+    // Left by a run that was killed; participants would take it for the address of this run.
     ros::param::del("/time_master/lockstep_address");
     clock_publisher_ = listeners_.advertise(node);
     state_publisher_ = own.advertise<TimeState>("state", 10, true);
@@ -88,7 +88,8 @@ class TimeMasterNode {
 
   /**
    * @brief Publish and answer until ROS shuts down or the run ends. @return the exit code.
-   * @throws std::invalid_argument that begins with a parameter's key, std::runtime_error
+   * @throws std::invalid_argument if a parameter is wrong; the text begins with its key.
+   * @throws std::runtime_error if the time master cannot work.
    */
   int run() {
     begin(parameters_.in_lockstep, 0);
@@ -120,7 +121,7 @@ class TimeMasterNode {
     return end->good && kept ? 0 : 1;
   }
 
-  /** @brief Start a mode at @p time, or at the parameter's start_time where that is 0. */
+  /** @brief Start a mode at @p time [ns, simulated]; 0: at the parameter start_time. */
   void begin(bool in_lockstep, Nanoseconds time) {
     setParameter("/time_master/mode", in_lockstep ? "lockstep" : "scaled");
     if (in_lockstep) {
@@ -136,7 +137,9 @@ class TimeMasterNode {
     }
   }
 
-  /** @brief In lockstep the session knows of deaths, at their instant. */
+  /**
+   * @brief Look for dead listeners of /clock, except in lockstep, where the session notices deaths.
+   */
   void watchListeners() {
     if (mode_->name() == std::string_view("lockstep")) {
       listeners_.forget();
@@ -166,12 +169,15 @@ class TimeMasterNode {
     return state;
   }
 
-  /** @brief What an existing study sets; in lockstep it is to slow nothing down unasked. */
+  /**
+   * @brief Take the factor that an existing study sets. In lockstep it must not slow the run down
+   * unless a parameter says so.
+   */
   void onFactor(const ros::MessageEvent<std_msgs::Float64 const>& event) {
     if (mode_->name() == std::string_view("lockstep") && !parameters_.sim_time_factor_is_limit) {
       ROS_INFO_ONCE(
           "/sim_time_factor from %s has no effect in lockstep, which goes as fast as it can; the "
-          "parameter sim_time_factor_is_limit makes it a speed limit (told once)",
+          "parameter sim_time_factor_is_limit makes it a speed limit (shown once)",
           shown(event.getPublisherName()).c_str());
       return;
     }
@@ -184,7 +190,7 @@ class TimeMasterNode {
     }
   }
 
-  /** @brief Do @p action, which returns what it did, and turn a refusal into the answer. */
+  /** @brief Answer a service with the text that @p action returns, or with its refusal. */
   template <typename Response, typename Action>
   bool answer(const char* service, Response& response, Action action) {
     try {
@@ -218,7 +224,7 @@ class TimeMasterNode {
     const std::string in_use = mode_->inUse();
     if (!in_use.empty()) {
       throw std::invalid_argument("mode must not be changed from " + std::string(mode_->name()) +
-                                  " to " + wanted + " while somebody uses it: " + in_use);
+                                  " to " + wanted + " while it is in use: " + in_use);
     }
     mode_->finish("the mode is changed to " + wanted);
     const std::string before = mode_->name();
@@ -320,7 +326,7 @@ void announce(const NodeParameters& parameters) {
   }
 }
 
-/** @return the node; none where another one has the clock. */
+/** @return the node; null if another node publishes the clock. */
 std::unique_ptr<TimeMasterNode> makeNode(ros::NodeHandle& node, const ros::NodeHandle& own,
                                          ClockWatch& watch) {
   const NodeParameters parameters = readParameters(own);
@@ -347,14 +353,14 @@ int runNode(MasterCallGuard& guard) {
   int code = 1;
   try {
     master = makeNode(node, own, watch);
-    calls.reset();  // from here on there may be an event log to lose, and no call is without an end
+    calls.reset();  // from here on an event log could be lost, and calls have limits
     code = master ? master->run() : 1;
   } catch (const std::invalid_argument& error) {
     ROS_FATAL("parameter %s/%s", own.getNamespace().c_str(), shown(error.what()).c_str());
   } catch (const std::runtime_error& error) {
     ROS_FATAL("%s", shown(error.what()).c_str());
   }
-  calls.emplace(guard);  // for what the destructors say to the ROS master
+  calls.emplace(guard);  // for the calls of the destructors
   return code;
 }
 
@@ -363,23 +369,23 @@ int runNode(MasterCallGuard& guard) {
 
 int main(int argc, char** argv) {
   if (std::any_of(argv + 1, argv + argc, move_base_abstract::asksForHelp)) {
-    std::puts(move_base_abstract::kUsage);  // before a ROS master is looked for
+    std::puts(move_base_abstract::kUsage);  // before it looks for a ROS master
     return 0;
   }
   std::setvbuf(stdout, nullptr, _IOLBF,
-               BUFSIZ);  // what it says is seen at once, also by way of a pipe
+               BUFSIZ);  // output appears at once, also through a pipe
   move_base_abstract::setDefaultAddress();
   ros::init(argc, argv, "time_master", ros::init_options::NoSigintHandler);
-  if (argc > 1) {  // what ROS has left
+  if (argc > 1) {  // arguments that ROS has not taken
     std::fprintf(stderr, "time_master: unknown argument %s; see --help\n",
                  move_base_abstract::shown(argv[1]).c_str());
     return 2;
   }
-  // The run's end is told to participants and written down before ROS goes.
+  // Participants are told of the end, and it is written down, before ROS shuts down.
   for (const int number : {SIGINT, SIGTERM}) {
     std::signal(number, [](int got) { move_base_abstract::signal_number = got; });
   }
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is an error to be told, like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is an error like a full disk
   move_base_abstract::MasterCallGuard guard(move_base_abstract::signal_number);
   if (!guard.awaitMaster()) {
     return 0;

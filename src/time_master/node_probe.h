@@ -1,4 +1,4 @@
-// Requests to the XML-RPC server of a node, or of the ROS master, with a limit on the waiting.
+// Requests to the XML-RPC server of a node, or of the ROS master, with a limit on the wait.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_NODE_PROBE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_NODE_PROBE_H
 
@@ -17,8 +17,10 @@ namespace move_base_abstract {
 
 using WallClock = std::chrono::steady_clock;
 
-/** @brief One XML-RPC server, and a connection to it, which is kept; after a request that failed no
- * more are made. */
+/**
+ * @brief One XML-RPC server, and a connection to it, which is kept. Make no more requests after one
+ * has failed.
+ */
 class NodeProbe : private XmlRpc::XmlRpcClient {
  public:
   NodeProbe(const std::string& host, int port) : XmlRpcClient(host.c_str(), port, "/") {}
@@ -30,14 +32,17 @@ class NodeProbe : private XmlRpc::XmlRpcClient {
     return call("getPid", request, limit, result);
   }
 
-  /** @return whether an answer came within @p limit [wall] and was a success; @p result has it. */
+  /**
+   * @return whether an answer came within @p limit [wall] and was a success. @p result gets its
+   * value.
+   */
   bool call(const char* method, const XmlRpc::XmlRpcValue& request, std::chrono::milliseconds limit,
             XmlRpc::XmlRpcValue& result) {
     XmlRpc::XmlRpcValue answer;
     return ask(method, request, limit, answer) && accept(answer, result);
   }
 
-  /** @return whether any answer came within @p limit [wall]; @p answer is as it came. */
+  /** @return whether any answer came within @p limit [wall]. @p answer gets it unchanged. */
   bool ask(const char* method, const XmlRpc::XmlRpcValue& request, std::chrono::milliseconds limit,
            XmlRpc::XmlRpcValue& answer) {
     if (!executeNonBlock(method, request)) {
@@ -64,7 +69,7 @@ class NodeProbe : private XmlRpc::XmlRpcClient {
   }
 };
 
-/** @return whether somebody accepts connections there within @p limit [wall]. */
+/** @return whether a program accepts connections there within @p limit [wall]. */
 inline bool canConnect(const std::string& host, uint32_t port, std::chrono::milliseconds limit) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;

@@ -23,7 +23,9 @@ NodeProbe masterProbe() {
   return NodeProbe(ros::master::getHost(), static_cast<int>(ros::master::getPort()));
 }
 
-/** @return the change as a part of a multicall; nothing valid if its value cannot be read. */
+/**
+ * @return the change as a part of a multicall; an invalid value if the change cannot be decoded.
+ */
 XmlRpc::XmlRpcValue callOf(const ParameterChange& change) {
   XmlRpc::XmlRpcValue call;
   call["methodName"] = change.value.empty() ? "deleteParam" : "setParam";
@@ -77,7 +79,7 @@ bool ParameterKeeper::isAsAtTheStart(const std::string& name, const XmlRpc::XmlR
   return at_start_.hold(name, value);
 }
 
-/** roscpp waits for a call that is under way. */
+/** Stop calling the listener. roscpp waits for a call under way. */
 void ParameterKeeper::stop() {
   if (outside_) {
     ros::XMLRPCManager::instance()->unbind(kUpdate);
@@ -88,14 +90,14 @@ void ParameterKeeper::stop() {
 void ParameterKeeper::listen(Listener outside) {
   outside_ = std::move(outside);
   const ros::XMLRPCManagerPtr manager = ros::XMLRPCManager::instance();
-  manager->unbind(kUpdate);  // roscpp's own, which only keeps what getCached() has asked for
+  manager->unbind(kUpdate);  // roscpp's own handler, which only serves getCached()
   manager->bind(kUpdate, [this](XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response) {
     onUpdate(request, response);
   });
   XmlRpc::XmlRpcValue ignored;
   if (!masterProbe().call("subscribeParam", subscription(), kLimit, ignored)) {
     throw std::runtime_error("the ROS master at " + ros::master::getURI() +
-                             " does not tell of parameters that are set");
+                             " does not report changes of parameters");
   }
 }
 
@@ -110,7 +112,10 @@ std::vector<ParameterChange> ParameterKeeper::apply(const std::vector<ParameterC
   return refused;
 }
 
-/** @brief The ROS master tells all but who sets; who deletes is told, too. */
+/**
+ * @brief Apply changes in one request. The ROS master reports a set value to all except the node
+ * that set it, but it reports a deletion to that node, too.
+ */
 void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
                                 std::vector<ParameterChange>* refused) {
   XmlRpc::XmlRpcValue request, answers;
@@ -136,7 +141,7 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
     if (is_there && isGood(answers[static_cast<int>(k)])) {
       continue;
     }
-    // What an earlier action of the same round has deleted is no more there: as it should be.
+    // A deletion may fail because an earlier action of the same round has deleted the parameter.
     if (asked[k].value.empty()) {
       isOwn(asked[k].name);
     }
@@ -146,7 +151,7 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
   }
 }
 
-/** @brief Over one connection for all rounds; after a failure over a new one. */
+/** @brief Send a request over one connection for all rounds; after a failure, over a new one. */
 bool ParameterKeeper::tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue& answers) {
   if (!master_) {
     master_ = std::make_unique<NodeProbe>(ros::master::getHost(),
@@ -159,7 +164,7 @@ bool ParameterKeeper::tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue
   return is_answered;
 }
 
-/** @return whether apply() has deleted it, which the ROS master tells once. */
+/** @return whether apply() has deleted the parameter, which the ROS master reports once. */
 bool ParameterKeeper::isOwn(const std::string& name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = deleted_.find(name);

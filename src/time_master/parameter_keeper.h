@@ -1,4 +1,5 @@
-// Parameters of ROS as participants set them: the ROS master is told, and tells of all others.
+// ROS parameters: passes the changes of participants to the ROS master, and hears of all others
+// from it.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_KEEPER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_KEEPER_H
 
@@ -16,7 +17,10 @@ namespace move_base_abstract {
 
 class NodeProbe;
 
-/** @brief Has the ROS master set what participants have set, and hears what anybody else sets. */
+/**
+ * @brief Sets parameters in the ROS master as participants do, and notices changes by other
+ * processes.
+ */
 class ParameterKeeper {
  public:
   using Listener = std::function<void(const std::string& name)>;
@@ -27,19 +31,23 @@ class ParameterKeeper {
   ParameterKeeper& operator=(const ParameterKeeper&) = delete;
 
   /**
-   * @brief Have @p outside called, in a thread of roscpp, for each parameter that another process
-   * sets or deletes.
-   * @throws std::runtime_error if the ROS master does not agree.
+   * @brief Call @p outside, in a thread of roscpp, for each parameter that another process sets or
+   * deletes.
+   * @throws std::runtime_error if the ROS master does not accept the subscription.
    */
   void listen(Listener outside);
-  /** @brief The listener is not called any more. */
+  /** @brief Stop calling the listener. */
   void stop();
   /**
-   * @brief The run begins: what is as it is now was set before, however late the ROS master tells.
-   * (It tells a tenth of a second late, as a rule.)
+   * @brief Remember all parameters, as the run begins. A parameter that still has this value was
+   * set before, even if the ROS master reports it only later. (Its reports are usually a tenth of a
+   * second late.)
    */
   void remember();
-  /** @return those that the ROS master has not taken within 10 s of wall time. From one thread. */
+  /**
+   * @brief Apply changes in the ROS master. Call this from one thread only. @return the changes
+   * that it has not accepted within 10 s of wall time.
+   */
   std::vector<ParameterChange> apply(const std::vector<ParameterChange>& changes);
 
  private:
@@ -51,10 +59,10 @@ class ParameterKeeper {
   bool tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue& answers);
 
   Listener outside_;
-  std::unique_ptr<NodeProbe> master_;  // of apply()
+  std::unique_ptr<NodeProbe> master_;  // for apply()
   std::mutex mutex_;
   ParametersAtStart at_start_;
-  std::map<std::string, int> deleted_;  // by apply(), of which the ROS master is going to tell
+  std::map<std::string, int> deleted_;  // by apply(); the ROS master will report them
 };
 
 }  // namespace move_base_abstract

@@ -11,7 +11,7 @@ void ParametersAtStart::remember(const XmlRpc::XmlRpcValue& all) {
 
 void ParametersAtStart::change(const std::string& name) { changed_.insert(name); }
 
-/** @return whether a participant changed it, a part of it, or what it is a part of. */
+/** @return whether a participant has changed the parameter, or one above or below it. */
 bool ParametersAtStart::isChanged(const std::string& name) const {
   const auto is_at_or_below = [](const std::string& inner, const std::string& outer) {
     return inner.compare(0, outer.size(), outer) == 0 &&

@@ -1,4 +1,5 @@
-// What parameters were when a run began: what the ROS master tells late is no set from outside.
+// The values of parameters at the beginning of a run, so that a late report of the ROS master does
+// not count as a change from outside.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_AT_START_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_AT_START_H
 
@@ -10,18 +11,18 @@
 
 namespace move_base_abstract {
 
-/** @brief All parameters as they were at the start, and which of them participants have changed. */
+/** @brief All parameters as they were at the start, and those that participants have changed. */
 class ParametersAtStart {
  public:
-  /** @param all the value of "/"; nothing valid if the ROS master has not answered. */
+  /** @param all the value of "/"; an invalid value if the ROS master has not answered. */
   void remember(const XmlRpc::XmlRpcValue& all);
-  /** @brief A participant has set or deleted @p name, with all that is below it. */
+  /** @brief Note that a participant has set or deleted @p name, with everything below it. */
   void change(const std::string& name);
   /**
    * @param name full, without a slash at its end.
-   * @param value as the ROS master tells it: an empty struct for what was deleted.
-   * @return whether @p value is what the parameter had at the start, and no participant changed it
-   * since. What is told before remember() is so, even if the run has just begun.
+   * @param value as the ROS master reports it: an empty struct for a deleted parameter.
+   * @return whether the parameter had @p value at the start, and no participant has changed it
+   * since. Before remember() this is always true, even if the run has just begun.
    */
   bool hold(const std::string& name, const XmlRpc::XmlRpcValue& value) const;
 

@@ -1,4 +1,4 @@
-// Tells onlookers how the links of a radio are: a topic, at changes.
+// Publishes the states of the radio's links for onlookers, when they change.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_RADIO_PUBLISHER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_RADIO_PUBLISHER_H
 
@@ -9,11 +9,13 @@
 
 namespace move_base_abstract {
 
-/** @brief The latched topic /time_master/links: there is none in a run without a radio. */
+/** @brief The latched topic /time_master/links. A run without a radio does not have it. */
 class RadioPublisher {
  public:
-  /** @brief Publish, if something has changed and the last message is old enough. @p wall is an
-   * instant of the wall clock [ns]. */
+  /**
+   * @brief Publish, if something has changed and the last message is old enough. @param wall the
+   * wall instant [ns].
+   */
   void work(LockstepServer& server, Nanoseconds wall);
 
  private:

@@ -108,12 +108,15 @@ void RosMasterWatch::readSubscribers() {
   ++answers_;
 }
 
-/** @brief The ROS master remembers nodes that were killed; they are asked once in a while. */
+/**
+ * @brief Whether a node lives. The ROS master also lists nodes that were killed, so nodes are asked
+ * from time to time.
+ */
 bool RosMasterWatch::lives(const std::string& name) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (known_.count(name) != 0) {
-      lives_.erase(name);  // once it is known no more, it is asked at once
+      lives_.erase(name);  // when it is not known any more, it is asked at once
       return true;
     }
   }
@@ -149,7 +152,7 @@ void setParameter(const std::string& key, const std::string& value) {
   request[2] = value;
   if (!masterProbe().call("setParam", request, kSetLimit, result)) {
     throw std::runtime_error("the ROS master at " + ros::master::getURI() +
-                             " has not taken the parameter " + key);
+                             " has not accepted the parameter " + key);
   }
 }
 

@@ -1,4 +1,4 @@
-// Watches the ROS master: does it live, and which nodes use simulated time? In a thread of its own.
+// Watches whether the ROS master lives, and which nodes use simulated time, in a thread of its own.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_ROS_MASTER_WATCH_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_ROS_MASTER_WATCH_H
 
@@ -13,14 +13,15 @@
 namespace move_base_abstract {
 
 /**
- * @brief Asks the ROS master every wall second or two, so that nobody else has to wait for it.
+ * @brief Asks the ROS master every one or two wall seconds, so that no other thread has to wait for
+ * it.
  *
- * The master is gone when its port refuses connections three times in a row, or when another
- * process answers there: it has forgotten all nodes. One that is only slow is not gone.
+ * The master counts as gone if its port refuses connections three times in a row, or if another
+ * process answers there, which does not know the nodes. A slow master does not count as gone.
  */
 class RosMasterWatch {
  public:
-  /** Begins to watch. Call it after ros::init. */
+  /** Begins to watch. Call this after ros::init. */
   RosMasterWatch();
   ~RosMasterWatch();
 
@@ -30,13 +31,13 @@ class RosMasterWatch {
   /** @return why the ROS master counts as gone; '' while it does not. */
   std::string gone() const;
 
-  /** @return the other living nodes that subscribe to /clock, as of a second or two ago. */
+  /** @return the other living nodes that subscribe to /clock, as of one or two wall seconds ago. */
   std::set<std::string> clockSubscribers() const;
 
-  /** @brief These are known to live: nobody needs to ask them. */
+  /** @brief Set the nodes that are known to live, so that they need not be asked. */
   void setKnown(std::set<std::string> names);
 
-  /** @return how often clockSubscribers() was asked of the master and answered. */
+  /** @return how often the master has answered the request for clockSubscribers(). */
   int answers() const { return answers_; }
 
  private:
@@ -55,18 +56,19 @@ class RosMasterWatch {
   std::atomic<int> answers_{0};
   int refusals_ = 0;
   int looks_ = 0;
-  std::map<std::string, bool> lives_;  // as of the latest look at each
+  std::map<std::string, bool> lives_;  // as of the latest look at each node
   int pid_ = 0;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, as it uses the other members
 };
 
 /**
- * @brief Set a parameter. Waits 10 s at most for the master: roscpp's own call may wait for ever.
- * @throws std::runtime_error if it has not answered by then.
+ * @brief Set a parameter. This waits 10 wall seconds at most for the ROS master; roscpp's own call
+ * may wait for ever.
+ * @throws std::runtime_error if the master has not answered by then.
  */
 void setParameter(const std::string& key, const std::string& value);
 
-/** @brief Delete a parameter, also while ROS shuts down. Waits a second at most for the master. */
+/** @brief Delete a parameter, also while ROS shuts down. This waits a wall second at most. */
 void deleteParameter(const std::string& key);
 
 }  // namespace move_base_abstract

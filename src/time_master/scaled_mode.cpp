@@ -20,14 +20,12 @@ void log(const TimeMaster::Event& event) {
     case TimeMaster::Event::Kind::kGap:
       ROS_WARN(
           "the time master did not run for a while (it was stopped, or the computer is "
-          "overloaded): "
-          "simulated time stood at %s for %.3f s of wall time, and goes on from there; the "
-          "parameter "
-          "longest_gap says how much of such a gap counts",
+          "overloaded): simulated time stood at %s for %.3f s of wall time, and goes on from "
+          "there; the parameter longest_gap says how much of such a gap counts",
           text(event.time).c_str(), static_cast<double>(event.left_out) / 1e9);
       break;
     case TimeMaster::Event::Kind::kEndOfTime:
-      ROS_ERROR("simulated time is at its end, %s, and stands still: start all nodes anew",
+      ROS_ERROR("simulated time is at its end, %s, and stands still: restart all nodes",
                 text(event.time).c_str());
       break;
   }

@@ -1,4 +1,4 @@
-// Simulated time = factor x wall time, on /clock.
+// The scaled clock: simulated time = factor x wall time, on /clock.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
 
@@ -11,7 +11,7 @@
 
 namespace move_base_abstract {
 
-/** @brief The clock that follows the wall; see TimeMaster. */
+/** @brief The mode in which simulated time follows wall time; see TimeMaster. */
 class ScaledMode : public TimeMode {
  public:
   /** @throws std::invalid_argument if a setting is out of its range. */

@@ -10,13 +10,16 @@
 
 namespace move_base_abstract {
 
-/** @return the owner of @p fd. @throws std::runtime_error naming @p what if it is negative (errno).
+/**
+ * @return an owner of @p fd. @throws std::runtime_error with @p what and errno, if @p fd is
+ * negative.
  */
 Descriptor checked(int fd, const char* what);
 
 /**
- * @return a socket that listens on a TCP port; @param port 0: any free one.
- * @throws std::runtime_error if there is none, saying why.
+ * @param port 0: any free one.
+ * @return a socket that listens on a TCP port.
+ * @throws std::runtime_error with the reason, if it cannot listen.
  */
 Descriptor listenOn(const std::string& host, int port);
 
@@ -24,16 +27,16 @@ Descriptor listenOn(const std::string& host, int port);
 int portOf(const Descriptor& socket);
 
 /**
- * @return a Unix socket for participants of this computer, named after @p address ("host:port");
- * none where the address is too long for that: they come by TCP then.
+ * @return a Unix socket for participants on this computer, named after @p address ("host:port");
+ * none if the address is too long for that. Then they connect by TCP.
  * @throws std::runtime_error if it cannot listen.
  */
 Descriptor listenLocally(const std::string& address);
 
-/** @return the process at the other end; 0: it is on another computer, or cannot be seen. */
+/** @return the process at the other end; 0: it is on another computer, or is not known. */
 pid_t processOf(const Descriptor& socket);
 
-/** @brief Small frames go out at once; a computer that has lost its power is noticed. */
+/** @brief Let small frames go out at once, and notice if the other computer has lost its power. */
 void tuneConnection(const Descriptor& socket);
 
 }  // namespace move_base_abstract

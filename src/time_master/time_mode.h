@@ -1,4 +1,4 @@
-// What the time master's node asks of a mode: scaled or lockstep.
+// The interface of the time master's two modes, scaled and lockstep.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
 
@@ -41,16 +41,16 @@ inline std::string text(double value) {
 }
 
 /**
- * @brief How simulated time moves, and how it gets onto /clock. For one thread.
+ * @brief Decides how simulated time moves, and publishes it on /clock. For one thread.
  *
- * A refused request throws std::invalid_argument, says what it got and what is allowed, and changes
- * nothing. Requests return what was done, for the answer.
+ * A refused request throws std::invalid_argument, which says what was got and what is allowed; it
+ * changes nothing. Requests that return a text say what was done, for the service's answer.
  */
 class TimeMode {
  public:
-  /** @brief The end of a run that came by itself. */
+  /** @brief The end of a run that has ended by itself. */
   struct End {
-    bool good;  // false: the process is to end with an error
+    bool good;  // false: the process has to end with an error
     std::string reason;
   };
 
@@ -62,12 +62,12 @@ class TimeMode {
   virtual const char* name() const = 0;
   virtual Nanoseconds now() const = 0;
 
-  /** @brief Do what is due. @return whether the state is worth a message now. */
+  /** @brief Do the work that is due. @return whether the state should be published now. */
   virtual bool work() = 0;
   /** @return the wall instant [ns] of the next work(). */
   virtual Nanoseconds nextWork() const = 0;
   virtual std::optional<End> ended() const { return std::nullopt; }
-  /** @brief The run is over. @return whether all that was to be kept of it was kept. */
+  /** @brief End the run. @return whether all its files were written. */
   virtual bool finish(const std::string& reason) = 0;
 
   virtual void describe(TimeState& state) = 0;

@@ -1,4 +1,4 @@
-// A file of the kernel's, which may vanish while it is read.
+// Reads a file of the kernel, such as in /proc, which may vanish meanwhile.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_WHOLE_FILE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_WHOLE_FILE_H
 
@@ -7,11 +7,11 @@
 
 namespace move_base_abstract {
 
-/** @return what a file without zeros holds; '' if it cannot be read, or no more. */
+/** @return the content of a file without zero bytes; '' if it cannot be read, or not any more. */
 inline std::string wholeFile(const std::string& path) {
   std::ifstream file(path);
   std::string text;
-  // Not by an iterator: it throws if the process that a file of /proc is about ends meanwhile.
+  // Not with an iterator, which throws if the process behind a file of /proc ends meanwhile.
   std::getline(file, text, '\0');
   return text;
 }

@@ -56,8 +56,8 @@ class ParametersTest(unittest.TestCase):
             '/hand': ([sys.executable, BY_HAND, '/by_hand'], 0)})
         self.assertIn('it is there', run.printed('waiter'))
         labels = [label for label in run.state.not_repeatable_because if 'parameter' in label]
-        self.assertEqual(labels, ['parameter /by_hand was set or deleted by somebody who does not take part, and '
-                                  '/waiter asks for it'])
+        self.assertEqual(labels, ['parameter /by_hand was set or deleted by a program that does not take part, '
+                                  'and /waiter asks for it'])
 
 
 if __name__ == '__main__':

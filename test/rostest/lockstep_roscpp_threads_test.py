@@ -205,11 +205,11 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
 
     def test_threads_that_wait_for_work_are_idle_and_those_that_wait_for_each_other_are_stuck(self):
         for what, reason in (
-                ('jobs', 'idle at 3 s: nobody wants to wake up; for work that may come wait: '
+                ('jobs', 'idle at 3 s: no participant wants to wake up; waiting for work: '
                          "'/idle' has 3 waiting threads"),
-                ('locks', "deadlock at 2 s: nobody wants to wake up, but '/idle' has 3 waiting threads"),
-                ('promise', "deadlock at 1 s: nobody wants to wake up, but '/idle' has 1 waiting thread (/idle waits "
-                            'for a future)')):
+                ('locks', "deadlock at 2 s: no participant wants to wake up, but '/idle' has 3 waiting threads"),
+                ('promise', "deadlock at 1 s: no participant wants to wake up, but '/idle' has 1 waiting thread "
+                            '(/idle waits for a future)')):
             program = Program('idle', own('shim_idle'), ends_by=signal.SIGKILL, what=what)
             run = RUNS.run([recorder(), program], end_when_idle=True)
             self.assertIn(reason, run.reason)

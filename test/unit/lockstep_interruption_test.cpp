@@ -161,7 +161,7 @@ TEST(Interruption, WaitsForAProcessThatIsSlowToEndAndForTheNextOne) {
   three.pass(5 * Interruption::kGrace);
   EXPECT_EQ(three.labels(), Texts{});
   ASSERT_EQ(three.session.status().waiting_for.size(), 3U);
-  EXPECT_EQ(three.session.status().waiting_for[0].owes, "the end that it was told to come to");
+  EXPECT_EQ(three.session.status().waiting_for[0].owes, "its end, which a signal asked for");
   three.cut(1);
   three.pass(Interruption::kGrace / 2);
   three.stop(2);

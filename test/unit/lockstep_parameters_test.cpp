@@ -124,7 +124,7 @@ TEST(Parameters, WhatOthersSetLabelsTheRunWhereItIsAskedFor) {
   stage.session.parameterChangedOutside("/team");
   stage.session.parameterChangedOutside("/team/");
   const std::string label =
-      "parameter /team was set or deleted by somebody who does not take part, and /b asks for it";
+      "parameter /team was set or deleted by a program that does not take part, and /b asks for it";
   EXPECT_EQ(stage.labels(), Texts{label});
   stage.session.parameterChangedOutside("/speed/x");
   EXPECT_EQ(stage.labels().size(), 2U);

@@ -18,7 +18,7 @@ TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
   alone.poll();
   EXPECT_EQ(alone.phase(), "deadlock");
   const std::string text =
-      "deadlock at 1 s: nobody wants to wake up, but '/a' has 2 waiting threads (a result)";
+      "deadlock at 1 s: no participant wants to wake up, but '/a' has 2 waiting threads (a result)";
   EXPECT_EQ(alone.session.status().reason, text);
   EXPECT_EQ(std::count_if(alone.messages.begin(), alone.messages.end(),
                           [&](const auto& message) { return message.text == text; }),
@@ -39,7 +39,7 @@ TEST(Standstill, WaitsOfADeclaredNodeAreForWork) {
   stage.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a message on /jobs"}}, 1);
   EXPECT_TRUE(stage.session.status().ended_as_wished);
   EXPECT_EQ(stage.session.status().reason,
-            "idle at 1 s: nobody wants to wake up; for work that may come wait: '/a' has 1 waiting "
+            "idle at 1 s: no participant wants to wake up; waiting for work: '/a' has 1 waiting "
             "thread (a message on /jobs)");
 }
 
@@ -63,7 +63,7 @@ TEST(Standstill, IdleEndsTheRunIfSoConfigured) {
   settings.end_when_idle = true;
   Alone alone(kNever, settings);
   EXPECT_EQ(alone.phase(), "ended");
-  EXPECT_EQ(alone.end[1], "idle at 1 s: nobody wants to wake up");
+  EXPECT_EQ(alone.end[1], "idle at 1 s: no participant wants to wake up");
   EXPECT_TRUE(alone.closed[1]);
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }

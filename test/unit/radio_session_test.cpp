@@ -136,7 +136,8 @@ TEST(RadioSession, HostsWithoutNodesAndNodesOnNoHostAreNamedOnce) {
   air.report(1, kNever);
   air.log();
   EXPECT_TRUE(air.session.status().degraded.empty());
-  EXPECT_TRUE(air.said("'/watch' is on no host of the network: what it hears is not on the radio"));
+  EXPECT_TRUE(air.said(
+      "'/watch' is on no host of the network: the messages that it gets are not on the radio"));
   EXPECT_FALSE(air.said("none of the nodes"));
   LockstepSettings settings = Air::on("range 5", "at 10 0");
   settings.participants = {"/base"};

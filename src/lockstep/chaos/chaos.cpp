@@ -16,7 +16,7 @@ namespace {
 enum class Line { kTopic, kListener, kService, kAnswer, kOther };  // kinds of connections
 using Connection = std::tuple<Line, std::uint32_t, std::uint32_t>;
 
-/** @return which connection of the receiver's it has come over. */
+/** @return the connection of the receiver by which @p item has come. */
 Connection connectionOf(const wire::GrantItem& item) {
   if (const auto* one = std::get_if<wire::Deliver>(&item)) {
     return {Line::kTopic, one->topic, one->sender};
@@ -45,13 +45,19 @@ Connection connectionOf(const wire::GrantItem& item) {
   return {Line::kOther, 0, 0};
 }
 
-/** @return whether it may come ahead of others, and they ahead of it: it is no news of links. */
+/**
+ * @return whether @p item may change places with others: a message, a call or an answer, but no
+ * news of connections.
+ */
 bool mayMove(const wire::GrantItem& item) {
   return std::holds_alternative<wire::Deliver>(item) ||
          std::holds_alternative<wire::CallIn>(item) || std::holds_alternative<wire::Answer>(item);
 }
 
-/** @brief What one connection has brought comes as it was posted, in the places that it has. */
+/**
+ * @brief Put the mail of each connection into the order in which it was posted, in the places that
+ * this connection's mail has in @p sorted.
+ */
 void keepPosted(const std::vector<Mail>& posted, std::vector<Mail>& sorted) {
   std::map<Connection, std::vector<const Mail*>> lines;
   for (const Mail& mail : posted) {
@@ -105,7 +111,7 @@ void Order::arrangeMail(MemberId receiver, std::vector<Mail>& mail) {
   }
 }
 
-/** @brief Put @p mail behind those that are placed, or ahead of some of them. */
+/** @brief Put @p mail behind the mail in @p placed, or ahead of some of it. */
 void Order::placeMail(MemberId receiver, std::vector<Mail>& placed, const Mail& mail) {
   std::size_t most = 0;
   if (mayMove(mail.item)) {
@@ -167,7 +173,7 @@ Carried Delays::carry(const Passage& passage) {
       static_cast<Nanoseconds>(decisions_.draw(link, static_cast<std::uint64_t>(most_)));
   Nanoseconds& last = last_[link];
   const Nanoseconds due = addSaturated(passage.from, delay);
-  const bool waits = last > due;  // for what its connection carries ahead of it
+  const bool waits = last > due;  // for an earlier message of its connection
   last = std::max(last, due);
   if (delay > 0) {
     decisions_.note(passage.from, "delay", [&] {

@@ -1,4 +1,4 @@
-// Another legal order of equal events, and delays, as a seed says. No ROS, no sockets.
+// Chaos: another legal order of equal events, and delays, as a seed says. No ROS, no sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_CHAOS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_CHAOS_H
 
@@ -14,27 +14,30 @@
 
 namespace move_base_abstract::chaos {
 
-/** @brief What decisions are said in, and by: names of nodes and topics. */
+/** @brief The names of nodes and topics, for the texts and the draws of decisions. */
 struct Names {
   std::function<std::string(MemberId)> node;
   std::function<std::string(MemberId, std::uint32_t)> topic;  // by the member's own number
 };
 
 /**
- * @brief Arranges what is equal in the stated order.
+ * @brief Arranges mail and turns that are equal in the stated order.
  *
- * The mail of one grant: what has come over one connection (a sender's topic, a client's calls)
- * keeps its order, and what is told of links stays where it is. The turns of one round: whose
- * topics, services and parameters come about first.
+ * In the mail of one grant, items of one connection (a sender's topic, a client's calls) keep their
+ * order, and news of connections stays where it is. In one round, the order of the turns decides
+ * whose topics, services and parameters take effect first.
  */
 class Order {
  public:
   Order(Decisions& decisions, const LockstepRounds& rounds, Names names)
       : decisions_(decisions), rounds_(rounds), names_(std::move(names)) {}
 
-  /** @param matters whether it counts when the turn of a member comes about. */
+  /** @param matters says whether the place of a member's turn has an effect. */
   void arrangeTurns(std::vector<MemberId>& ids, const std::function<bool(MemberId)>& matters);
-  /** @param mail as it was posted; then as it is to be handled. */
+  /**
+   * @param mail in the order in which it was posted; on return, in the order in which it is to be
+   * handled.
+   */
   void arrangeMail(MemberId receiver, std::vector<Mail>& mail);
 
  private:

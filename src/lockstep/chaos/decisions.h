@@ -1,4 +1,4 @@
-// What a seed decides otherwise than the stated order, each decision with a name. No ROS.
+// The decisions by which a seed departs from the stated order, each with a name. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DECISIONS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DECISIONS_H
 
@@ -15,7 +15,7 @@
 
 namespace move_base_abstract::chaos {
 
-/** @brief One that was applied. */
+/** @brief A decision that was applied. */
 struct Decision {
   std::string name;  // 12 hexadecimal digits
   Nanoseconds time;  // simulated
@@ -24,35 +24,41 @@ struct Decision {
 };
 
 /**
- * @return the names in @p text, separated by commas; nothing for '': all decisions count. "none" is
- * no name.
+ * @return the names in @p text, which are separated by commas, as numbers. '' gives nothing: all
+ * decisions count. "none" gives an empty set.
  * @throws std::invalid_argument if one is not 12 hexadecimal digits.
  */
 std::optional<std::set<std::uint64_t>> decisionsOf(const std::string& text);
 
-/** @return the name of a decision: the same in each run in which its link comes to it. */
+/**
+ * @return the name of a decision. It is the same in every run in which the link comes to this
+ * decision.
+ */
 std::string nameOf(std::uint64_t number);
 
 /**
- * @brief Draws for each choice that there is, and keeps what was decided.
+ * @brief Draws each choice, and keeps the decisions.
  *
- * A choice is known by what it is about (a link, as a number) and how many of that there have been:
- * whether others are applied does not change its draw.
+ * A choice is identified by the link that it is about, as a number, and by the count of earlier
+ * choices about this link. So its draw does not depend on whether other decisions are applied.
  */
 class Decisions {
  public:
   using Said = std::function<std::string()>;
 
-  /** @param only if given, no others are applied. @param are_kept whether taken() is wanted. */
+  /**
+   * @param only if given, only these decisions are applied.
+   * @param are_kept whether decisions are kept for take().
+   */
   Decisions(std::uint64_t seed, std::optional<std::set<std::uint64_t>> only, bool are_kept)
       : seed_(seed), only_(std::move(only)), are_kept_(are_kept) {}
 
   /**
-   * @return a number from 1 to @p most if this choice about @p link is another than the stated one,
-   * else 0. One of 2, 4, 8 or 16 is, as the seed says.
+   * @return a number from 1 to @p most if this choice about @p link departs from the stated order,
+   * otherwise 0. One of 2, 4, 8 or 16 choices does, as the seed says.
    */
   std::uint64_t draw(std::uint64_t link, std::uint64_t most);
-  /** @brief Keep the latest draw(), which was applied. */
+  /** @brief Keep the decision of the latest draw(), which was applied. */
   void note(Nanoseconds time, const char* what, const Said& says);
 
   std::vector<Decision> take() { return std::exchange(taken_, {}); }

@@ -1,4 +1,4 @@
-// Numbers by chance that follow from a key, the same on every computer. No ROS, no state.
+// Random numbers that follow from a key, and are the same on every computer. No ROS, no state.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DRAWS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DRAWS_H
 
@@ -17,7 +17,7 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-/** @return one number of several, whose order counts. */
+/** @return one number made of several. Their order counts. */
 constexpr std::uint64_t mixed(std::initializer_list<std::uint64_t> parts) {
   std::uint64_t all = 0;
   for (const std::uint64_t part : parts) {
@@ -26,7 +26,7 @@ constexpr std::uint64_t mixed(std::initializer_list<std::uint64_t> parts) {
   return all;
 }
 
-/** @return FNV-1a, 64 bits. */
+/** @return the FNV-1a hash of @p text, 64 bits. */
 constexpr std::uint64_t hashOf(std::string_view text) {
   std::uint64_t hash = 0xCBF29CE484222325U;
   for (const char byte : text) {

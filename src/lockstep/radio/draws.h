@@ -1,4 +1,5 @@
-// Numbers by chance that follow from a key alone: the same on every computer, in any order.
+// Random numbers that follow from a key alone: they are the same on every computer and in any
+// order.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
 
@@ -7,10 +8,10 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief What a number is drawn for: each has numbers of its own. */
+/** @brief What a number is drawn for. Each purpose has numbers of its own. */
 enum class Purpose : std::uint64_t { kLoss = 1, kDelay = 2 };
 
-/** @return @p bits stirred: the output function of SplitMix64 (Steele, Lea, Flood 2014). */
+/** @return @p bits, mixed by the output function of SplitMix64 (Steele, Lea, Flood 2014). */
 inline std::uint64_t stirred(std::uint64_t bits) {
   bits = (bits ^ (bits >> 30U)) * 0xBF58476D1CE4E5B9U;
   bits = (bits ^ (bits >> 27U)) * 0x94D049BB133111EBU;
@@ -19,7 +20,10 @@ inline std::uint64_t stirred(std::uint64_t bits) {
 
 constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;  // SplitMix64's step
 
-/** @return the key of what goes from one host to another: of their names, not of their numbers. */
+/**
+ * @return the key of a link from one host to another. It depends on their names, not on their
+ * numbers.
+ */
 inline std::uint64_t linkKey(std::uint64_t seed, std::string_view from, std::string_view to) {
   std::uint64_t key = stirred(seed + kGolden);
   for (const std::string_view name : {from, to}) {
@@ -31,7 +35,9 @@ inline std::uint64_t linkKey(std::uint64_t seed, std::string_view from, std::str
   return key;
 }
 
-/** @return 64 even bits of the @p attempt th attempt at the @p number th message of a link. */
+/**
+ * @return 64 uniform bits for the attempt number @p attempt at message number @p number of a link.
+ */
 inline std::uint64_t draw(std::uint64_t link, std::uint64_t number, std::uint32_t attempt,
                           Purpose purpose) {
   const std::uint64_t of_message = stirred(link + kGolden * (number + 1U));
@@ -39,7 +45,9 @@ inline std::uint64_t draw(std::uint64_t link, std::uint64_t number, std::uint32_
                  kGolden * (4U * std::uint64_t{attempt} + static_cast<std::uint64_t>(purpose)));
 }
 
-/** @return whether what happens with @p probability [0, 1] does: in 53 bits, 0 never, 1 always. */
+/**
+ * @return whether an event of @p probability [0, 1] happens, by 53 of @p bits: 0 never, 1 always.
+ */
 inline bool happens(std::uint64_t bits, double probability) {
   return static_cast<double>(bits >> 11U) * 0x1p-53 < probability;
 }

@@ -79,7 +79,7 @@ bool Hosts::lacksPlace(HostId id) const {
   return false;
 }
 
-/** A host whose place nobody has told is out of reach, where places matter. */
+/** If places matter, a host whose place is not known is out of reach. */
 Hosts::Reach Hosts::reach(const LinkRule& rule, HostId one, HostId other, Nanoseconds now) const {
   if (!rule.needsPlaces()) {
     const double loss = std::get<double>(rule.loss);

@@ -1,4 +1,4 @@
-// The hosts of a radio: which node is on which, where they are, and how they reach each other.
+// The hosts of a radio: the nodes on each host, the hosts' places, and how they reach each other.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_HOSTS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_HOSTS_H
 
@@ -14,10 +14,10 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief A host's number: from 1 on, in the order in which they came up; 0: none. */
+/** @brief A host's number, from 1 on, in the order in which hosts first appeared; 0: none. */
 using HostId = std::uint32_t;
 
-/** @brief Links are looked at so often [ns, simulated] while one of their hosts moves. */
+/** @brief The period [ns, simulated] of looks at a link while one of its hosts moves. */
 constexpr Nanoseconds kLookPeriod = kNanosecondsPerSecond / 10;
 
 /** @return the first multiple of kLookPeriod after @p now. */
@@ -34,26 +34,26 @@ class Hosts {
   HostId of(std::string_view node);
   std::size_t count() const { return hosts_.size(); }
   const std::string& name(HostId id) const { return hosts_[id - 1].name; }
-  /** @return the first rule of links that fits both; nothing: there is none. */
+  /** @return the first link rule that fits both hosts; null: there is none. */
   const LinkRule* rule(HostId one, HostId other) const;
 
-  /** @brief The robot of this name moves so from now on. @return the host that goes with it; 0. */
+  /** @brief Set how the robot moves from now on. @return the host that moves with it; 0: none. */
   HostId move(const std::string& robot, std::vector<Piece> pieces);
   bool isFixed(HostId id) const { return hosts_[id - 1].rule->at.has_value(); }
-  /** @return where it is; nothing of one that goes with a robot which has told nothing. */
+  /** @return the host's place; nothing if it moves with a robot that has not reported a motion. */
   std::optional<Place> place(HostId id, Nanoseconds now) const;
-  /** @return the instant from which on it stands, as far as it is known. */
+  /** @return the instant from which on the host stands, as far as is known; kNever: it moves on. */
   Nanoseconds standsFrom(HostId id) const;
 
-  /** @brief What lies between two hosts at an instant. */
+  /** @brief The connection between two hosts at an instant. */
   struct Reach {
     bool is_up;      // a message may get through
     double loss;     // the probability that it does not
-    bool is_placed;  // else it matters where both are, and nobody has told
+    bool is_placed;  // else both places matter, and one is not known
   };
-  /** @return whether a link of it asks where it is, which nobody has told. */
+  /** @return whether the host's place matters for a link, but is not known. */
   bool lacksPlace(HostId id) const;
-  /** @return whether no node that is there is on a host of @p rule, one of the network's. */
+  /** @return whether no node is on a host of @p rule, which is a rule of this network. */
   bool isWithoutNodes(const HostRule& rule) const;
   Reach reach(const LinkRule& rule, HostId one, HostId other, Nanoseconds now) const;
 

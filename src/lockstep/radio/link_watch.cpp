@@ -5,7 +5,7 @@
 namespace move_base_abstract::radio {
 namespace {
 
-constexpr int kStepsAtOnce = 64;  // of a search: a drive may be called off
+constexpr int kStepsAtOnce = 64;  // of a search, as a drive may be called off
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void LinkWatch::meet(Nanoseconds now) {
         Link& link = links_[pair];
         link.rule = rule;
         link.is_up = !upAt(pair, link, now);
-        change(pair, link, now);  // what it is at first is told, too
+        change(pair, link, now);  // its first state is reported, too
         search(pair, link, now);
       }
     }

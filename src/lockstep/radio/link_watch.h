@@ -1,4 +1,4 @@
-// When links come up and go down, to the nanosecond, whether anything is sent or not.
+// Finds when links come up and go down, to the nanosecond, whether anything is sent or not.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
 
@@ -12,10 +12,10 @@
 namespace move_base_abstract::radio {
 
 /**
- * @brief The links between all hosts that are known, and when a message may get through.
+ * @brief The links between all known hosts, and when a message may get through.
  *
- * While a host moves its links are looked at every kLookPeriod; where one has changed, the instant
- * is found by bisection. What comes up and goes down again in between is not seen.
+ * While a host moves, its links are looked at every kLookPeriod. If a link has changed, the instant
+ * is found by bisection. A link that comes up and goes down again between two looks is not noticed.
  */
 class LinkWatch {
  public:
@@ -27,13 +27,16 @@ class LinkWatch {
 
   explicit LinkWatch(const Hosts& hosts) : hosts_(hosts) {}
 
-  /** @return whether it is up, as of the latest look; false where there is no link. */
+  /** @return whether the link is up, as of the latest look; false if there is no link. */
   bool isUp(HostId one, HostId other) const;
-  /** @brief Look at all links of hosts that are new, as of @p now. */
+  /** @brief Look at all links of new hosts, as of @p now. */
   void meet(Nanoseconds now);
-  /** @brief A host moves otherwise, from @p now on. @pre advance(now) was before it did */
+  /**
+   * @brief A host moves in another way from @p now on. @pre advance(now) was called before the
+   * change
+   */
   void moved(HostId host, Nanoseconds now);
-  /** @return the next instant at which there may be a change, or a look to be taken. */
+  /** @return the next instant at which a link may change or has to be looked at. */
   Nanoseconds next() const { return due_.empty() ? kNever : due_.begin()->first; }
   /** @brief Find what has changed up to @p now. */
   void advance(Nanoseconds now);
@@ -46,7 +49,7 @@ class LinkWatch {
     const LinkRule* rule;
     bool is_up = false;
     Nanoseconds due = kNever;
-    bool changes = false;  // at `due`; else it is looked for again
+    bool changes = false;  // at `due`; else the search goes on there
   };
 
   bool upAt(const Pair& pair, const Link& link, Nanoseconds now) const;

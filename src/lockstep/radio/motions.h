@@ -1,4 +1,4 @@
-// Where robots are at any instant, as they have told it: in closed form.
+// The places of robots at any instant, in closed form, from the motions that they have reported.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_MOTIONS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_MOTIONS_H
 
@@ -13,7 +13,10 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief How a robot moves from an instant on: place, speed and acceleration at that instant. */
+/**
+ * @brief A robot's motion from an instant on: place, speed and acceleration at that instant, in the
+ * global frame.
+ */
 struct Piece {
   Nanoseconds begin;  // simulated
   double x, y;        // m
@@ -21,16 +24,18 @@ struct Piece {
   double ax, ay;      // m/s^2
 };
 
-/** @brief A robot's motion: pieces, one behind the other; the last one goes on for ever. */
+/** @brief A robot's motion: pieces, one after the other. The last one goes on for ever. */
 class Motion {
  public:
   Motion() = default;
   /** @param pieces at least one, their begins ascending. */
   explicit Motion(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {}
 
-  /** @return where it is; before its first piece, where that begins. */
+  /** @return the robot's place; before the first piece, the place where that begins. */
   Place at(Nanoseconds now) const;
-  /** @return the first instant from which on it stands for good as far as it is known: kNever. */
+  /**
+   * @return the instant from which on the robot stands, as far as is known; kNever: it moves on.
+   */
   Nanoseconds end() const;
 
  private:
@@ -38,8 +43,10 @@ class Motion {
 };
 
 /**
- * @return the pieces that @p bytes hold: for each an i64 and six f64, little endian.
- * @throws std::invalid_argument if they are none: empty, cut, not finite, not in order.
+ * @return the pieces in @p bytes. Each piece is an i64 and six f64, little endian, in the order of
+ * its members.
+ * @throws std::invalid_argument if @p bytes is empty or cut, a number is not finite, or the
+ * instants do not ascend.
  */
 std::vector<Piece> piecesOf(std::string_view bytes);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int32_t kMostCells = 1 << 15;  // along one side of a map
 constexpr Nanoseconds kLongest = 1000 * kNanosecondsPerSecond;
 
-/** @brief The words of one line, and what is wrong with it. */
+/** @brief Reads the words of one line, and refuses a line that is wrong. */
 class Words {
  public:
   explicit Words(const std::string& line) : line_(line), words_(line) {}
@@ -70,7 +70,7 @@ class Words {
   std::istringstream words_;
 };
 
-constexpr double kFar = 1e12;  // m, and of other numbers whatever they mean
+constexpr double kFar = 1e12;  // m; for other numbers in their own units
 
 HostRule hostOf(Words& words) {
   HostRule host;

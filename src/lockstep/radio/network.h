@@ -1,4 +1,5 @@
-// What a radio is told beforehand: hosts, links, what is not on the air.
+// The description of a network: hosts, links, and the topics and services that are not on the
+// radio.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_NETWORK_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_NETWORK_H
 
@@ -15,60 +16,59 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief Which nodes are on a host, and where it is. */
+/** @brief A rule for hosts: the nodes on a host, and its place. */
 struct HostRule {
-  std::string name;                // with a `*`: one host for each text in place of it
-  std::optional<Place> at;         // nothing: where the robot of the host's name is
+  std::string name;                // with a `*`: one host for each text that it matches
+  std::optional<Place> at;         // nothing: the place of the robot of this name
   std::vector<std::string> nodes;  // patterns
 };
 
-/** @brief What becomes of a message that does not arrive. */
+/** @brief What happens to a message that does not arrive. */
 enum class OnLoss {
   kDrop,   // nothing
-  kRetry,  // it is sent again, later and later, and those behind it wait: as TCP does
-  kQueue   // the same at even times, until it arrives
+  kRetry,  // it is sent again after growing times, and later messages wait, as with TCP
+  kQueue   // the same at equal intervals, until it arrives
 };
 
-/** @brief How it is between two hosts, in each direction. */
+/** @brief The properties of a link between two hosts, in each direction. */
 struct LinkRule {
   std::string one, other;      // patterns of hosts
-  Nanoseconds delay_low = 0;   // simulated; evenly from this
+  Nanoseconds delay_low = 0;   // simulated; drawn uniformly from this
   Nanoseconds delay_high = 0;  // to this
   Loss loss = 0.0;
   std::int64_t rate = 0;                                   // bit/s, of each direction; 0: any
   std::int64_t buffer = 0;                                 // bytes that may wait to be sent; 0: any
   double range = std::numeric_limits<double>::infinity();  // m
-  double wall = 0.0;  // that a wall costs; of a path loss dB, else m
+  double wall = 0.0;  // cost of a wall; with a path loss dB, else m
   OnLoss lost = OnLoss::kDrop;
-  Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; from a loss to the first other try
-  std::uint32_t attempts = 8;                     // of kRetry; then the message is lost
+  Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; from a loss to the next attempt
+  std::uint32_t attempts = 8;                     // for kRetry; then the message is lost
 
-  /** @return whether it matters where its hosts are. */
+  /** @return whether the places of the hosts matter. */
   bool needsPlaces() const;
 };
 
 struct Network {
   std::uint64_t seed = 0;
-  std::vector<HostRule> hosts;     // the first that fits is it
-  std::vector<LinkRule> links;     // the same; hosts between which there is none hear nothing
+  std::vector<HostRule> hosts;     // the first one that fits counts
+  std::vector<LinkRule> links;     // the same; without a link, hosts do not reach each other
   std::vector<std::string> wired;  // patterns of topics and services
   Walls walls;
 
   bool isWired(std::string_view name) const;
-  /** @return whether what does not arrive may be sent again, on any link. */
+  /** @return whether there is a link on which a message may be sent again. */
   bool hasWaiting() const;
 };
 
 /**
- * @return the network that @p lines describe: as `move_base_abstract.network` writes them, which
- * checks what a user has written.
+ * @return the network that @p lines describe. The module `move_base_abstract.network` writes these
+ * lines, and checks the user's file.
  *
  * `seed N` | `host NAME robot NODES` | `host NAME at X Y NODES` | `wired TOPICS` | `walls X Y CELL
  * WIDTH HEIGHT` | `wall ROW BEGIN END ...` | `link ONE OTHER KEY VALUES ...` with `delay LOW HIGH`
  * [ns], `loss P`, `table COUNT M P ...`, `path POWER SENSITIVITY EXPONENT REFERENCE LOSS
- * SHADOWING`, `rate`, `buffer`, `range`, `wall`, `lost drop|retry|queue`, `retry` [ns],
- * `attempts`.
- * @throws std::invalid_argument that says which line is none.
+ * SHADOWING`, `rate`, `buffer`, `range`, `wall`, `lost drop|retry|queue`, `retry` [ns], `attempts`.
+ * @throws std::invalid_argument that quotes the first line which is not valid.
  */
 Network networkOf(const std::vector<std::string>& lines);
 

@@ -1,4 +1,5 @@
-// The radio between hosts: whether a message arrives, and when. No ROS, no clock of its own.
+// The radio between hosts, which decides whether a message arrives, and when. No ROS, no clock of
+// its own.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_RADIO_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_RADIO_H
 
@@ -14,32 +15,32 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief A message's number, of whoever sends it over the radio. */
+/** @brief A message's number, which the sender chooses. */
 using Ticket = std::uint64_t;
 
-/** @brief Why a message is lost, as the event log has it. */
+/** @brief The reasons why a message is lost, as the event log names them. */
 namespace lost_by {
-constexpr const char* kNoLink = "no_link";  // the network has none between the two hosts
+constexpr const char* kNoLink = "no_link";  // the network has no link between the two hosts
 constexpr const char* kRange = "range";     // out of reach
-constexpr const char* kPlace = "no_place";  // the robot of one of both has not told where it is
+constexpr const char* kPlace = "no_place";  // a host's robot has not reported its place
 constexpr const char* kLoss = "loss";       // by chance
-constexpr const char* kBuffer = "buffer";   // too much waits to be sent
+constexpr const char* kBuffer = "buffer";   // too many bytes wait to be sent
 }  // namespace lost_by
 
 /**
  * @brief Messages between hosts, with range, loss, delay and rate.
  *
  * Each direction of a link sends one message after the other, and they arrive in this order. What
- * chance decides follows from the seed, the names of the two hosts and the number of the message
- * among those of its direction.
+ * is drawn follows from the seed, the names of the two hosts, and the number of the message in its
+ * direction.
  */
 class Radio {
  public:
   struct Outcome {
     enum class Kind { kArrives, kLost, kWaits };
     Kind kind;
-    Nanoseconds at;      // simulated; when it arrives
-    const char* reason;  // one of lost_by, of what is lost
+    Nanoseconds at;      // simulated; when it arrives, or is lost
+    const char* reason;  // one of lost_by, if it is lost
   };
   struct Decided {
     Ticket ticket;
@@ -51,13 +52,22 @@ class Radio {
   Hosts& hosts() { return hosts_; }
   const Hosts& hosts() const { return hosts_; }
 
-  /** @brief Send @p bytes. What waits is decided on by look(), in its order. @pre from != to */
+  /**
+   * @brief Send a message of @p bytes. If it has to wait, a later look() decides on it. @pre from
+   * != to
+   */
   Outcome send(HostId from, HostId to, std::size_t bytes, Ticket ticket, Nanoseconds now);
-  /** @brief A host has begun to move otherwise: what waits for that is looked at again. */
+  /**
+   * @brief A host has begun to move in another way, so messages that wait for this are looked at
+   * again.
+   */
   void moved(HostId host, Nanoseconds now);
-  /** @return the instant at which to look() at what waits; kNever: as long as nothing else is. */
+  /**
+   * @return the instant at which to look() at the waiting messages; kNever: not before another
+   * call.
+   */
   Nanoseconds nextLook() const { return looks_.empty() ? kNever : looks_.begin()->first; }
-  /** @return what is decided at @p now of what has waited. */
+  /** @return the waiting messages that are decided at @p now, with their outcomes. */
   std::vector<Decided> look(Nanoseconds now);
 
  private:
@@ -72,12 +82,12 @@ class Radio {
     const LinkRule* rule;
     std::uint64_t key;
     std::uint64_t number = 0;  // of the next message
-    Nanoseconds free = 0;      // all before has been sent then
-    Nanoseconds latest = 0;    // arrival
+    Nanoseconds free = 0;      // when all earlier messages have been sent
+    Nanoseconds latest = 0;    // arrival so far
     std::deque<Waiting> waiting;
     std::size_t waiting_bytes = 0;
-    Nanoseconds look = kNever;  // at the first of them
-    bool sleeps = false;        // until one of both moves
+    Nanoseconds look = kNever;  // when to look at the first of them
+    bool sleeps = false;        // until one of the hosts moves
   };
 
   Channel& channel(HostId from, HostId to);

@@ -11,8 +11,10 @@ namespace {
 
 constexpr double kNoBorder = std::numeric_limits<double>::infinity();
 
-/** @brief Keep of the way from @p from to @p to, in cells, what lies within 0 to @p size on an
- * axis: shares of the way, from @p begin to @p end. */
+/**
+ * @brief Clip the way from @p from to @p to, in cells along one axis, to 0 to @p size. @p begin and
+ * @p end are the ends of the kept part, as shares of the way.
+ */
 void clip(double from, double to, double size, double& begin, double& end) {
   const double first = from < to ? 0.0 : size;
   if (from == to) {
@@ -73,7 +75,7 @@ int Walls::between(Place from, Place to) const {
   }
   const Place a{(from.x - corner_.x) / cell_, (from.y - corner_.y) / cell_};
   const Place b{(to.x - corner_.x) / cell_, (to.y - corner_.y) / cell_};
-  double begin = 0.0, end = 1.0;  // however far away both are, the walk is as long as the map
+  double begin = 0.0, end = 1.0;  // the walk is never longer than the map
   clip(a.x, b.x, width_, begin, end);
   clip(a.y, b.y, height_, begin, end);
   if (!(begin <= end)) {
@@ -84,7 +86,7 @@ int Walls::between(Place from, Place to) const {
   bool is_in = isWall(x.cell, y.cell);
   int count = is_in ? 1 : 0;
   while (x.left > 0.0 || y.left > 0.0) {
-    // At a corner of cells along x first: either way is next to the line.
+    // At a corner of four cells, go along x first: either way is next to the line.
     const bool along_x = y.left <= 0.0 || (x.left > 0.0 && x.border <= y.border);
     (along_x ? x : y).go();
     const bool was_in = is_in;

@@ -1,4 +1,4 @@
-// The walls of a map, and how many of them lie between two places.
+// The walls of a map, and the number of walls between two places.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_WALLS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_WALLS_H
 
@@ -12,19 +12,26 @@ struct Place {
   double y;
 };
 
-/** @brief Cells of a map, of which some are wall. */
+/** @brief The cells of a map, some of which are wall. */
 class Walls {
  public:
   Walls() = default;
-  /** @param corner [m] of cell (0, 0). @param cell [m] the length of its sides. */
+  /**
+   * @param corner [m] the lowest corner of cell (0, 0), in the global frame.
+   * @param cell [m] the length of a cell's sides.
+   * @param width, height of the map, in cells.
+   */
   Walls(Place corner, double cell, std::int32_t width, std::int32_t height);
 
-  /** @brief Cells @p begin to before @p end of @p row are wall. @throws std::invalid_argument */
+  /**
+   * @brief Make the cells of @p row from @p begin to before @p end wall. @throws
+   * std::invalid_argument if they are not within the map.
+   */
   void add(std::int32_t row, std::int32_t begin, std::int32_t end);
 
   /**
-   * @return how many walls lie on the straight line: runs of wall cells that it goes through, cell
-   * by cell (J. Amanatides, A. Woo, Eurographics 1987). Outside of the map there are none.
+   * @return the number of walls on the straight line: runs of wall cells that it goes through, cell
+   * by cell (J. Amanatides, A. Woo, Eurographics 1987). Outside of the map there are no walls.
    */
   int between(Place from, Place to) const;
 

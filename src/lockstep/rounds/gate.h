@@ -1,4 +1,4 @@
-// How a run is steered from outside: pause, step, run until, the limit of its speed, its end.
+// Controls a run from outside: pause, step, run until, speed limit, end.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
 
@@ -10,10 +10,11 @@
 namespace move_base_abstract {
 
 /**
- * @brief Whether time may go on. Of pause, resume, step and runUntil the last one called wins.
+ * @brief Decides whether time may go on. Of pause, resume, step and runUntil, the last one called
+ * wins.
  *
- * A refused call throws std::invalid_argument, says what it got and what is allowed, and changes
- * nothing.
+ * A refused call throws std::invalid_argument, which says what was got and what is allowed; it
+ * changes nothing.
  */
 class RoundGate {
  public:
@@ -25,7 +26,7 @@ class RoundGate {
    * still under way, and pause there. @return the target [ns]. */
   Nanoseconds step(Nanoseconds present, Nanoseconds duration);
   void runUntil(Nanoseconds present, Nanoseconds target);
-  /** @brief At most @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
+  /** @brief Limit the speed to @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
   void setLimit(double factor);
   void end(Nanoseconds at) { ended_ = at; }
 
@@ -33,22 +34,27 @@ class RoundGate {
   bool paused() const { return paused_; }
   std::optional<Nanoseconds> target() const { return target_; }
   double limit() const;
-  /** @return whether it is paused where every run of the same would be. */
+  /**
+   * @return whether time stands at a reached target, as it would in every run of the same system.
+   */
   bool stands() const { return paused_ && target_reached_; }
-  /** @return whether the limit is all that mayGo() has refused since forgetLimit(). */
+  /** @return whether since forgetLimit() mayGo() has refused only because of the limit. */
   bool isHeldByLimit() const { return held_by_limit_; }
 
-  // ---- of rounds; `wall` is a monotonic wall instant in ns ----
+  // ---- for the rounds; `wall` is a monotonic wall instant in ns ----
   void forgetLimit() { held_by_limit_ = false; }
-  /** @return @p next, or the target if that comes before. */
+  /** @return @p next, or the target if that is earlier. */
   Nanoseconds stopBefore(Nanoseconds next) const;
   /** @return whether time may go on from @p from to @p to. */
   bool mayGo(Nanoseconds from, Nanoseconds to, Nanoseconds wall);
-  /** @return when it may, as far as the limit goes. */
+  /**
+   * @return the wall instant [ns] from which on the limit allows time to go on from @p from to @p
+   * to.
+   */
   Nanoseconds leapWall(Nanoseconds from, Nanoseconds to) const;
-  /** @brief Time has gone on. */
+  /** @brief Note that time has gone on. */
   void leapt(Nanoseconds wall) { last_leap_ = wall; }
-  /** @brief Time has come to the target. */
+  /** @brief Note that time has come to the target, and pause. */
   void reach();
 
  private:
@@ -58,7 +64,7 @@ class RoundGate {
   bool paused_;
   std::optional<Nanoseconds> ended_;
   std::optional<Nanoseconds> target_;
-  bool target_reached_ = false;  // ... and nobody has said anything else since
+  bool target_reached_ = false;  // ... and no other call has come since
   FactorUnits limit_;
   Nanoseconds last_leap_ = 0;  // wall
   bool held_by_limit_ = false;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr Nanoseconds kLaterLimit = kNanosecondsPerSecond / 10;  // simulated; see postLater()
 constexpr Nanoseconds kStoredLimit = kNanosecondsPerSecond;      // simulated; see keep()
-// What is unread or stored for a member is not to fill the memory, nor a grant's frame.
+// Unread and stored mail of a member must not fill the memory or a grant's frame.
 constexpr std::size_t kMostKept = std::size_t{1} << 20;  // bytes
 
 }  // namespace
@@ -24,7 +24,7 @@ void RoundMail::post(MemberId id, Mail mail) {
     ++waiting_;
     return;
   }
-  const bool foresees = !member.foreseen.empty();  // its wake-ups are those of what it foresees
+  const bool foresees = !member.foreseen.empty();  // its wake-ups are those of its foreseen turns
   if (mail.keep == Keep::kLater && !foresees) {
     postLater(id, member, mail);
     return;
@@ -41,12 +41,12 @@ void RoundMail::post(MemberId id, Mail mail) {
 }
 
 /**
- * @brief Of the mail of the round that is over, keep what needs no grant.
+ * @brief Keep the mail of the finished round that needs no grant.
  *
- * What is unread is looked at by threads of the receiver's, and all of them go on at its wake-ups
- * only: none notices when it is handed over. Where it has no wake-up, where time does not go on for
- * that, and from the instant on at which a thread of its goes on with any grant, it is mail like
- * any other. So the run is the same one, with fewer rounds.
+ * Unread mail is read by threads of the receiver that go on at its wake-ups only, so none of them
+ * notices when it is handed over. It is treated like other mail if the receiver has no wake-up, if
+ * time does not go on for this wake-up, and from the instant on at which one of its threads goes on
+ * with any grant. So the run stays the same, with fewer rounds.
  */
 void RoundMail::keepPosted() {
   if (posted_.empty()) {
@@ -72,7 +72,9 @@ bool RoundMail::mayKeep(const MemberState& member) const {
   return member.later_bytes < kMostKept && (wakes || !has_unread);
 }
 
-/** @brief Write out what @p member need not be granted for; what is stored waits a second at most.
+/**
+ * @brief Encode the mail of @p member, which needs no grant. Stored mail waits for a second at
+ * most.
  */
 void RoundMail::keep(MemberId id, MemberState& member) {
   waiting_ -= member.mail.size();
@@ -88,9 +90,9 @@ void RoundMail::keep(MemberId id, MemberState& member) {
 }
 
 /**
- * @brief Keep @p mail for the receiver's next grant. So that a program that only looks at what has
- * come, by a clock that nobody sees, does so at its pace, there is one a tenth of a second later at
- * the latest.
+ * @brief Keep @p mail for the receiver's next grant, which comes a tenth of a simulated second
+ * later at the latest. So a program that only looks for new messages, by a clock that the time
+ * master does not see, can do so at its pace.
  */
 void RoundMail::postLater(MemberId id, MemberState& member, const Mail& mail) {
   if (member.later.empty()) {
@@ -120,7 +122,7 @@ std::vector<Mail> RoundMail::take(MemberId id, MemberState& member) {
   return mail;
 }
 
-/** @return what had time, in the order in which it would have come. */
+/** @return the kept mail as encoded items, in the order in which it would have come. */
 std::string RoundMail::takeLater(MemberState& member) {
   std::vector<LaterMail> later;
   later.swap(member.later);

@@ -1,4 +1,4 @@
-// What is kept for a member until its next grant. No ROS, no sockets.
+// The mail that is kept for a member until its next grant. No ROS, no sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MAIL_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MAIL_H
 
@@ -16,29 +16,35 @@ namespace move_base_abstract {
 /** @brief The mail of a run's members, posted in the rounds of @p clock. */
 class RoundMail {
  public:
-  /** @brief Has mail as it was posted, and leaves it as it is to be handled. */
+  /**
+   * @brief Brings mail from the order in which it was posted into the order in which it is to be
+   * handled.
+   */
   using Arrange = std::function<void(MemberId receiver, std::vector<Mail>& mail)>;
 
   /**
-   * @param waits whether all mail is looked at when an instant is over, as it is with a lookahead.
-   * @param keeps_unread whether what is unread is kept.
+   * @param waits whether all mail waits until an instant is over, as with a lookahead.
+   * @param keeps_unread whether unread mail is kept.
    */
   RoundMail(RoundMembers& members, const RoundClock& clock, bool waits, bool keeps_unread)
       : members_(members), clock_(clock), waits_(waits), keeps_unread_(keeps_unread) {}
 
-  /** @brief In the place of the stated order. */
+  /** @brief Use @p arrange instead of the stated order. */
   void setArrange(Arrange arrange) { arrange_ = std::move(arrange); }
-  /** @brief Hand @p mail over with the next grant of @p id; nothing if it is not there. */
+  /**
+   * @brief Hand @p mail over with the next grant of @p id. Does nothing if this member is not
+   * there.
+   */
   void post(MemberId id, Mail mail);
-  /** @brief What is kept for the next grant of @p id is now a reason for one. */
+  /** @brief Make the mail that is kept for @p id a reason for a grant. */
   void hurry(MemberId id);
   void keepPosted();
-  /** @return who was posted something that is still to be looked at; they are forgotten. */
+  /** @return the members with posted mail that is still to be looked at, and forget them. */
   std::vector<MemberId> takePosted() { return std::exchange(posted_, {}); }
-  /** @return what is a reason for a grant, in the order in which it is to be handled. */
+  /** @return the mail that is a reason for a grant, in the order in which it is to be handled. */
   std::vector<Mail> take(MemberId id, MemberState& member);
   std::string takeLater(MemberState& member);
-  /** @brief @p member is removed with its mail. */
+  /** @brief Forget the mail of @p member, which is removed. */
   void forget(const MemberState& member) { waiting_ -= member.mail.size(); }
   bool isWaiting() const { return waiting_ > 0; }
 

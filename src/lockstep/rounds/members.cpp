@@ -50,7 +50,7 @@ std::vector<std::string> RoundMembers::missing(const std::vector<std::string>& n
   return missing;
 }
 
-// ---- when they are granted -------------------------------------------------------------------
+// ---- when members are granted -------------------------------------------------------------------
 
 void RoundMembers::setNext(MemberId id, MemberState& member, Nanoseconds next) {
   if (member.next != kNever) {
@@ -102,13 +102,16 @@ void RoundMembers::rest(MemberId id) {
   }
 }
 
-/** @brief All who rest at this instant go on at once: none is to see what another makes of it. */
+/**
+ * @brief Let all members that rest at this instant go on in one round: none of them must see what
+ * another one does then.
+ */
 void RoundMembers::wakeResting() {
   const auto rests = [this](MemberId id) {
     const MemberState* member = find(id);
     return member != nullptr && member->present && member->resting;
   };
-  // Who has something unread is handed that before, as it would have been, and rests anew.
+  // A member with unread mail gets that first, as it would have without keeping, and rests again.
   for (const MemberId id : resting_) {
     if (rests(id) && at(id).later_bytes > 0) {
       makeReady(id, at(id));
@@ -125,15 +128,17 @@ void RoundMembers::wakeResting() {
   resting_.clear();
 }
 
-/** @brief The earliest turn that the member has told already is now. */
+/** @brief Take the member's earliest foreseen turn, which is due now. */
 void RoundMembers::takeForeseen(MemberId id, MemberState& member) {
   member.foreseen.pop_front();
   ++*member.happened;
   setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
 }
 
-/** @brief Whether somebody waits for what is owed to it. Who waits for work is stuck only while an
- * answer is owed, which it may be the one to give. */
+/**
+ * @brief Whether a member waits for something that is owed to it. A member that waits for work is
+ * stuck only while an answer is owed, because it may be the one that has to give it.
+ */
 bool RoundMembers::areStuck(bool is_owed) const {
   return std::any_of(members_.begin(), members_.end(), [is_owed](const auto& entry) {
     const MemberState& member = entry.second;
@@ -142,7 +147,8 @@ bool RoundMembers::areStuck(bool is_owed) const {
   });
 }
 
-// ---- their order -----------------------------------------------------------------------------
+// ---- the order of members
+// -----------------------------------------------------------------------------
 
 MailOrder RoundMembers::order(MemberId id, std::uint32_t sub, std::uint64_t number) const {
   const MemberState* member = find(id);

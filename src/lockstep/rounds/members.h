@@ -1,4 +1,4 @@
-// Who takes part in rounds: what is known of each, who wakes up next, in which order they come.
+// The members of the rounds: the state of each, the next wake-up, and their order.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MEMBERS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MEMBERS_H
 
@@ -19,66 +19,68 @@
 
 namespace move_base_abstract {
 
-/** @brief Whether mail is kept for the next grant that there is anyway (mail.cpp). */
+/** @brief Whether mail is kept until its receiver is granted for another reason (mail.cpp). */
 enum class Keep {
-  kNot,     // it is a reason for a grant
-  kLater,   // hardly one: the receiver only puts it by
-  kUnread,  // none before the receiver's wake-up, when it looks at what has come
-  kStored   // the user says that it is hardly one
+  kNot,     // the mail is a reason for a grant
+  kLater,   // hardly a reason: the receiver only stores it
+  kUnread,  // no reason before the receiver's wake-up, when it reads its mail
+  kStored   // hardly a reason, as the user says
 };
 
-/** @brief Something to hand over with a receiver's next grant. */
+/** @brief An item to hand over with a receiver's next grant. */
 struct Mail {
   MailOrder order;
-  wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
+  wire::GrantItem item;  // the caller that posts it keeps its texts and bytes alive
   Keep keep = Keep::kNot;
 };
 
-/** @brief What is handed over with a receiver's next grant, and is hardly a reason for one. */
+/**
+ * @brief An item that is handed over with a receiver's next grant, and is hardly a reason for one.
+ */
 struct LaterMail {
   std::uint64_t round = 0;  // in which it was posted
   MailOrder order;
-  std::string bytes;     // the item, written out: it may stay for many rounds
-  Nanoseconds came = 0;  // simulated, of what is unread; 0: nobody asks
+  std::string bytes;     // the encoded item, since it may stay for many rounds
+  Nanoseconds came = 0;  // simulated, for unread mail; 0: it does not matter
 };
 
-/** @brief What a member is handed at an instant of its own, with a lookahead. */
+/** @brief Mail that a member gets at an instant within its window, with a lookahead. */
 struct Arrival {
   Nanoseconds at;
-  std::string bytes;  // items, written out, in their order
+  std::string bytes;  // encoded items, in their order
 };
 
-/** @brief What is known of a member. */
+/** @brief The state of a member. */
 struct MemberState {
   std::string name;
   std::int32_t rank = 0;
   Nanoseconds next = kNever;    // simulated
-  std::uint32_t open = 0;       // application threads that wait without end for what is owed
-  std::uint32_t idle = 0;       // those that wait without end for work that may come
-  bool waits_for_work = false;  // it is declared: what it waits for is not owed to it
+  std::uint32_t open = 0;       // threads that wait without a timeout for something owed to them
+  std::uint32_t idle = 0;       // threads that wait without a timeout for work
+  bool waits_for_work = false;  // declared: nothing that it waits for is owed to it
   bool knocked = false;
-  bool present = true;  // false: it has gone, which counts when the round is over
-  bool owes = false;    // the report of round `round`
+  bool present = true;  // false: it has gone, and is removed when the round is over
+  bool owes = false;    // it has not sent the report of round `round`
   bool silence_told = false;
   std::uint64_t round = 0;       // of its latest grant
   Nanoseconds granted_wall = 0;  // of its latest grant
   std::uint32_t granted_mail = 0;
-  bool granted_due = false;  // its wake-up was due with its latest grant
+  bool granted_due = false;  // whether its wake-up was due at its latest grant
   std::vector<Mail> mail;
-  std::vector<LaterMail> later;           // ahead of the mail
-  std::size_t later_bytes = 0;            // of what is unread or stored in it
-  Nanoseconds keep_until = kNever;        // what is unread is a reason for a grant from then on
-  bool ready = false;                     // is among those that are ready
-  bool resting = false;                   // is among those that rest
-  bool background = false;                // its wake-up alone is no reason for time to go on
-  std::deque<Nanoseconds> foreseen;       // turns that its latest report told, still to come
-  Nanoseconds after_foreseen = kNever;    // its wake-up after these
-  std::optional<std::uint32_t> happened;  // of these; nothing if it told none
+  std::vector<LaterMail> later;           // handled before the mail
+  std::size_t later_bytes = 0;            // of the unread and stored mail in `later`
+  Nanoseconds keep_until = kNever;        // from then on unread mail is a reason for a grant
+  bool ready = false;                     // whether it is in the list of ready members
+  bool resting = false;                   // whether it is in the list of resting members
+  bool background = false;                // whether time does not go on for its wake-up alone
+  std::deque<Nanoseconds> foreseen;       // turns from its latest report, still to come
+  Nanoseconds after_foreseen = kNever;    // its wake-up after the foreseen turns
+  std::optional<std::uint32_t> happened;  // how many have come; nothing: none were foreseen
   // With a lookahead:
-  std::deque<Arrival> arrivals;  // that it has not been told, the earliest first
-  Nanoseconds latest = 0;        // instant of the latest turn that is known of it
-  Nanoseconds window_end = 0;    // it may go on by itself before that
-  Nanoseconds held_until = 0;    // not granted before all have come to this
+  std::deque<Arrival> arrivals;  // not handed over yet, the earliest first
+  Nanoseconds latest = 0;        // instant of its latest known turn
+  Nanoseconds window_end = 0;    // it may go on by itself before this instant
+  Nanoseconds held_until = 0;    // not granted before all members have come to this instant
 };
 
 /** @brief The members of a run. */
@@ -88,7 +90,7 @@ class RoundMembers {
 
   const Map& all() const { return members_; }
   MemberState& at(MemberId id) { return members_.at(id); }
-  /** @return null for one that is not there. */
+  /** @return the member's state; null if it is not there. */
   MemberState* find(MemberId id) {
     const auto found = members_.find(id);
     return found == members_.end() ? nullptr : &found->second;
@@ -98,58 +100,72 @@ class RoundMembers {
     return found == members_.end() ? nullptr : &found->second;
   }
   MemberState& add(MemberId id, const std::string& name, std::int32_t rank);
-  /** @brief It will not report any more; until remove() it still counts as a receiver. */
+  /**
+   * @brief Note that the member will not report any more. Until remove() it still counts as a
+   * receiver.
+   */
   void gone(MemberId id);
   void remove(MemberId id);
-  /** @return of @p names, in their order, those that are not there. */
+  /** @return those of @p names that are not there, in their order. */
   std::vector<std::string> missing(const std::vector<std::string>& names) const;
 
-  // ---- when they are granted ----
+  // ---- when members are granted ----
   void setNext(MemberId id, MemberState& member, Nanoseconds next);
-  /** @return those that have a finite wake-up, the earliest first. */
+  /** @return the members that have a wake-up, the earliest first. */
   const std::set<std::pair<Nanoseconds, MemberId>>& due() const { return due_; }
   /** @return the earliest reason for time to go on: an arrival from outside, or a wake-up. */
   Nanoseconds nextTime(Nanoseconds arrival) const;
   void makeReady(MemberId id, MemberState& member);
-  /** @return with mail, knocked, joined, or due now; some may have been granted since. */
+  /**
+   * @return the members that have mail, have knocked or joined, or are due now. Some may have been
+   * granted since.
+   */
   const std::vector<MemberId>& ready() const { return ready_; }
-  /** @brief Forget of those that are ready whoever is not any more. */
+  /** @brief Drop the members from the ready list that are not ready any more. */
   void dropGranted();
-  /** @brief Nobody is ready or rests but as its own state says. */
+  /** @brief Clear the lists of ready and resting members; the states of the members stay. */
   void forgetLists();
-  /** @brief Grant it again when nobody has anything left to do at this instant, unless something
-   * else comes before. */
+  /**
+   * @brief Grant the member again when no member has anything left to do at this instant, unless it
+   * is granted before.
+   */
   void rest(MemberId id);
   void wakeResting();
-  /** @brief It is granted: a report of it is to come. */
+  /** @brief Note that the member is granted and owes a report. */
   void expectReport(MemberState& member) {
     ++owing_;
     member.owes = true;
   }
-  /** @brief The report of its latest grant is in, or will never be. @pre owes */
+  /**
+   * @brief Note that the report of the member's latest grant is in, or will never come. @pre owes
+   */
   void settle(MemberState& member) {
     member.owes = false;
     --owing_;
   }
-  /** @return how many owe a report. */
+  /** @return the number of members that owe a report. */
   std::size_t owing() const { return owing_; }
   void takeForeseen(MemberId id, MemberState& member);
 
-  // ---- what their reports say ----
-  /** @brief Time does not go on for the wake-up alone that @p id has reported. */
+  // ---- from the reports of members ----
+  /** @brief Note that time does not go on only for the wake-up that @p id has reported. */
   void background(MemberId id) { at(id).background = true; }
-  /** @brief So many of its threads wait for work that may come: no deadlock
-   * while no goal and no call is open. */
+  /**
+   * @brief Set the number of threads of @p id that wait for work. They are no deadlock while no
+   * goal and no call is open.
+   */
   void idle(MemberId id, std::uint32_t threads) { at(id).idle = threads; }
-  /** @brief What @p id has not read is a reason for a grant from @p instant on: KEEP_UNTIL. */
+  /** @brief Make unread mail of @p id a reason for a grant from @p instant on: KEEP_UNTIL. */
   void keepUntil(MemberId id, Nanoseconds instant) { at(id).keep_until = instant; }
   bool areStuck(bool is_owed) const;
 
-  // ---- their order ----
-  /** @brief Where an action of @p id comes. A member that joins or leaves moves the others' places:
-   * keep none from one decision to the next. */
+  // ---- the order of members ----
+  /**
+   * @brief The place of an action of @p id in the stated order. A member that joins or leaves
+   * changes the places of others, so do not keep a place from one decision to the next.
+   */
   MailOrder order(MemberId id, std::uint32_t sub, std::uint64_t number) const;
-  /** @brief Put them into their order: by rank, then name. */
+  /** @brief Sort members by rank, then by name. */
   void sort(std::vector<MemberId>& ids) const;
 
  private:
@@ -157,7 +173,7 @@ class RoundMembers {
   NamePlaces places_;
   std::set<std::pair<Nanoseconds, MemberId>> due_;
   std::vector<MemberId> ready_;
-  std::vector<MemberId> resting_;  // for the end of this instant
+  std::vector<MemberId> resting_;  // until the end of this instant
   std::size_t owing_ = 0;
 };
 

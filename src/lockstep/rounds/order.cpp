@@ -10,7 +10,7 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/** @return the run of digits from @p at on without its leading zeros; @p at goes past it. */
+/** @return the run of digits from @p at on, without leading zeros. @p at moves to its end. */
 std::string_view takeNumber(std::string_view text, std::size_t& at) {
   while (at < text.size() && text[at] == '0') {
     ++at;
@@ -22,7 +22,7 @@ std::string_view takeNumber(std::string_view text, std::size_t& at) {
   return text.substr(begin, at - begin);
 }
 
-/** @return less than, equal to or more than 0 as @p a is before, level with or after @p b. */
+/** @return less than 0, 0 or more than 0, if @p a is before, level with or after @p b. */
 int compareNaturally(std::string_view a, std::string_view b) {
   std::size_t i = 0;
   std::size_t k = 0;
@@ -53,7 +53,7 @@ int compareNaturally(std::string_view a, std::string_view b) {
 
 bool naturalLess(std::string_view a, std::string_view b) {
   const int order = compareNaturally(a, b);
-  return order != 0 ? order < 0 : a < b;  // "a01" and "a1" are level, but not one name
+  return order != 0 ? order < 0 : a < b;  // "a01" and "a1" are level, but differ
 }
 
 bool isBefore(const MailOrder& a, const MailOrder& b) {
@@ -74,7 +74,7 @@ void NamePlaces::add(MemberId id, const std::string& name) {
   changed_ = true;
 }
 
-/** @brief The others' places stay in order, so that they need not be found out anew. */
+/** @brief Remove a name. The other places stay in order, so they need not be computed again. */
 void NamePlaces::remove(MemberId id) {
   names_.erase(id);
   places_.erase(id);

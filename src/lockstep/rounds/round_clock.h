@@ -1,4 +1,4 @@
-// Where a run is: its instant, and how many rounds there have been.
+// The present of a run: its instant and the number of rounds so far.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUND_CLOCK_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUND_CLOCK_H
 
@@ -10,17 +10,17 @@
 
 namespace move_base_abstract {
 
-/** @brief The present of a run, which its rounds move on. */
+/** @brief The present of a run. Its rounds move it on. */
 struct RoundClock {
   Nanoseconds time;  // simulated
   std::uint32_t microstep = 0;
   std::optional<Nanoseconds> applied = {};  // the instant whose turns are being applied
   std::uint64_t rounds = 0;
-  std::uint64_t played = 0;  // of these, those in which nobody was granted
+  std::uint64_t played = 0;  // of these, the rounds without a grant
   std::uint64_t leaps = 0;
 
   Nanoseconds now() const { return applied.value_or(time); }
-  /** @return whether it was not there already. */
+  /** @brief Go on to @p to. @return whether this is another instant. */
   bool moveTo(Nanoseconds to) {
     if (to == time) {
       return false;
@@ -32,10 +32,10 @@ struct RoundClock {
   }
 };
 
-/** @brief What comes from outside of rounds, at instants that are known: mail under way. */
+/** @brief Mail under way, which arrives at known instants, without a round of a sender. */
 struct OutsideArrivals {
-  std::function<Nanoseconds()> next_due;  // kNever: nothing; asked when a round is over
-  std::function<void()> arrive;           // post all that is due by now()
+  std::function<Nanoseconds()> next_due;  // kNever: nothing; called when a round is over
+  std::function<void()> arrive;           // posts all mail that is due by now()
 
   Nanoseconds next() const { return next_due ? next_due() : kNever; }
 };

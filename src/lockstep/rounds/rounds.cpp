@@ -57,7 +57,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.idle = 0;
   member.background = false;
   member.keep_until = kNever;
-  // Beyond the end of simulated time nothing can be due.
+  // Nothing can be due after the end of simulated time.
   member.after_foreseen = next > kLastInstant ? kNever : next;
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
   member.foreseen = std::move(foreseen);
@@ -131,7 +131,9 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wal
   return grant(std::move(ids), wall);
 }
 
-/** @brief Before one more round at the present instant. @return whether there were too many. */
+/**
+ * @brief Check before one more round at the present instant. @return whether there were too many.
+ */
 bool LockstepRounds::isLoop() {
   if (clock_.microstep >= settings_.max_microsteps) {
     zero_delay_loop_ = true;
@@ -142,7 +144,7 @@ bool LockstepRounds::isLoop() {
 
 std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
   std::vector<MemberId> ids;
-  while (ids.empty()) {  // what arrives may be for nobody, or be only put by
+  while (ids.empty()) {  // mail that arrives may need no grant
     if (!goTo(nextTime(), wall)) {
       return {};
     }
@@ -159,12 +161,12 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
   return grant(std::move(ids), wall);
 }
 
-/** @return whether time has come to @p next; else it may not go on so far as yet. */
+/** @return whether time has come to @p next. If not, it may not go on so far as yet. */
 bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
   if (next == kNever) {
     becomeIdle();
     if (settings_.end_when_idle) {
-      return false;  // the run ends here, not at a later end that it has, too
+      return false;  // the run ends here, not at a later `end_at`
     }
   }
   const Nanoseconds to = gate_.stopBefore(next);
@@ -182,9 +184,9 @@ bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
 }
 
 /**
- * @brief What was under way comes, as a round of its own that nobody is granted: what is kept of it
- * comes after what was kept before.
- * @return those to grant for it that are not due anyway.
+ * @brief Let mail under way arrive, in a round of its own without grants. So kept mail stays in the
+ * order of its arrival.
+ * @return the members to grant for this mail, except those that are due anyway.
  */
 std::vector<MemberId> LockstepRounds::arrive() {
   ++clock_.rounds;
@@ -201,14 +203,16 @@ std::vector<MemberId> LockstepRounds::arrive() {
   return ids;
 }
 
-/** @brief With a lookahead, once nobody can do anything before the next window any more, and all
- * that was done before is applied. */
+/**
+ * @brief Open the next window, with a lookahead. Call this when no member can do anything before it
+ * any more, and all earlier actions are applied.
+ */
 std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) {
   for (Nanoseconds due = outside_.next(); due < windows_.begin(); due = outside_.next()) {
     if (!goTo(due, wall)) {
       return {};
     }
-    windows_.arriveUntil(due);  // the window may begin sooner for it
+    windows_.arriveUntil(due);  // the window may begin sooner then
   }
   const Nanoseconds begin = windows_.begin();
   if (begin == clock_.time) {
@@ -219,7 +223,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) 
     return grantWindow(begin, wall);
   }
   const bool stays = !gate_.target() || settings_.end_when_idle;
-  if (begin == kNever && stays && !gate_.paused()) {  // it stands where the last one did something
+  if (begin == kNever && stays && !gate_.paused()) {  // time stands at the last turn
     const Nanoseconds last = windows_.latest();
     clock_.microstep = last == clock_.time ? clock_.microstep : 0;
     clock_.time = last;
@@ -267,7 +271,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   return grants;
 }
 
-/** @return whether the turn that the member is to have now is one that it has told already. */
+/** @return whether the turn that the member is to have now is a foreseen one. */
 bool LockstepRounds::isForeseen(const MemberState& member) const {
   return !member.ready && !member.owes && !member.foreseen.empty() &&
          member.foreseen.front() <= clock_.time;
@@ -283,7 +287,7 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   member.knocked = false;
   members_.expectReport(member);
   members_.setNext(id, member, kNever);
-  member.foreseen.clear();  // what comes now may change all that was to come
+  member.foreseen.clear();  // this grant may change all later turns
   std::vector<Mail> mail = mail_.take(id, member);
   return {id,
           clock_.rounds,
@@ -329,13 +333,13 @@ Nanoseconds LockstepRounds::nextWake() const {
   return gate_.isHeldByLimit() ? gate_.leapWall(clock_.time, gate_.stopBefore(nextTime())) : kNever;
 }
 
-/** @return when time goes on; kNever: nobody has a reason to wake up. */
+/** @return the instant to which time goes on; kNever: there is no reason to go on. */
 Nanoseconds LockstepRounds::nextTime() const {
   return windows_.areThere() ? std::min(windows_.begin(), outside_.next())
                              : members_.nextTime(outside_.next());
 }
 
-// ---- what is so ------------------------------------------------------------------------------
+// ---- state ------------------------------------------------------------------------------
 
 bool LockstepRounds::atRest() const {
   return started_ && settled() && (idle_ || zero_delay_loop_ || gate_.stands());

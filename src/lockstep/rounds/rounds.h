@@ -1,4 +1,5 @@
-// Rounds of the event-driven clock: who is granted, when, with which mail. No ROS, no sockets.
+// Rounds of the event-driven clock: the members that are granted, when, and with which mail. No
+// ROS, no sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
 
@@ -22,20 +23,21 @@ namespace move_base_abstract {
 enum class LockstepPhase {
   kWaitingForParticipants,
   kRunning,        // granted participants work
-  kWaiting,        // the same, but one has not reported for more than 1 s of wall time
+  kWaiting,        // the same, but a report takes more than 1 s of wall time
   kLimited,        // the speed limit holds the next leap back
-  kPaused,         // the present instant is finished, and no leap is allowed
-  kIdle,           // nobody wants to wake up ever
-  kDeadlock,       // the same, but somebody waits for what is owed to it, see areStuck()
+  kPaused,         // the present instant is finished, and time may not go on
+  kIdle,           // no member has a wake-up
+  kDeadlock,       // the same, but a member waits for something, see areStuck()
   kZeroDelayLoop,  // too many microsteps at one instant; no more grants
   kEnded
 };
 
-/** @return as in the state message: "waiting_for_participants", "running", ... */
+/** @return the phase as in the state message: "waiting_for_participants", "running", ... */
 const char* phaseName(LockstepPhase phase);
 
 /**
- * @brief Who is granted when, and with what: knows members, times and mail, not what it means.
+ * @brief Decides which members are granted, when, and with which mail. It does not look into the
+ * mail.
  *
  * `wall` arguments are monotonic wall instants in ns.
  */
@@ -47,17 +49,17 @@ class LockstepRounds {
     Nanoseconds time;
     std::uint32_t microstep;
     std::vector<Mail> mail;  // in the order in which it is to be handled
-    bool foreseen = false;  // a turn that the member's report has told already: it is not to report
+    bool foreseen = false;   // the turn is in a report already: the member sends none
     std::optional<std::uint32_t>
-        happened;       // so many of the turns that it had foreseen; no more will
-    std::string later;  // items, written out, to be handled ahead of the mail
+        happened;       // how many of its foreseen turns have come; no more will
+    std::string later;  // encoded items, to be handled before the mail
   };
 
   struct Event {
     enum class Kind {
       kStarted,
-      kSilent,    // of `member`; once per silence
-      kAnswered,  // of `member`, after a silence
+      kSilent,    // `member` is silent; once per silence
+      kAnswered,  // `member` has reported after a silence
       kTargetReached,
       kIdle,
       kDeadlock,
@@ -65,7 +67,7 @@ class LockstepRounds {
     };
     Kind kind;
     MemberId member = 0;
-    Nanoseconds duration = 0;  // wall ns since the grant, of kSilent and kAnswered
+    Nanoseconds duration = 0;  // wall ns since the grant, for kSilent and kAnswered
   };
 
   /** @throws std::invalid_argument if a setting is out of its range. */
@@ -73,11 +75,13 @@ class LockstepRounds {
   LockstepRounds(const LockstepRounds&) = delete;
   LockstepRounds& operator=(const LockstepRounds&) = delete;
 
-  /** @brief A reason for time to go on. With a lookahead, what is posted at an instant arrives when
-   * that is over, as all else. */
+  /**
+   * @brief Set the source of mail that arrives at known instants; time goes on for it. With a
+   * lookahead, mail that is posted at an instant arrives when that is over, like all other mail.
+   */
   void setArrivals(OutsideArrivals arrivals) { outside_ = std::move(arrivals); }
 
-  // ---- its parts ----
+  // ---- parts ----
   RoundMembers& members() { return members_; }
   const RoundMembers& members() const { return members_; }
   RoundMail& mail() { return mail_; }
@@ -90,37 +94,50 @@ class LockstepRounds {
   void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
   void remove(MemberId id);
   void knock(MemberId id);
-  /** @brief So many goals and calls of members have reached others, who have not answered. */
+  /**
+   * @brief Set the number of goals and calls that have reached a member and are not answered yet.
+   */
   void setOwed(std::size_t answers) { owed_ = answers; }
 
   /**
-   * @brief The report of its latest grant is in. @pre owes
+   * @brief Take a member's report on its latest grant. @pre owes
    *
-   * @param foreseen instants, ascending, after the present and before @p next, of turns whose
-   * actions it has told. They come as granted ones do, unless another grant comes before.
+   * @param next the member's wake-up [ns, simulated], or kNever.
+   * @param open the number of its threads that wait without a timeout.
+   * @param foreseen the instants, ascending, after the present and before @p next, of turns whose
+   * actions it has reported beforehand. They count like granted turns, unless another grant comes
+   * first.
    */
   void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
               std::deque<Nanoseconds> foreseen = {});
 
   // ---- decisions ----
-  /** @return whether nobody owes a report, so that actions may be applied and decide() called. */
+  /**
+   * @return whether no member owes a report, so that actions may be applied and decide() called.
+   */
   bool settled() const;
-  /** @return those to grant now; nothing if time may not move, or nobody has anything to do. */
+  /**
+   * @return the grants to send now; none if time may not go on, or no member has anything to do.
+   */
   std::vector<Grant> decide(Nanoseconds wall);
-  /** @brief Look for silent ones. decide() does not. */
+  /** @brief Look for silent members. decide() does not do this. */
   void watch(Nanoseconds wall);
   std::vector<Event> takeEvents();
-  /** @return the wall instant [ns] at which to call again even if nothing comes in, or kNever. */
+  /**
+   * @return the wall instant [ns] at which to call again even if nothing is received, or kNever.
+   */
   Nanoseconds nextWake() const;
-  /** @brief Nobody is granted anything any more. */
+  /** @brief End the run: no member is granted any more. */
   void end() { gate_.end(clock_.time); }
 
-  // ---- what is so ----
+  // ---- state ----
   Nanoseconds now() const { return clock_.now(); }
   bool started() const { return started_; }
   bool ended() const { return gate_.ended(); }
-  /** @return whether it stands where every run of the same would: nobody has anything left to do,
-   * or the target of a step or run is reached. */
+  /**
+   * @return whether time stands at an instant at which it would stand in every run of the same
+   * system: no member has anything left to do, or the target of a step or run is reached.
+   */
   bool atRest() const;
   LockstepPhase phase(Nanoseconds wall) const;
   /** @brief The members of the latest round, in the stated order. */

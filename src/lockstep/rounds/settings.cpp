@@ -12,7 +12,9 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
 
-/** @brief Refuse a value outside [low, high]; written so that NaN is refused too. */
+/**
+ * @brief Refuse a value outside [low, high]. The condition is written so that it refuses NaN too.
+ */
 double checked(const char* name, double value, double low, double high, const char* unit) {
   if (!(value >= low && value <= high)) {
     refuse(std::string(name) + " must be from " + numberText(low) + " to " + numberText(high) +

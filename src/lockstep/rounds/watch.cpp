@@ -5,7 +5,7 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kLongReport = kNanosecondsPerSecond;  // longer is shown as waiting
+constexpr Nanoseconds kLongReport = kNanosecondsPerSecond;  // a longer one is shown as waiting
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Who of the granted is silent: a report takes long by the wall clock.
+// Finds silent members: a granted member whose report takes long in wall time.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WATCH_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WATCH_H
 
@@ -9,18 +9,18 @@
 
 namespace move_base_abstract {
 
-/** @brief Watches over the members of the latest round. Instants are wall ones [ns]. */
+/** @brief Watches over the members of the latest round. Instants are wall instants [ns]. */
 class RoundWatch {
  public:
-  /** @param limit of a report [ns]; 0: there is none. */
+  /** @param limit the time that a report may take [ns, wall]; 0: there is no limit. */
   RoundWatch(RoundMembers& members, Nanoseconds limit) : members_(members), limit_(limit) {}
 
-  /** @brief A round begins. @return the list for those who are granted, in their order. */
+  /** @brief Begin a round. @return the list to fill with the granted members, in their order. */
   std::vector<MemberId>& begin(Nanoseconds wall);
   const std::vector<MemberId>& granted() const { return granted_; }
-  /** @return when to look, or kNever. */
+  /** @return the instant at which to call look(), or kNever. */
   Nanoseconds nextLook() const { return next_look_; }
-  /** @return those that are silent, once for each silence. */
+  /** @return the silent members, once for each silence. */
   std::vector<MemberId> look(Nanoseconds wall);
   /** @return whether a report has been missing for more than a second. */
   bool isLong(Nanoseconds wall) const;

@@ -34,7 +34,9 @@ Nanoseconds RoundWindows::begin() const {
   return counts ? begin : kNever;
 }
 
-/** @brief What was sent at this instant arrives, in the stated order, when the lookahead is over.
+/**
+ * @brief End the instant: mail that was sent at it arrives when the lookahead is over, in the
+ * stated order.
  */
 void RoundWindows::endInstant() {
   const Nanoseconds arrival = addSaturated(clock_.now(), lookahead_);
@@ -63,7 +65,7 @@ void RoundWindows::arriveUntil(Nanoseconds instant) {
   }
 }
 
-/** @return the instant of the latest turn that is known of anybody. */
+/** @return the instant of the latest known turn of all members. */
 Nanoseconds RoundWindows::latest() const {
   Nanoseconds latest = clock_.time;
   for (const auto& [id, member] : members_.all()) {
@@ -72,7 +74,7 @@ Nanoseconds RoundWindows::latest() const {
   return latest;
 }
 
-/** @return up to which instant, itself included, turns may have been done. */
+/** @return the latest instant at which turns may have been done. */
 Nanoseconds RoundWindows::present() const {
   if (!areThere()) {
     return clock_.time;
@@ -89,8 +91,10 @@ Nanoseconds RoundWindows::endOf(Nanoseconds begin, const RoundGate& gate) const 
   return std::min(addSaturated(begin, lookahead_), last + 1);
 }
 
-/** @return whether only those are left at @p begin who wait until nobody else has anything to do at
- * it. They are granted alone: what they look at is not to change meanwhile. */
+/**
+ * @return whether all members that are left at @p begin rest until no other member has anything to
+ * do at it. They are granted alone, because what they look at must not change meanwhile.
+ */
 bool RoundWindows::restsAt(Nanoseconds begin) const {
   return std::all_of(members_.all().begin(), members_.all().end(), [this, begin](const auto& one) {
     const MemberState& member = one.second;
@@ -109,12 +113,14 @@ std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gat
     }
   }
   members_.sort(ids);
-  members_.forgetLists();  // whoever is not granted now stays as its own state says
+  members_.forgetLists();  // members that are not granted now keep their states
   return ids;
 }
 
-/** @brief The member goes on at @p next, and by itself up to the end of the window.
- * @return what it is told of it and of what arrives meanwhile, as items, written out. */
+/**
+ * @brief Let the member go on at @p next, and by itself up to the end of the window.
+ * @return encoded items that tell it the end of the window, and the mail that arrives before that.
+ */
 std::string RoundWindows::enter(MemberState& member, Nanoseconds next) {
   member.latest = next;
   member.window_end = end_;

@@ -1,8 +1,9 @@
 // Rounds with a lookahead: each member goes on by itself through a window of simulated time.
 //
-// What is sent at s arrives at s + lookahead, so that nothing done from `begin` on, the earliest
-// instant at which anybody may do anything yet, reaches anybody before begin + lookahead. All whose
-// next turn comes before that are granted at once. See docs/lockstep_windows.md.
+// A message that is sent at s arrives at s + lookahead. A window begins at the earliest instant at
+// which any member may still act, so nothing that happens from there on reaches a member before
+// begin + lookahead. All members whose next turn comes before that are granted at once. See
+// docs/lockstep_windows.md.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
 
@@ -19,26 +20,34 @@ namespace move_base_abstract {
 /** @brief The windows of a run. All instants are simulated [ns]. */
 class RoundWindows {
  public:
-  /** @param lookahead 0: there are none. */
+  /** @param lookahead the length of a window; 0: there are no windows. */
   RoundWindows(RoundMembers& members, RoundClock& clock, RoundMail& mail,
                const OutsideArrivals& outside, Nanoseconds lookahead)
       : members_(members), clock_(clock), mail_(mail), outside_(outside), lookahead_(lookahead) {}
 
   bool areThere() const { return lookahead_ > 0; }
-  /** @return the earliest instant at which any member may do anything yet, or kNever. */
+  /** @return the earliest instant at which any member may still act, or kNever. */
   Nanoseconds begin() const;
-  /** @brief Before report(): the last of the turns that it tells was at @p instant. */
+  /**
+   * @brief Note that the last turn in a report was at @p instant. Call this before
+   * LockstepRounds::report().
+   */
   void walked(MemberId id, Nanoseconds instant) { members_.at(id).latest = instant; }
-  /** @brief Grant @p id nothing before all have come to @p instant. */
+  /** @brief Do not grant @p id before all members have come to @p instant. */
   void holdUntil(MemberId id, Nanoseconds instant) { members_.at(id).held_until = instant; }
-  /** @brief now() is @p instant, and what is posted was sent then, until endInstant(). */
+  /**
+   * @brief Make @p instant the present, until endInstant(): mail that is posted meanwhile was sent
+   * then.
+   */
   void beginInstant(Nanoseconds instant) { clock_.applied = instant; }
   void endInstant();
-  /** @brief What comes from outside of rounds comes, up to @p instant, itself included. */
+  /** @brief Let mail under way arrive that is due up to and including @p instant. */
   void arriveUntil(Nanoseconds instant);
 
-  // ---- of rounds ----
-  /** @brief Open the window that begins at @p begin. @return those to grant, in their order. */
+  // ---- for the rounds ----
+  /**
+   * @brief Open the window that begins at @p begin. @return the members to grant, in their order.
+   */
   std::vector<MemberId> open(Nanoseconds begin, const RoundGate& gate);
   Nanoseconds nextOf(const MemberState& member) const;
   std::string enter(MemberState& member, Nanoseconds next);
@@ -54,7 +63,7 @@ class RoundWindows {
   RoundMail& mail_;
   const OutsideArrivals& outside_;
   const Nanoseconds lookahead_;
-  Nanoseconds end_ = 0;  // of the latest one
+  Nanoseconds end_ = 0;  // of the latest window
 };
 
 }  // namespace move_base_abstract

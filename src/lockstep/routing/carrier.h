@@ -1,4 +1,5 @@
-// Who says how long a message is under way, and whether it arrives. No ROS, no sockets.
+// Carriers, which decide how long a message is under way, and whether it arrives. No ROS, no
+// sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H
 
@@ -11,41 +12,47 @@
 
 namespace move_base_abstract {
 
-/** @brief A message, call or response that has found a receiver. Its texts are good for the call.
+/**
+ * @brief A message, call or response that has a receiver. Its texts are valid during the call of
+ * carry().
  */
 struct Passage {
   enum class Kind { kMessage, kCall, kResponse };
   Kind kind;
   MemberId sender;
   MemberId receiver;
-  std::string_view sender_name;  // of the nodes
+  std::string_view sender_name;  // the nodes' names
   std::string_view receiver_name;
   std::string_view name;           // of the topic or service
   std::string_view type;           // of a message
   std::size_t size;                // bytes, serialized
-  bool is_latched;                 // of a message: its publisher latches
-  MailOrder order = {};            // where it was sent; `sub` is the sender's robot
-  std::uint32_t receiver_sub = 0;  // the receiver's robot, of a fleet
+  bool is_latched;                 // for a message: whether its publisher latches
+  MailOrder order = {};            // of its sending; `sub` is the sender's robot
+  std::uint32_t receiver_sub = 0;  // the receiver's robot, if it is a fleet
   Nanoseconds from = 0;            // simulated; when it sets out
 };
 
-/** @brief What becomes of it. */
+/** @brief The outcome of a passage. */
 struct Carried {
-  /** Simulated; not before Passage::from, which is at once. Of what is lost: when that is noticed,
-   * by the caller of a service; nobody notices that a message is lost. */
+  /**
+   * Simulated, not before Passage::from; equal to it means at once. For a lost call or response:
+   * when the caller of the service notices that. Nobody notices that a message is lost.
+   */
   Nanoseconds due;
-  std::string_view lost = {};  // why it does not arrive; '' if it does. A text that stays
-  /** Not 0: it waits, `due` is kNever, and what becomes of it is told later, by this number:
-   * MessageRouter::decide(). No carrier after this one is asked. */
+  std::string_view lost = {};  // why it is lost, as a static text; '' if it arrives
+  /**
+   * Not 0: it waits, and `due` is kNever. MessageRouter::decide() gets the outcome later, with this
+   * number. The carriers after this one are not asked.
+   */
   std::uint64_t ticket = 0;
 };
 
 /**
- * @brief Asked once for each passage, in the order in which messages are sent.
+ * @brief Decides on each passage once, in the order in which messages are sent.
  *
  * The instants of one link (sender, receiver, topic; a service's calls, its responses) must never
- * go back: what was sent before must not arrive after what is sent later. What sets out from
- * another carrier does so at instants that do not go back either.
+ * go back: an earlier message must not arrive after a later one. If another carrier comes first,
+ * its instants are Passage::from; they do not go back either.
  */
 class Carrier {
  public:

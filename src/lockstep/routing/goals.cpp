@@ -15,7 +15,10 @@ bool endsWith(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
 }
 
-/** @brief Take a little-endian number off @p bytes. @return nothing if they are too few. */
+/**
+ * @brief Take a little-endian number from the beginning of @p bytes. @return nothing if there are
+ * too few bytes.
+ */
 std::optional<std::uint32_t> takeNumber(std::string_view* bytes) {
   if (bytes->size() < kWord) {
     return std::nullopt;
@@ -38,7 +41,10 @@ std::optional<std::string_view> takeText(std::string_view* bytes) {
   return text;
 }
 
-/** @return the goal's id in an action's goal or result: after a header and a stamp; '' if none. */
+/**
+ * @return the goal's id in an action's goal or result, which follows a header and a stamp; '' if
+ * there is none.
+ */
 std::string idOf(std::string_view message) {
   constexpr std::size_t kBefore = 3 * kWord;  // sequence number and stamp
   if (message.size() < kBefore) {

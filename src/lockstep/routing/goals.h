@@ -1,4 +1,4 @@
-// Goals of actions that some participant has been sent and has not answered. No ROS, no time.
+// Goals of actions that were sent to a participant and are not answered yet. No ROS, no time.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
 
@@ -13,32 +13,35 @@
 namespace move_base_abstract {
 
 /**
- * @brief The book of goals: open from when a client's goal reaches a participant until a result
- * with the same id is sent, or the client has gone.
+ * @brief The open goals. A goal is open from when it reaches a participant until a result with the
+ * same id is sent, or its client has gone.
  *
- * Every action's messages begin alike (actionlib_msgs), whatever else is in them.
+ * The messages of all actions have the same beginning (actionlib_msgs), which is all that is read.
  */
 class OpenGoals {
  public:
   enum class Part { kNone, kGoal, kResult };
 
-  /** @return what a topic of this name and type is of an action. */
+  /** @return which part of an action a topic of this name and type is. */
   static Part partOf(std::string_view topic, std::string_view type);
-  /** @return where the results come of goals that are sent on @p goal_topic. */
+  /** @return the topic of the results for goals that are sent on @p goal_topic. */
   static std::string resultTopic(std::string_view goal_topic);
 
-  /** @brief @p client has sent @p goal. Nothing if it has no id, or is no such message. */
+  /**
+   * @brief Note that @p client has sent @p goal. A goal without an id, or a malformed one, is
+   * ignored.
+   */
   void sent(MemberId client, std::string_view goal_topic, std::string_view goal);
   void answered(std::string_view result_topic, std::string_view result);
-  /** @brief @p goal never reaches anybody. */
+  /** @brief Note that @p goal never reaches a participant. */
   void lost(std::string_view goal_topic, std::string_view goal);
-  /** @return who waits for @p result; 0: nobody, as far as is known. */
+  /** @return the client that waits for @p result; 0: none, as far as is known. */
   MemberId clientOf(std::string_view result_topic, std::string_view result) const;
-  /** @brief @p client has gone: nobody waits for its goals. */
+  /** @brief Forget the goals of @p client, which has gone. */
   void remove(MemberId client);
 
   std::size_t count() const { return clients_.size(); }
-  /** @return {(client, action's name): how many}. */
+  /** @return {(client, action's name): number of open goals}. */
   std::map<std::pair<MemberId, std::string>, std::size_t> byAction() const;
 
  private:

@@ -1,4 +1,4 @@
-// Mail that is under way: it arrives at a later instant. No ROS, no sockets.
+// Mail under way, which arrives at a later instant. No ROS, no sockets.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_HELD_MAIL_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_HELD_MAIL_H
 
@@ -19,34 +19,37 @@
 
 namespace move_base_abstract {
 
-/** @brief A message, call or answer under way, with all that is needed when it arrives. */
+/** @brief A message, call or answer under way, with all data that is needed when it arrives. */
 struct Held {
   Passage::Kind kind;
   MemberId sender;
   MemberId receiver;
   std::uint64_t number;                      // of the action, among all those of its sender
-  std::string_view name;                     // of the topic or service; kept for good
-  std::string_view type;                     // of a message; kept for good
-  std::string sender_name;                   // it may have gone when this arrives
+  std::string_view name;                     // of the topic or service; a text that is never freed
+  std::string_view type;                     // of a message; a text that is never freed
+  std::string sender_name;                   // the sender may have gone when this arrives
   std::shared_ptr<const std::string> bytes;  // that `item` points into
   wire::GrantItem item;
-  std::uint64_t ticket = 0;  // of Carried
+  std::uint64_t ticket = 0;  // see Carried
 };
 
-/** @brief What is under way, by the instant at which it arrives, then as it was sent. */
+/**
+ * @brief The mail under way, by the instant of its arrival, then in the order in which it was sent.
+ */
 class HeldMail {
  public:
   void add(Nanoseconds due, Held held);
   /** @return the instant of the next arrival, or kNever. */
   Nanoseconds nextDue() const { return mail_.empty() ? kNever : mail_.begin()->first.first; }
-  /** @return what arrives until @p now, itself included, in its order; it is not held any more. */
+  /** @return the mail that arrives up to and including @p now, in order, and stop holding it. */
   std::vector<Held> take(Nanoseconds now);
-  /** @return what waits with this ticket, which it does not any more; nothing: it has been dropped.
+  /**
+   * @return the mail that waits with this ticket, and stop holding it; nothing if it was dropped.
    */
   std::optional<Held> takeWaiting(std::uint64_t ticket);
-  /** @return what @p is_meant says, in its order; it is not held any more. */
+  /** @return the mail for which @p is_meant is true, in order, and stop holding it. */
   std::vector<Held> drop(const std::function<bool(const Held&)>& is_meant);
-  /** @return whether anything is under way to anybody but @p id. */
+  /** @return whether mail is under way to a member other than @p id. */
   bool hasForOthers(MemberId id) const;
   bool empty() const { return mail_.empty(); }
 
@@ -56,31 +59,33 @@ class HeldMail {
   std::uint64_t count_ = 0;
 };
 
-/** @brief Those who carry, one after the other, and what they have under way. */
+/** @brief The carriers, one after the other, and their mail under way. */
 class Carriage {
  public:
   using Now = std::function<Nanoseconds()>;
 
-  /** @param lookahead what everything takes at least [ns, simulated]: windows; 0: there are none.
+  /**
+   * @param lookahead the least time that everything takes [ns, simulated]; 0: there are no windows.
    */
   explicit Carriage(Now now, Nanoseconds lookahead = 0)
       : now_(std::move(now)), lookahead_(lookahead) {}
   void add(std::unique_ptr<Carrier> carrier) { carriers_.push_back(std::move(carrier)); }
-  /** @return whether nobody carries: all arrives at once. */
+  /** @return whether there is no carrier, so that everything arrives at once. */
   bool isNone() const { return carriers_.empty(); }
 
-  /** @return what becomes of it, of all carriers; `from` is not looked at. */
+  /** @return the outcome of all carriers together. `passage.from` is not read. */
   Carried carry(Passage passage) const;
-  /** @return whether what is due then is still under way when all else that is sent now is there.
-   */
+  /** @return whether mail that is due at @p due arrives later than other mail that is sent now. */
   bool isLater(Nanoseconds due) const { return due > addSaturated(now_(), lookahead_); }
   /** @return the instant at which to call arrive(), or kNever. */
   Nanoseconds nextArrival() const {
     const Nanoseconds due = held.nextDue();
     return due == kNever ? kNever : due - lookahead_;
   }
-  /** @return what arrives with what is sent now, in its order; its bytes live until
-   * forgetArrived(). */
+  /**
+   * @return the held mail that arrives together with mail that is sent now, in order. Its bytes are
+   * kept until forgetArrived().
+   */
   std::vector<Held> arrive();
   void forgetArrived() { arrived_.clear(); }
 
@@ -90,7 +95,7 @@ class Carriage {
   Now now_;
   const Nanoseconds lookahead_;
   std::vector<std::unique_ptr<Carrier>> carriers_;
-  std::vector<std::shared_ptr<const std::string>> arrived_;  // mail points into them
+  std::vector<std::shared_ptr<const std::string>> arrived_;  // posted mail points into them
 };
 
 }  // namespace move_base_abstract

@@ -12,7 +12,7 @@ bool fit(std::string_view advertised, std::string_view subscribed) {
   return subscribed == "*" || advertised == "*" || advertised == subscribed;
 }
 
-/** @return what a publisher is to know of it: when a message is handed over is none of its. */
+/** @return what publishers are to know of @p what: not when a message is handed over. */
 wire::Hearing toPublishers(wire::Hearing what) {
   return what > wire::Hearing::kAll ? wire::Hearing::kAll : what;
 }
@@ -95,7 +95,7 @@ void MessageRouter::act(const Action& by, const wire::Advertise& item) {
   if (present != topic.publishers.end()) {
     checkNumber(by.sender, topic, present->topic, item.topic);
     if (present->md5 == publisher.md5 && present->latched == publisher.latched) {
-      return;  // one more publisher in the same node: that is its own affair
+      return;  // one more publisher in the same node, which the node handles itself
     }
     stopAdvertising(by, local);
   }
@@ -146,7 +146,7 @@ void MessageRouter::act(const Action& by, const wire::Subscribe& item) {
   if (present != topic.subscribers.end()) {
     checkNumber(by.sender, topic, present->topic, item.topic);
     if (present->md5 == subscriber.md5) {
-      return;  // one more subscriber in the same node: that is its own affair
+      return;  // one more subscriber in the same node, which the node handles itself
     }
     stopSubscribing(by, local);
   }
@@ -254,7 +254,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
   const MailOrder order = place_(by.sender, item.sub, by.number);
   std::vector<MemberId> receivers;
-  std::vector<MemberId> later;  // those that have it later, or never
+  std::vector<MemberId> later;  // the receivers that get it later, or never
   bool is_received = false;
   for (const Subscribed& subscriber : topic.subscribers) {
     if ((item.target != 0 && item.target != subscriber.member) ||
@@ -284,7 +284,10 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
 }
 
-/** @brief A goal or a result was sent. @param later those that have it later, or never. */
+/**
+ * @brief Note a goal or a result that was sent. @param later the receivers that get it later, or
+ * never.
+ */
 void MessageRouter::noteGoal(MemberId sender, const Topic& topic, std::string_view payload,
                              bool is_received, const std::vector<MemberId>& later) {
   const auto is_client = [&](MemberId id) { return id == goals_.clientOf(topic.name, payload); };
@@ -305,7 +308,7 @@ std::string_view MessageRouter::typeOf(const Topic& topic, MemberId sender) {
   return {};
 }
 
-/** @return whether a member that sends a goal will hear of its end. */
+/** @return whether a member that sends a goal subscribes to the results. */
 bool MessageRouter::awaitsResults(MemberId client, std::string_view goal_topic) const {
   const auto result = topic_numbers_.find(OpenGoals::resultTopic(goal_topic));
   if (result == topic_numbers_.end()) {

@@ -1,4 +1,5 @@
-// What participants send each other: topics and services by name. No ROS, no sockets, no time.
+// Routes messages and calls between participants, by the names of topics and services. No ROS, no
+// sockets, no time.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
 
@@ -23,35 +24,37 @@
 namespace move_base_abstract {
 
 /**
- * @brief Turns the actions of a report into mail for others.
+ * @brief Turns the actions of a report into mail for other participants.
  *
- * Actions are applied one after the other, in an order that the caller decides; what they change
- * holds for the next action. Names are looked up when they are declared, numbers serve after that.
- * Links open before and close after whatever the same participant sent in a round; a link that
- * closes and opens again in one round is announced as open once more (a repeated PUBLISHER or
- * SUBSCRIBER), never as closed.
+ * Actions are applied one after the other, in an order that the caller decides. A change by one
+ * action holds for the next one. Names are looked up when they are declared; after that, numbers
+ * stand for them. In a round, the links of a participant open before, and close after, everything
+ * that it sent. A link that closes and opens again in one round is announced as open once more (a
+ * repeated PUBLISHER or SUBSCRIBER), never as closed.
  */
 class MessageRouter {
  public:
-  /** @brief What was wrong with an action: its participant is to be dropped. */
+  /**
+   * @brief An action was wrong, so its participant is to be dropped. The text says what was wrong.
+   */
   class BadAction : public std::runtime_error {
    public:
     using std::runtime_error::runtime_error;
   };
 
-  /** @brief A message, call or response that found its receivers, for those who keep a log. */
+  /** @brief A message, call or response that found its receivers, for a log. */
   struct Delivery {
     using Kind = Passage::Kind;
     Kind kind;
     MailOrder order;
     std::string_view name;  // of the topic or service
-    MemberId sender;        // 0: the time master itself (a call that nobody serves or answers)
-    std::vector<MemberId> receivers;  // of a call that nobody serves: none
+    MemberId sender;        // 0: the time master itself (for a call without a server or an answer)
+    std::vector<MemberId> receivers;  // empty for a call without a server
     wire::CallStatus status;          // of a response
     std::string_view bytes;
     std::string_view type = {};         // of a message
-    std::string_view lost = {};         // why it does not arrive; '' if it does
-    std::string_view sender_name = {};  // of one that may have gone; else ''
+    std::string_view lost = {};         // why it is lost; '' if it arrives
+    std::string_view sender_name = {};  // if the sender may have gone; else ''
   };
 
   using Post = std::function<void(MemberId receiver, Mail mail)>;
@@ -59,44 +62,54 @@ class MessageRouter {
   using Trace = std::function<void(const Delivery&)>;
 
   /**
-   * @param post takes mail for a member. @param place says where an action comes in its round.
-   * @param trace if given, is told of everything that was delivered.
+   * @param post takes mail for a member.
+   * @param place gives the place of an action in its round.
+   * @param trace if given, is called for everything that was delivered.
    */
   MessageRouter(Post post, Place place, Trace trace = {});
 
-  /** @brief What members hear on these is kept for their next grant. To be called first. */
+  /**
+   * @brief Set the topics whose messages are kept for the receiver's next grant. Call this first.
+   */
   void setStored(StoredTopics topics) { stored_ = std::move(topics); }
 
-  /** @brief Messages, calls and responses go by way of @p carriage, which outlives this. */
+  /**
+   * @brief Send messages, calls and responses by way of @p carriage, which must outlive this
+   * object.
+   */
   void setCarriage(Carriage& carriage) { carriage_ = &carriage; }
-  /** @brief What waited with this ticket arrives at an instant, now or later, or is lost. */
+  /**
+   * @brief Take the outcome of the mail that waited with this ticket: it arrives now or later, or
+   * is lost.
+   */
   void decide(std::uint64_t ticket, const Carried& carried);
-  /** @brief Post what arrives now of what was under way. */
+  /** @brief Post the mail under way that arrives now. */
   void arrive();
 
   void add(MemberId id, const std::string& name);
 
   /**
-   * @brief Do one action of @p sender, its @p number th. LOG and NOTE are not for the router.
-   * @throws BadAction where it refers to something that was not declared.
+   * @brief Apply one action of @p sender, its @p number th. LOG, NOTE and other items that are not
+   * for the router are ignored.
+   * @throws BadAction if the action refers to something that was not declared.
    */
   void apply(MemberId sender, std::uint64_t number, const wire::ReportItem& item);
 
-  /** @brief It left or died: end its links and calls. */
+  /** @brief End the links and calls of a participant that left or died. */
   void remove(MemberId id, std::uint64_t number);
 
-  /** @brief Tell those concerned of the links that closed in this round and stayed closed. */
+  /** @brief Post the news of links that closed in this round and stayed closed. */
   void finishRound();
 
-  /** @return things for the user to know since the last call (types that do not match). */
+  /** @return the warnings for the user since the last call, such as types that do not match. */
   std::vector<std::string> takeWarnings();
 
   std::uint64_t messages() const { return messages_; }  // delivered, one for each receiver
-  /** @return the name of a topic by a participant's own number of it; '' if there is none. */
+  /** @return the name of a topic, by a participant's own number for it; '' if there is none. */
   std::string_view topicName(MemberId id, std::uint32_t number) const;
   std::size_t topics() const { return topics_.size(); }
   std::size_t openCalls() const { return calls_.size(); }
-  /** @return how many wait to be told of services that nobody serves. */
+  /** @return the number of waits for services that no participant serves yet. */
   std::size_t watches() const;
   const OpenGoals& goals() const { return goals_; }
 
@@ -114,21 +127,21 @@ class MessageRouter {
     MemberId member;
     std::uint32_t topic;  // the member's own number
     std::string_view md5;
-    std::uint32_t sub;       // its robot's index within a fleet
-    bool is_stored = false;  // as the user says
+    std::uint32_t sub;       // index of its robot within a fleet
+    bool is_stored = false;  // see setStored()
     wire::Hearing hears = wire::Hearing::kAll;
   };
   struct Topic {
     std::string_view name;
     std::vector<Advertised> publishers;
     std::vector<Subscribed> subscribers;
-    OpenGoals::Part part = OpenGoals::Part::kNone;  // of an action
+    OpenGoals::Part part = OpenGoals::Part::kNone;  // its part in an action
   };
   static std::string_view typeOf(const Topic& topic, MemberId sender);
   struct LocalTopic {
     Index topic;
     bool advertised = false;
-    std::string_view md5;  // as advertised
+    std::string_view md5;  // as it advertised it
   };
   struct Server {
     MemberId member;
@@ -148,7 +161,7 @@ class MessageRouter {
   struct Participant {
     std::string name;
     std::unordered_map<std::uint32_t, LocalTopic> topics;  // by own number
-    std::unordered_map<std::uint32_t, Index> services;     // by own number; those it serves
+    std::unordered_map<std::uint32_t, Index> services;     // by own number; those it offers
     std::set<Index> watched;
     std::uint64_t last_call = 0;  // number of its latest call + 1
   };
@@ -157,9 +170,9 @@ class MessageRouter {
     std::uint64_t number;
   };
   struct Closing {
-    bool publisher;  // tell `receiver` that publisher `other` has gone; else that a subscriber has
+    bool publisher;  // `other` has gone as a publisher; else as a subscriber
     MemberId receiver;
-    std::uint32_t number;  // the receiver's own number of the topic
+    std::uint32_t number;  // the receiver's own number for the topic
     Index topic;
     MemberId other;
     MailOrder order;
@@ -178,7 +191,7 @@ class MessageRouter {
   void act(const Action& by, const wire::Hears& item);
   void act(const Action&, const wire::Log&) {}
   void act(const Action&, const wire::Note&) {}
-  void act(const Action&, const wire::At&) {}  // taken out of the report before
+  void act(const Action&, const wire::At&) {}  // it was taken out of the report before
   void act(const Action&, const wire::Rest&) {}
   void act(const Action&, const wire::Background&) {}
   void act(const Action&, const wire::Parameter&) {}
@@ -207,7 +220,7 @@ class MessageRouter {
   void answer(MemberId caller, std::uint32_t number, wire::CallStatus status,
               std::string_view bytes, MemberId server, std::string_view service,
               const MailOrder& order);
-  // What is carried (router_carried.cpp).
+  // For carried mail (router_carried.cpp).
   bool arrivesAtOnce(const Action& by, const wire::Send& item, const Topic& topic,
                      const wire::Deliver& deliver, MemberId receiver);
   bool arrivesAtOnce(const Action& by, const wire::Call& item, const Service& service,
@@ -230,9 +243,9 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   StoredTopics stored_;
-  bool is_lost_ = false;                      // what was carried last
-  Carriage* carriage_ = nullptr;              // null: all arrives at once
-  std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
+  bool is_lost_ = false;                      // whether the latest passage was lost
+  Carriage* carriage_ = nullptr;              // null: everything arrives at once
+  std::set<std::string, std::less<>> texts_;  // names, types and definitions; never freed
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;
   std::unordered_map<std::string_view, Index> topic_numbers_;

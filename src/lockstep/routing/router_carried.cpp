@@ -1,4 +1,4 @@
-// The router's third part: what arrives later, and what does not.
+// The third part of the router: mail that arrives later, or never.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -19,7 +19,7 @@ constexpr std::string_view kNoServer = "its server stopped serving while it was 
 constexpr std::string_view kNoCaller = "its caller left while it was under way";
 constexpr std::string_view kNotHeard = "its receiver has no use for it when it arrives";
 
-/** @return @p item with @p bytes as what it carries. */
+/** @return @p item with @p bytes as its content. */
 wire::GrantItem pointedAt(wire::GrantItem item, std::string_view bytes) {
   if (auto* message = std::get_if<wire::Deliver>(&item)) {
     message->payload = bytes;
@@ -98,9 +98,9 @@ bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Response& item,
 }
 
 /**
- * @brief Keep it until it arrives, or say that it is lost; the caller of a service is told of that
- * as of a connection that broke.
- * @return whether it arrives at once: nothing is done then.
+ * @brief Hold an item until it arrives, or note that it is lost. The caller of a service learns of
+ * a loss as of a broken connection.
+ * @return whether the item arrives at once. Then nothing is done.
  */
 bool MessageRouter::carry(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
                           std::string_view bytes, std::uint32_t call) {
@@ -120,7 +120,7 @@ bool MessageRouter::carry(const Passage& passage, std::uint64_t number, const wi
   return false;
 }
 
-/** @brief It is lost: of a call or response, its caller is told so. */
+/** @brief Tell the caller if a call or response is lost. Nothing happens for a message. */
 void MessageRouter::fail(const Held& held, std::uint32_t call, Nanoseconds due) {
   if (held.kind == Passage::Kind::kMessage) {
     return;
@@ -144,7 +144,8 @@ void MessageRouter::fail(const Held& held, std::uint32_t call, Nanoseconds due) 
   }
 }
 
-// ---- what waits until its carrier knows more ---------------------------------------------------
+// ---- mail that waits until its carrier decides
+// ---------------------------------------------------
 
 void MessageRouter::decide(std::uint64_t ticket, const Carried& carried) {
   std::optional<Held> held = carriage_->held.takeWaiting(ticket);
@@ -175,8 +176,11 @@ void MessageRouter::arrive() {
   }
 }
 
-/** @brief Its place is that of the sender's count alone: what one link carries keeps its order,
- * also where it was sent in several rounds, of several robots of a fleet. */
+/**
+ * @brief Post an item that arrives. Its place follows from the sender's count alone. So the items
+ * of one link keep their order, also if they were sent in several rounds or by several robots of a
+ * fleet.
+ */
 void MessageRouter::arriveOne(const Held& held) {
   Keep keep = Keep::kNot;
   if (held.kind == Passage::Kind::kMessage) {
@@ -212,7 +216,8 @@ void MessageRouter::traceHeld(const Held& held, std::string_view lost) {
   }
 }
 
-// ---- what does not arrive --------------------------------------------------------------------
+// ---- mail that does not arrive
+// --------------------------------------------------------------------
 
 void MessageRouter::drop(const std::function<bool(const Held&)>& is_meant, std::string_view why) {
   if (carriage_ == nullptr || carriage_->held.empty()) {
@@ -223,7 +228,9 @@ void MessageRouter::drop(const std::function<bool(const Held&)>& is_meant, std::
   }
 }
 
-/** @brief A link closes: @p sender's to all, or those to @p receiver; 0: any. */
+/**
+ * @brief Drop the messages of a link that closes: those of @p sender and to @p receiver; 0: any.
+ */
 void MessageRouter::dropMessages(const Topic& topic, MemberId sender, MemberId receiver) {
   const std::string_view name = topic.name;
   drop(
@@ -235,7 +242,7 @@ void MessageRouter::dropMessages(const Topic& topic, MemberId sender, MemberId r
       kLinkClosed);
 }
 
-/** @brief Their callers are told so by stopServing(). */
+/** @brief Drop the calls to a server that stops. stopServing() tells their callers. */
 void MessageRouter::dropCalls(std::string_view service, MemberId server) {
   drop(
       [=](const Held& held) {
@@ -244,7 +251,7 @@ void MessageRouter::dropCalls(std::string_view service, MemberId server) {
       kNoServer);
 }
 
-/** @brief The calls of who has gone, and what it would have been answered. */
+/** @brief Drop the calls of a participant that has gone, and the answers to it. */
 void MessageRouter::dropCallsOf(MemberId caller) {
   drop(
       [=](const Held& held) {

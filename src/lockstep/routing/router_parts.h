@@ -1,4 +1,4 @@
-// What both halves of the router share.
+// Code that the parts of the router share.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
 
@@ -12,7 +12,7 @@
 
 namespace move_base_abstract::router {
 
-// What opens comes before, what closes after all that the same participant sent in the round.
+// Links open before, and close after, everything that the same participant sent in the round.
 constexpr std::uint32_t kFirstSub = 0;
 constexpr std::uint32_t kLastSub = std::numeric_limits<std::uint32_t>::max();
 
@@ -22,7 +22,9 @@ auto findMember(Entries& entries, MemberId id) {
                       [id](const auto& entry) { return entry.member == id; });
 }
 
-/** @return whether a message to who hears @p what is kept for its next grant. */
+/**
+ * @return whether a message is kept for the receiver's next grant, if the receiver hears @p what.
+ */
 inline Keep keepFor(wire::Hearing what, bool is_stored) {
   const Keep keep = what == wire::Hearing::kLater    ? Keep::kLater
                     : what == wire::Hearing::kUnread ? Keep::kUnread

@@ -1,4 +1,4 @@
-// The router's second half: services, calls, and the departure of a participant.
+// The second part of the router: services, calls, and the departure of a participant.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -10,7 +10,7 @@
 namespace move_base_abstract {
 namespace {
 
-/** @return what a hash table holds in an order that is that of every run. */
+/** @return the entries of a hash table in an order that is the same in every run. */
 template <typename Value>
 std::map<std::uint32_t, Value> inOrder(const std::unordered_map<std::uint32_t, Value>& table) {
   return {table.begin(), table.end()};
@@ -129,7 +129,7 @@ void MessageRouter::act(const Action& by, const wire::Call& item) {
 void MessageRouter::act(const Action& by, const wire::Response& item) {
   const auto caller = participants_.find(item.caller);
   if (caller == participants_.end()) {
-    return;  // it has gone meanwhile
+    return;  // the caller has gone meanwhile
   }
   if (item.number >= caller->second.last_call) {
     bad(by.sender, "RESPONSE must answer a call, got number " + std::to_string(item.number) +

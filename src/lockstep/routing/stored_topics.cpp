@@ -16,7 +16,7 @@ bool isPart(char letter) {
   return isLetter(letter) || letter == '_' || letter == '/' || (letter >= '0' && letter <= '9');
 }
 
-/** @return the name below the root; '' if it is none. */
+/** @return the name below the root; '' if it is not a valid name. */
 std::string resolved(const std::string& name) {
   const std::string full = name.rfind('/', 0) == 0 ? name : '/' + name;
   const bool is_name = full.size() > 1 && isLetter(full[1]) && full.back() != '/' &&

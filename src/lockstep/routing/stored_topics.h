@@ -1,4 +1,4 @@
-// Topics of which the user says that nodes only store what they hear.
+// Topics of which the user says that nodes only store their messages.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
 
@@ -10,16 +10,16 @@
 namespace move_base_abstract {
 
 /**
- * @return "TOPIC" and "NODE=TOPIC" entries with resolved names: those without a '/' are below the
- * root.
- * @throws std::invalid_argument if one is none of both.
+ * @return the entries, "TOPIC" or "NODE=TOPIC", with resolved names. A name without a '/' at its
+ * beginning is below the root.
+ * @throws std::invalid_argument if an entry is neither.
  */
 std::vector<std::string> checkedStoredTopics(const std::vector<std::string>& entries);
 
 class StoredTopics {
  public:
   StoredTopics() = default;
-  /** @param entries checked ones: "TOPIC" is of all nodes. */
+  /** @param entries from checkedStoredTopics(); "TOPIC" stands for all nodes. */
   explicit StoredTopics(const std::vector<std::string>& entries)
       : entries_(entries.begin(), entries.end()) {}
 

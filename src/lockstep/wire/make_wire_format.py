@@ -1,8 +1,8 @@
-"""Make the C++ header of the wire format of its table (src/move_base_abstract/lockstep/wire_format.py).
+"""Make the C++ header of the wire format from its table (src/move_base_abstract/lockstep/wire_format.py).
 
 usage: make_wire_format.py TABLE HEADER
 
-The header is left alone where it says the same already.
+The header is not touched if it is up to date.
 """
 import os
 import runpy
@@ -13,11 +13,11 @@ _TYPES = {**_NUMBERS, 'instant': 'Nanoseconds', 'flag': 'bool', 'text': 'std::st
           'texts': 'std::vector<std::string_view>'}
 _ITEMS = {'ReportItem': 'REPORT_ITEMS', 'GrantItem': 'GRANT_ITEMS'}
 _FRAMES = {'ParticipantFrame': 'PARTICIPANT_FRAMES', 'MasterFrame': 'MASTER_FRAMES'}
-#: what a visitor is told of fields whose type does not say it
+#: the wrappers of fields whose C++ type does not say enough to a visitor
 _MARKS = {'text': 'Text', 'texts': 'Texts', 'instant': 'Instant'}
 
 _HEAD = """\
-// Made of src/move_base_abstract/lockstep/wire_format.py by src/lockstep/wire/make_wire_format.py; not to be edited.
+// Generated from src/move_base_abstract/lockstep/wire_format.py by src/lockstep/wire/make_wire_format.py; do not edit.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
 
@@ -33,7 +33,7 @@ namespace move_base_abstract::wire {
 """
 
 _MARKED = """\
-// What a visitor of fields is told where the type of a field does not say enough.
+// Wrappers that tell a visitor of fields what the C++ type of a field does not say.
 struct Text {
   std::string_view& value;
 };
@@ -61,7 +61,7 @@ _TAIL = """\
 
 
 def header(table):
-    """Return the header's text.
+    """Return the text of the header.
 
     :raises ValueError: if the table contradicts itself.
     """
@@ -113,7 +113,7 @@ def _declaration(field):
 
 
 def _variant(variant, layouts):
-    """The type that is one of the layouts, the number of its first, and the names of all."""
+    """Return the C++ type that is one of the layouts, the number of the first layout, and the names of all."""
     _check_row(variant, [layout.number for layout in layouts], layouts[0].number)
     return ('using {0} = std::variant<{1}>;\nconstexpr int kFirst{0} = {2};\n'
             'constexpr const char* k{0}Names[] = {{{3}}};\n\n'
@@ -122,7 +122,7 @@ def _variant(variant, layouts):
 
 
 def _visit(layout):
-    """The list of a structure's fields, which both writing and reading follow; items are left out."""
+    """Return the C++ function that visits the fields of a structure, for writing and reading; items are left out."""
     lines = ''
     for field in layout.fields:
         kind, name, _ = _parts(field)
@@ -152,7 +152,7 @@ def _camel(name):
 
 
 def main():
-    """Write the header."""
+    """Write the header, unless it is up to date."""
     table, path = sys.argv[1:]
     text = header(runpy.run_path(table))
     if os.path.exists(path):

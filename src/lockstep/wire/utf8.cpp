@@ -13,7 +13,7 @@ bool continues(std::string_view text, std::size_t at, unsigned low, unsigned hig
   return byte >= low && byte <= high;
 }
 
-/** @return how many bytes the character at @p at has, 0 where it is not UTF-8. */
+/** @return the number of bytes of the character at @p at; 0 if it is not UTF-8. */
 std::size_t characterSize(std::string_view text, std::size_t at) {
   const auto lead = static_cast<unsigned char>(text[at]);
   if (lead < 0x80) {

@@ -1,4 +1,4 @@
-// Whether a text is UTF-8.
+// Checks whether a text is UTF-8.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
 

@@ -58,7 +58,7 @@ class Writer {
   std::string& out_;
 };
 
-/** @brief Write all fields of @p value. (One list of fields serves reading too, hence the cast.) */
+/** @brief Write all fields of @p value. The same list of fields is used to read, hence the cast. */
 template <typename Structure>
 void write(std::string& out, const Structure& value) {
   fields(const_cast<Structure&>(value), Writer(out));
@@ -66,7 +66,7 @@ void write(std::string& out, const Structure& value) {
 
 constexpr std::size_t kLengthSize = 4;
 
-/** @brief Put the length in front, for which opened() left room. */
+/** @brief Fill in the length at the beginning, for which opened() has left room. */
 std::string closed(std::string frame) {
   const std::size_t length = frame.size() - kLengthSize;
   if (length > kLargestFrame) {
@@ -87,7 +87,7 @@ std::string opened(int type, std::size_t body) {
   return frame;
 }
 
-/** @return a frame whose body is @p head and then @p items. */
+/** @return a frame whose body is @p head, followed by @p items. */
 template <typename Structure>
 std::string encodeWith(int type, const Structure& head, std::string_view items) {
   constexpr std::size_t kUsualHead = 32;  // bytes
@@ -131,7 +131,7 @@ class Reader {
 
   bool atEnd() const { return at_ == bytes_.size(); }
 
-  /** @brief What is read from now on, for errors. */
+  /** @brief Set the name of the item that is read from now on, for errors. */
   void enter(const char* item) { item_ = item; }
 
   void operator()(const char* field, Text text) {
@@ -151,7 +151,7 @@ class Reader {
   void operator()(const char* field, Texts texts) {
     std::uint32_t count = 0;
     (*this)(field, count);
-    for (; count > 0; --count) {  // each takes bytes: a wrong count ends where the frame does
+    for (; count > 0; --count) {  // each takes bytes, so a wrong count ends at the frame's end
       (*this)(field, Text{texts.values.emplace_back()});
     }
   }
@@ -212,7 +212,7 @@ class Reader {
 template <typename Structure>
 void readInto(Reader& reader, Structure& one);
 
-/** @brief Read the alternative of a variant that stands at @p wanted. */
+/** @brief Read the alternative number @p wanted of a variant. */
 template <typename Variant, std::size_t place = 0>
 Variant readAlternative(Reader& reader, std::size_t wanted) {
   if constexpr (place < std::variant_size_v<Variant>) {
@@ -223,7 +223,7 @@ Variant readAlternative(Reader& reader, std::size_t wanted) {
     }
     return readAlternative<Variant, place + 1>(reader, wanted);
   } else {
-    throw std::logic_error("no such frame or item");  // its number has been checked
+    throw std::logic_error("no such frame or item");  // the number was checked before
   }
 }
 
@@ -250,7 +250,9 @@ void readInto(Reader& reader, Structure& one) {
   }
 }
 
-/** @brief The rest of another version's HELLO is not looked at: the protocol alone is told. */
+/**
+ * @brief Read the HELLO of another version: only its protocol and name, since the rest may differ.
+ */
 std::optional<Hello> readForeignHello(std::string_view body) {
   Hello hello;
   Reader reader(body, "HELLO");

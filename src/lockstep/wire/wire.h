@@ -12,15 +12,15 @@
 #include "lockstep/wire/wire_format.h"
 
 /**
- * The structures of frames and items are made of move_base_abstract/lockstep/wire_format.py.
+ * The structures of frames and items are generated from move_base_abstract/lockstep/wire_format.py.
  *
- * Little endian throughout. A frame is u32 length of what follows, u8 type, body; a text or bytes
- * field is u32 length, then as many bytes; a text is UTF-8. Every std::string_view that a decoder
- * returns lies in the frame that was decoded, and is good as long as that is.
+ * All numbers are little endian. A frame is a u32 length of the rest, a u8 type, and a body. A text
+ * or bytes field is a u32 length, then as many bytes; a text is UTF-8. Every std::string_view that
+ * a decoder returns points into the decoded frame, and is valid as long as that exists.
  */
 namespace move_base_abstract::wire {
 
-/** @brief What was wrong with a frame: what was got, what is allowed, and where. */
+/** @brief A frame is malformed. The text says what was got, what is allowed, and where. */
 class MalformedFrame : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,36 +30,37 @@ class MalformedFrame : public std::runtime_error {
 std::string encode(const ParticipantFrame& frame);
 std::string encode(const MasterFrame& frame);
 
-/** @brief Append one item, so that a frame can be built while its items come up. */
+/** @brief Append one encoded item to @p items, so that a frame can be built item by item. */
 void append(std::string& items, const ReportItem& item);
 void append(std::string& items, const GrantItem& item);
 
-/** @return a whole frame around @p items (see append); the items of @p head are left out. */
+/** @return a whole frame with @p items from append(). The items in @p head are ignored. */
 std::string encodeReport(const Report& head, std::string_view items);
 std::string encodeGrant(const Grant& head, std::string_view items);
 
-/** @return whether the frame (type and body) is a REPORT, well-formed or not. */
+/** @return whether @p frame (type and body) is a REPORT, well-formed or not. */
 bool isReport(std::string_view frame);
 
 /**
  * @param frame type and body, without the length (see FrameBuffer).
- * @throws MalformedFrame where it is not exactly one frame of that direction.
+ * @throws MalformedFrame if it is not exactly one frame of that direction.
  */
 ParticipantFrame decodeFromParticipant(std::string_view frame);
 MasterFrame decodeFromMaster(std::string_view frame);
 
-/** @brief Puts the frames of one direction of one connection together again. */
+/** @brief Reassembles the frames of one direction of a connection from pieces of bytes. */
 class FrameBuffer {
  public:
   void append(std::string_view bytes) { bytes_.append(bytes); }
 
   /**
-   * @return type and body of the next complete frame, if there is one; good until the next call.
-   * @throws MalformedFrame where the length is 0 or over @p largest; no frame comes after that.
+   * @return type and body of the next complete frame, if there is one. It is valid until the next
+   * call.
+   * @throws MalformedFrame if the length is 0 or over @p largest. No frame comes after that.
    */
   std::optional<std::string_view> next(std::uint32_t largest = kLargestFrame);
 
-  /** @return how many bytes of an incomplete frame wait here (after next() had nothing to give). */
+  /** @return the number of bytes of an incomplete frame, after next() has returned nothing. */
   std::size_t waiting() const { return bytes_.size() - begin_; }
 
  private:

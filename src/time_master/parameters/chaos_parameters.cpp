@@ -1,4 +1,4 @@
-// What was decided, as JSON. No ROS.
+// The decisions of chaos as JSON. No ROS.
 #include "chaos_parameters.h"
 
 #include "clock/json_text.h"

@@ -1,4 +1,4 @@
-// What the time master is told of chaos, and the file that says what was decided. No ROS.
+// The time master's parameters of chaos, and the file of the decisions. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
 
@@ -13,8 +13,9 @@
 namespace move_base_abstract {
 
 /**
- * @brief Read and check them into @p lockstep, and the path of the new file into @p decisions.
- * @throws std::invalid_argument that begins with the key of the parameter.
+ * @brief Read and check the parameters of chaos into @p lockstep, and the path of the new file into
+ * @p decisions.
+ * @throws std::invalid_argument if one is wrong; the text begins with its key.
  */
 template <typename Reader>
 void readChaos(Reader& reader, bool in_lockstep, LockstepSettings& lockstep,
@@ -41,10 +42,13 @@ void readChaos(Reader& reader, bool in_lockstep, LockstepSettings& lockstep,
   }
 }
 
-/** @return what the event log's head says of chaos, JSON; '' without. */
+/** @return the entry about chaos for the head of the event log, as JSON; '' without chaos. */
 std::string chaosHead(const LockstepSettings& settings);
 
-/** @brief Write the new file; it is whole, or not there. @return what went wrong; '': nothing. */
+/**
+ * @brief Write the new file, either whole or not at all. @return the text of an error; '' if there
+ * was none.
+ */
 std::string writeDecisions(const std::string& path, const std::vector<chaos::Decision>& decisions);
 
 }  // namespace move_base_abstract

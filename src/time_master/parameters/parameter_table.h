@@ -1,5 +1,4 @@
-// The time master's parameters: the one table from which the node knows them and the page is
-// written.
+// The table of the time master's parameters. The node and the documentation page both use it.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H
 
@@ -9,7 +8,9 @@
 
 namespace move_base_abstract {
 
-/** @brief One parameter, in words; what is read and checked stands in parameters.h. */
+/**
+ * @brief The description of one parameter. The code that reads and checks it is in parameters.h.
+ */
 struct ParameterRow {
   const char* name;
   const char* type;

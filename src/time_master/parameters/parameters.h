@@ -27,12 +27,12 @@
 
 namespace move_base_abstract {
 
-/** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
+/** @brief The largest rate of /clock in lockstep [Hz, wall]. Only onlookers listen to it there. */
 constexpr double kLockstepClockRate = 200.0;
-constexpr const char* kAddress = "lockstep_address";  // our own, left by a run that was killed
-constexpr double kUsualGap = 0.25;                    // wall s; a loop of the node takes 0.1
+constexpr const char* kAddress = "lockstep_address";  // no parameter; a killed run leaves it
+constexpr double kUsualGap = 0.25;                    // wall s; the node's loop takes up to 0.1
 
-/** @brief Typed look-ups below one namespace, of what the table has. */
+/** @brief Typed look-ups of the parameters in the table, below one namespace. */
 class ParameterReader {
  public:
   explicit ParameterReader(const ros::NodeHandle& node) : node_(node) {}
@@ -91,7 +91,8 @@ class ParameterReader {
   /**
    * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument
    *
-   * A text "[a, b]" is a list too: roscpp takes what a command line gives (_key:="[a, b]") for one.
+   * A text "[a, b]" counts as a list, too, because roscpp reads an argument such as _key:="[a, b]"
+   * as a text.
    */
   void read(const std::string& key, std::vector<std::string>& value) {
     const char* const wanted = "a list of texts, such as [a, b]";
@@ -119,7 +120,10 @@ class ParameterReader {
     }
   }
 
-  /** @brief Replace @p value by what @p choices has for the parameter's text, if that is set. */
+  /**
+   * @brief Replace @p value by the entry of @p choices for the parameter's text, if that is set.
+   * @throws std::invalid_argument if there is no such entry.
+   */
   template <typename Value>
   void choose(const std::string& key, const std::map<std::string, Value>& choices, Value& value) {
     std::string chosen;
@@ -138,7 +142,7 @@ class ParameterReader {
     value = found->second;
   }
 
-  /** @brief Where the list came as a text, have others find a list. */
+  /** @brief If the parameter is a text, set it to @p list, so that other nodes find a list. */
   void replaceText(const std::string& key, const std::vector<std::string>& list) {
     XmlRpc::XmlRpcValue raw;
     if (find(key, raw) && raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
@@ -187,7 +191,7 @@ class ParameterReader {
   ros::NodeHandle node_;
 };
 
-/** @return topics that participants leave to ROS's own connections; checked, and made a list. */
+/** @return the topics that participants leave to ROS's own connections; made a list and checked. */
 inline std::vector<std::string> readExcludedTopics(ParameterReader& reader) {
   const char* const key = "excluded_topics";
   std::vector<std::string> topics;
@@ -205,19 +209,19 @@ inline std::vector<std::string> readExcludedTopics(ParameterReader& reader) {
 
 struct NodeParameters {
   TimeMaster::Settings master;
-  double state_rate = 2.0;   // state messages per wall second, 0.1 to 100; also one on each change
+  double state_rate = 2.0;   // state messages per wall second, 0.1 to 100; one more on each change
   bool in_lockstep = false;  // mode at the start
   bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
   int lockstep_port = 0;  // 0: any free one
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
-  bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
+  bool event_log_of_ends = false;  // it has only the end, and how nodes ended
   // Paths of new files; '': none.
   std::string message_bytes, note_of_start, note_of_end, chaos_decisions;
 };
 
-/** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
+/** @return the least number of seconds that is not before @p time [ns] when converted back. */
 inline double secondsNotBefore(Nanoseconds time) {
   double seconds = static_cast<double>(time) / 1e9;
   while (std::llround(seconds * 1e9) < time) {
@@ -226,7 +230,7 @@ inline double secondsNotBefore(Nanoseconds time) {
   return seconds;
 }
 
-/** @throws std::invalid_argument unless @p value is in the range, both ends included. */
+/** @throws std::invalid_argument unless @p value is from @p low to @p high. */
 inline void checkRange(const char* key, double value, double low, double high, const char* unit) {
   if (!(value >= low && value <= high)) {
     std::ostringstream text;
@@ -236,7 +240,10 @@ inline void checkRange(const char* key, double value, double low, double high, c
   }
 }
 
-/** @return the names of nodes, those without a leading '/' below the root. */
+/**
+ * @return the names of nodes as absolute names. A name without a leading '/' is below the root.
+ * @throws std::invalid_argument if a name is not valid, or comes twice.
+ */
 inline std::vector<std::string> absoluteNames(const std::string& key,
                                               const std::vector<std::string>& names) {
   std::vector<std::string> absolute;
@@ -282,7 +289,7 @@ inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
 
 inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("network", parameters.lockstep.network);
-  radio::networkOf(parameters.lockstep.network);  // which complains of what is none
+  radio::networkOf(parameters.lockstep.network);  // throws if it is wrong
   if (!parameters.lockstep.network.empty() && !parameters.in_lockstep) {
     throw std::invalid_argument("network must be [] in mode scaled, where messages go over ROS");
   }
@@ -354,7 +361,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   lockstep.start_paused = parameters.master.start_paused;
 }
 
-/** @throws std::invalid_argument that begins with the key of a parameter of a wrong type. */
+/** @throws std::invalid_argument if a parameter is wrong; the text begins with its key. */
 inline NodeParameters readParameters(const ros::NodeHandle& node) {
   NodeParameters parameters;
   ParameterReader reader(node);
@@ -362,7 +369,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   reader.read("factor", parameters.master.factor);
   reader.read("busy_factor", parameters.master.busy_factor);
   reader.read("finest_step", parameters.master.finest_step);
-  if (parameters.in_lockstep) {  // each message takes time from the run
+  if (parameters.in_lockstep) {  // each message slows the run down
     parameters.master.max_clock_rate = kLockstepClockRate;
   }
   reader.read("max_clock_rate", parameters.master.max_clock_rate);
