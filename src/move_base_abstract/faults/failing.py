@@ -114,7 +114,7 @@ class Failing:
         failure = self.failure
         if failure is None:
             return False
-        with ExitStack() as rest:  # as above
+        with ExitStack() as rest:  # as in fail()
             rest.callback(self._goal_changed, now_ns)
             rest.callback(self._navigator.travel.release, self.REASON, now_ns)
             if failure.kind == ABORT:

@@ -47,7 +47,7 @@ def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
 
 TABLE = (
     Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT,
-              'What a robot does when it has failed; `none`: it never fails.'),
+              'Behaviour of a robot that has failed; `none`: it never fails.'),
     Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]',
               'Mean number of failures in an hour in which the robot has a goal and has not failed.'),
     Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]',
@@ -126,7 +126,7 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):
         raise ConfigurationError('parameter {}/repair_cv: got {:g} with repair_distribution: {}; allowed: > 0 with '
-                                 'lognormal, else 0'.format(where, cv, distribution))
+                                 'lognormal, otherwise 0'.format(where, cv, distribution))
     mean = values['repair_time']
     repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])

@@ -22,7 +22,7 @@ MARGIN = 1
 _OFF = MARGIN + 1  # parts; the least distance of a place from the borders of its cell
 _HALF = PARTS // 2
 _PARTS_OF_8 = 8 * PARTS
-_EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # of a line
+_EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # the points of a line that are tested first, in eighths
 
 #: the eight steps (columns, rows), in the order in which equally good ones are taken: straight before diagonal
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))

@@ -182,8 +182,8 @@ def calibration_file(name, where):
     path = name if os.path.isabs(name) else _shipped().get(name)
     if path is None:
         raise ConfigurationError(
-            'parameter {}/calibration: got {}; allowed: an absolute path, in a scenario file also one from its folder '
-            'that ends with .yaml, or one of those that ship: {}'.format(
+            'parameter {}/calibration: got {}; allowed: an absolute path; in a scenario file a path from its folder '
+            'that ends with .yaml; or one of the calibrations of this package: {}'.format(
                 where.rstrip('/'), shown(name), ', '.join(sorted(_shipped())) or 'none'))
     return str(path)
 

@@ -21,7 +21,7 @@ DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
 
 TABLE = (
     Parameter('goal_overhead', 0.0, number(0.0, 86400.0), 'a number in 0..86400 [s, simulated]',
-              'How long the robot stands before it begins to move, once for each goal.'),
+              'Time for which the robot stands before it begins to move, once for each goal.'),
     Parameter('duration_factor', 1.0, number(0.001, 1000.0), 'a number in 0.001..1000',
               'Mean of the factor by which a leg takes longer than by the law of motion.'),
     Parameter('duration_distribution', 'constant', one_of(*DISTRIBUTIONS),
@@ -74,11 +74,12 @@ def read_durations(values, where):
     kind, mean, cv = values['duration_distribution'], values['duration_factor'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0):
         raise ConfigurationError('parameter {}/duration_cv: got {:g} with duration_distribution: {}; allowed: > 0 '
-                                 'with {}, else 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
+                                 'with {}, otherwise 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
     if (kind == 'quantiles') != (values['duration_quantiles'] is not None):
         raise ConfigurationError(
             'parameter {}/duration_quantiles: got {} with duration_distribution: {}; allowed: the path of a file with '
-            'quantiles, else none'.format(where.rstrip('/'), shown(values['duration_quantiles']), kind))
+            'quantiles with that, otherwise none'.format(
+                where.rstrip('/'), shown(values['duration_quantiles']), kind))
     if kind in _FACTORS:
         factor = _FACTORS[kind](mean, cv)
     else:
@@ -101,11 +102,11 @@ def _quantiles_in(path, _mtime_ns, _size):
     """Return the points in a file; they are cached, since many robots ask for the same file."""
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['quantiles']:
-        raise ConfigurationError('{}: got {}; allowed: a mapping with quantiles alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, quantiles'.format(path, shown(raw)))
     points = checked(raw['quantiles'], 'quantiles', _POINTS_PARAMETER, path)
     factors = [factor for _, factor in points]
     if (points[0][0], points[-1][0]) != (0.0, 1.0) or factors != sorted(factors):
-        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, the factors too not descending'.format(
+        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, and factors that do not fall'.format(
             path, shown(raw['quantiles']), _POINTS_PARAMETER.allowed))
     return points
 

@@ -64,7 +64,7 @@ class Recorded(NamedTuple):
             'shorter': ('a way of {:.2f} m, recorded: {:.2f} to {:.2f} m', 1.0, self.length),
             'turn': ('a turn of {:.0f} degrees at the start, recorded: {:.0f} to {:.0f}', 180.0 / math.pi,
                      self.start_turn),
-            'narrow': ('{:.2f} m to what is occupied, recorded: {:.2f} to {:.2f} m', 1.0,
+            'narrow': ('{:.2f} m to an occupied cell, recorded: {:.2f} to {:.2f} m', 1.0,
                        self.clearance or (0.0, 0.0))}
         return '; '.join(texts[kind][0].format(*(scale * part for part in (value, *texts[kind][2])))
                          for kind, value in zip(found[::2], found[1::2]) for scale in [texts[kind][1]])

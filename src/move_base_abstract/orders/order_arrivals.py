@@ -260,7 +260,8 @@ def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
         raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ORDER_TABLE[-1].allowed))
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['orders'] or not isinstance(raw['orders'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of orders alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, orders, a list'.format(
+            path, shown(raw)))
     for index, row in enumerate(raw['orders']):
         yield '{}: orders[{}]'.format(path, index), row
 

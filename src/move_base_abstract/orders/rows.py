@@ -3,7 +3,7 @@
 =================  ==========  =====================================================================================
 kind               of          values
 =================  ==========  =====================================================================================
-order_arrived      DISPATCHER  order, priority, deadline [ns, an instant; 0: none], then of each stop: place ('': none),
+order_arrived      DISPATCHER  order, priority, deadline [ns, an instant; 0: none], per stop: place ('': none),
                                x, y [m], action
 order_refused      DISPATCHER  order, text that says what is wrong with it
 policy_failed      DISPATCHER  text that says what is wrong with the policy's choice; no robot got an order then

@@ -261,7 +261,8 @@ def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
         raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ARRIVAL_TABLE[7].allowed))
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['tasks'] or not isinstance(raw['tasks'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of tasks alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, tasks, a list'.format(
+            path, shown(raw)))
     for index, row in enumerate(raw['tasks']):
         yield '{}: tasks {}'.format(path, index), row
 

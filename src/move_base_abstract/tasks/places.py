@@ -114,7 +114,7 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
         if name in places:
             raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
         if values['capacity'] is None and (values['queue'] is not None or values['preemption']):
-            raise ConfigurationError('{}: capacity: not given, with {}; allowed: >= 1 then'.format(
+            raise ConfigurationError('{}: capacity: not given, but {} is; allowed: >= 1 with it'.format(
                 here, 'preemption' if values['queue'] is None else 'queue'))
         places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
                              values['reach'], read_work(values, here), values['queue'], values['preemption'])
@@ -140,7 +140,7 @@ def read_work(values: Mapping[str, Any], where: str, default: Work = Work()) -> 
     kind, mean, cv = values['duration_distribution'], values['duration'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0) or (kind in _FACTORS and not mean):
         raise ConfigurationError('{}: duration_cv: got {:g} with duration: {} and duration_distribution: {}; allowed: '
-                                 '> 0 with {}, and a duration > 0 then; else 0'.format(
+                                 '> 0 with {}, and then a duration > 0; otherwise 0'.format(
                                      where, cv, mean, kind, ' and '.join(_FACTORS)))
     if mean is None:
         return Work(default.seconds, values['power'] or default.power, values['energy'] or default.energy)

@@ -240,5 +240,5 @@ class Traffic:
 
 def _check_law(navigator: Navigator) -> None:
     if not navigator.robot.keeps_piece_limits:
-        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, knows no limits of "
-                                 'zones; allowed: zones without max_speed'.format(navigator.robot.name))
+        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, allows no speed "
+                                 'limits of zones; allowed: zones without max_speed'.format(navigator.robot.name))

@@ -196,7 +196,7 @@ class Traveller:
         self.circles.driven.clear()
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
-        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
+        self._take_what_holds_it(now_ns, pose)  # before abandons() lets it go on, now from inside
         if self.request is not None:
             self.abandons(now_ns)
         self._traffic.serve(now_ns)

@@ -31,7 +31,7 @@ def _charger(value: object) -> Union[bool, float, None]:
 
 
 _CAPACITY = Parameter('capacity', None, integer(1), 'a whole number >= 1, or none: any number of robots')
-_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: nobody is charged')
+_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: robots are not charged')
 #: the top speed of robots in a zone
 MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s], or none: as fast as they are')
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
