@@ -116,8 +116,8 @@ def found(path: str, key: str, where: str) -> Tuple[str, int, int]:
     :raises ConfigurationError: if the path is not absolute, or there is no such file.
     """
     if not os.path.isabs(path):
-        raise ConfigurationError('parameter {}/{}: got {}; allowed: an absolute path, in a scenario file also one from '
-                                 'its folder'.format(where.rstrip('/'), key, shown(path)))
+        raise ConfigurationError('parameter {}/{}: got {}; allowed: an absolute path; in a scenario file also a path '
+                                 'from its folder'.format(where.rstrip('/'), key, shown(path)))
     return (path, *file_version(path, 'parameter {}/{}'.format(where.rstrip('/'), key)))
 
 

@@ -33,7 +33,7 @@ class Backwards:
         return [(end, 0.0) for end in (*(begin / self._speed for begin in self._begins[1:]), self.seconds)]
 
     def guess(self, distance):
-        """Return when [s after its start] the robot is ``distance`` [m] from its departure, None: after its end."""
+        """Return when [s after its start] the robot has driven ``distance`` [m] on its leg, None: after its end."""
         covered = distance - self._driven
         return max(0.0, covered) / self._speed if covered <= self._speed * self.seconds else None
 

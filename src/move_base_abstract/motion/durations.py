@@ -92,8 +92,8 @@ def read_durations(values, where):
 def _read_quantiles(path, where):
     if not os.path.isabs(path):
         raise ConfigurationError(
-            'parameter {}/duration_quantiles: got {}; allowed: an absolute path, in a scenario file also one from its '
-            'folder'.format(where.rstrip('/'), shown(path)))
+            'parameter {}/duration_quantiles: got {}; allowed: an absolute path; in a scenario file also a path from '
+            'its folder'.format(where.rstrip('/'), shown(path)))
     return _quantiles_in(path, *file_version(path, 'parameter {}/duration_quantiles'.format(where.rstrip('/'))))
 
 

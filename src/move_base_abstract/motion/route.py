@@ -285,7 +285,7 @@ class _Drive:
         return found
 
     def guess(self, distance):
-        """Return when [s after its start] the robot is ``distance`` [m] from its departure, None: after its end."""
+        """Return when [s after its start] the robot has driven ``distance`` [m] on its leg, None: after its end."""
         covered = distance - self._driven
         return self.profile.elapsed(covered) if covered <= self.profile.distance else None
 

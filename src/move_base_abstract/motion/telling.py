@@ -21,7 +21,7 @@ class Telling:
         self.is_mute = False
 
     def jump(self, now_ns: int, x: float, y: float, yaw: float) -> None:
-        """Shift the reported pose by ``x``, ``y`` [m] and ``yaw`` [rad] from the true pose at ``now_ns`` [ns] on.
+        """Move the reported pose, at ``now_ns`` [ns], to ``x``, ``y`` [m] and ``yaw`` [rad] beside the true pose.
 
         As a jump of amcl does, this turns the odometry about the robot, so later motion is reported in a wrong
         direction.

@@ -103,7 +103,7 @@ class Traffic:
                 self._on_edges[lanes.source, index] = list(dict.fromkeys([*areas, *groups]))
 
     def price(self, traveller: Traveller, source: str, edge: int, time_ns: int) -> int:
-        """Return the price [ns] that ``traveller`` adds to an edge on which it would drive for ``time_ns`` [ns].
+        """Return what an edge costs ``traveller`` in addition to the ``time_ns`` [ns] of driving on it [ns].
 
         That is ``lane_price`` x ``time_ns`` for each other robot that holds a place there, or waits for one before it,
         divided by the number of places. Each closed zone adds an hour. ``source``: the file of the net.
