@@ -14,7 +14,7 @@ from move_base_abstract.orders.policies import Nearest
     (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: >= 0'),
     (order('past', (0.0, 0.0), deadline_ns=-S), 'deadline: got 1 s before its arrival'),
     (order('twice', (0.0, 0.0)), "id: 'twice' was given to an order before"),
-    (Order('many', 0, 7), 'stops: got 7; allowed: stops in a row'),
+    (Order('many', 0, 7), 'stops: got 7; allowed: a list of stops'),
     (order('when', (0.0, 0.0), deadline_ns='soon'), 'deadline'),
     (order('who', (0.0, 0.0), priority='high'), "priority: got 'high'; allowed: a whole number"),
     (Order('none', 0, (None,)), 'stops[0]: pose: got None'), (Order('flat', 0, (Stop((1.0, 2.0)),)), 'stops[0]: pose'),

@@ -90,7 +90,7 @@ def test_where_nobody_has_anywhere_to_go_the_circle_is_named_and_stays():
     fleet.run(60 * S)
     assert len(rows(fleet, 'deadlock')) == 1 and not rows(fleet, 'gave_way', 'ended')
     assert [one.text for one in fleet.warnings] == [
-        'Robots wait for one another in a circle: a for zone east; b for zone west. None of them has anywhere to go.']
+        'Robots wait for one another in a circle: a for zone east; b for zone west. None of them can give way.']
 
 
 def test_who_is_held_for_something_else_too_gives_way_when_that_is_over(row_of_lanes):

@@ -111,7 +111,7 @@ def test_unknown_keys_and_thresholds_the_wrong_way_round_are_warned_of(describe,
     where = str(tmp_path / 'm.yaml')
     assert describe(modes='scale', author='me', free_thresh='0.7').warnings == (
         where + ": modes: unknown key, not used; did you mean 'mode'?", where + ': author: unknown key, not used',
-        where + ': free_thresh 0.7 is above occupied_thresh 0.65: what is above either is occupied')
+        where + ': free_thresh 0.7 is above occupied_thresh 0.65: all cells above the latter are occupied')
 
 
 # ---- images

@@ -84,7 +84,7 @@ def test_files_are_tables_and_yaml_and_say_the_same(tmp_path):
     ({'rate': 1.0}, 'orders[0]: got rate and rate_per_hour; allowed: one of rate, rate_per_hour and every'),
     ({'rate_per_hour': None}, 'got none of rate, rate_per_hour and every'),
     ({'stops': []}, 'orders[0]: stops: got []; allowed: a list of 1 to 100 stops'),
-    ({'stops': [{'places': ['moon*']}]}, "places: got 'moon*', by which no place goes; allowed: bay_1, bay_2"),
+    ({'stops': [{'places': ['moon*']}]}, "places: got 'moon*', which matches no place; allowed: bay_1, bay_2"),
     ({'stops': [{'place': 'moon'}]}, "stops[0]: place: got 'moon'; allowed: bay_1, bay_2, dock"),
     ({'stops': [{'place': 'dock', 'x': 1.0}]}, 'allowed: either a place or x, y and yaw'),
     ({'stops': [{'places': ['dock'], 'area': [0, 0, 1, 1]}]}, 'got places and area; allowed: one of place, places'),

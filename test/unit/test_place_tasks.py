@@ -92,7 +92,7 @@ def test_a_robot_that_is_put_somewhere_within_reach_goes_on_working():
 
 @pytest.mark.parametrize('task, text', [
     (Task('t', 0, 'moon', Pose2D(), S), 'place: got moon; allowed: dock'),
-    (Task('t', 0, '', Pose2D(1.0), 0), 'duration: got 0 s and no place that says one; allowed: > 0 s'),
+    (Task('t', 0, '', Pose2D(1.0), 0), 'duration: got 0 s and no place that has one; allowed: > 0 s'),
     (Task('t', 0, 'dock', Pose2D(), S, power=float('nan')), 'power: got nan; allowed: a finite number >= 0'),
     (Task('t', 0, 'dock', Pose2D(), S, energy=-1.0), 'energy: got -1; allowed: a finite number >= 0'),
     (Task('t', 0, '', Pose2D(2.0), S),

@@ -70,7 +70,7 @@ def test_what_is_in_order_breaks_nothing(tmp_path, rows, end):
 
 def test_robots_that_wait_for_each_other_to_the_end_of_the_run_stand(tmp_path):
     broken, = judge(Run(log_of(tmp_path, CIRCLE, ended_by='end_at')))
-    assert broken == Broken('no_standstill', 10 ** 9, 'r1', 'robots wait for each other, and did so to the end',
+    assert broken == Broken('no_standstill', 10 ** 9, 'r1', 'robots wait for each other, to the end of the run',
                             ('r1 for door, r0 for lane',))
 
 

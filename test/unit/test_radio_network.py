@@ -73,7 +73,7 @@ links: [{between: [base, base], lost: queue, buffer: 10,
                          'retry 200000000 attempts 8')
     with pytest.raises(ConfigurationError, match='arg seed'):
         lines(text)
-    with pytest.raises(ConfigurationError, match='nothing in it is .*speed'):
+    with pytest.raises(ConfigurationError, match='the file has no .*speed'):
         lines(text, 'seed:=7 speed:=1')
 
 
@@ -94,7 +94,7 @@ def test_walls_of_a_map(lines, tmp_path):
     (HOSTS + 'links: [{between: [a, b], loss: {}}]', "one of 'distance' and 'path_loss'"),
     (HOSTS + 'links: [{between: [a, b], delay: {uniform: [2, 1]}}]', 'the smaller number first'),
     (HOSTS + 'links: [{between: [a, b], walls: 2}]', "no 'map'"),
-    ('hosts: {r_*: {nodes: [/r_1/**], at: robot}}\nlinks: []', 'the one of the host stands for'),
+    ('hosts: {r_*: {nodes: [/r_1/**], at: robot}}\nlinks: []', "since the host's name has one"),
     ('hosts: {r: {nodes: [r_1], at: robot}}\nlinks: []', 'an absolute name'),
     ('hosts: {r: {nodes: [/r_1], at: here}}\nlinks: []', "'robot', or a place"),
     ('[1]', 'a mapping with hosts'),

@@ -60,8 +60,8 @@ def test_a_goal_outside_is_noted_before_it_departs(tmp_path):
     assert [kinds[place + 1] for place, kind in enumerate(kinds) if kind == 'beyond'] == ['departed'] * 3
     assert len(said) == 1
     assert str(said[0].message) == (
-        'bot: a goal lies outside of what its calibration was fitted to (a way of 31.10 m, recorded: 2.00 to 30.00 m); '
-        'this is said once, event logs have a row beyond for each')
+        'bot: a goal lies outside the ranges to which its calibration was fitted (a way of 31.10 m, recorded: 2.00 to '
+        '30.00 m); this warning comes once, but event logs have a row beyond for each such goal')
 
 
 def test_the_edge_of_what_was_recorded_is_inside(tmp_path):

@@ -126,5 +126,5 @@ def test_what_a_limit_may_be_and_for_whom():
         fleet.set_zone_limit('fast', 1.0)
     with pytest.raises(ConfigurationError, match='max_speed: got -1.0; allowed: a number in 1e-6'):
         fleet.set_zone_limit('slow', -1.0)
-    with pytest.raises(ConfigurationError, match="robot 'a': its law of motion, .* knows no limits of zones"):
+    with pytest.raises(ConfigurationError, match="robot 'a': its law of motion, .* allows no speed limits of zones"):
         Fleet(make_scenario({'zones': [SLOW], 'robots': [{'name': 'a', 'calibration': 'move_base_dwa_stage'}]}))

@@ -1,4 +1,4 @@
-"""Robots that come near each other on their ways: when, how, and what it costs them."""
+"""Robots that come near each other on their ways: when and how they do, and what it costs them."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,10 +1,10 @@
 """Encounters: robots of one process that come near each other on their ways, and the consequences.
 
-The first instant at which two robots come within the law's radius is an event. There the law says who has to stand,
-and for how long: drawn by (seed, the names of both in order, the numbers of their goals), so that neither the order in
-which they came nor when anybody looked has a part in it. Who has to stand is held, as anybody who waits on his way;
-then it goes on. Two robots meet once for each pair of their goals, so that nobody stands for the same robot again and
-again.
+The first instant at which two robots come within the law's radius is an event. At that instant the law determines which
+robot has to stand, and for how long. The draws depend only on the seed, the names of both robots and the numbers of
+their goals; they do not depend on the order in which the robots came, or on when they were looked at. A robot that has
+to stand is held, as for any other wait on its way; then it goes on. Two robots meet once for each pair of their goals,
+so no robot stands for the same robot again and again.
 """
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from ..goals.navigator import Navigator
     from .nearness import Window
 
-_NEARER = 0.01  # m, by which robots that are near already must come nearer for meeting
-_LEAST_WAY = 1e-3  # m; who drives less until they are closest stands
-_ALONG = math.cos(math.radians(45.0))  # of the angle between their ways, up to which they go the same way
-_GOALS = 1 << 20  # numbers by chance that one pair of goals may take
+_NEARER = 0.01  # m; two robots that are near already meet only if they come nearer by this
+_LEAST_WAY = 1e-3  # m; a robot that drives less than this until they are closest counts as standing
+_ALONG = math.cos(math.radians(45.0))  # cosine of the largest angle between ways in the same direction
+_GOALS = 1 << 20  # the number of draws that are reserved for one pair of goals
 
 
 class Stay(NamedTuple):
-    """How near two robots come [m] and when [ns], and from when on they are apart again [ns], None: never."""
+    """The smallest distance of two robots [m], when that is [ns], and when they are apart again [ns], None: never."""
 
     nearest: float
     nearest_ns: int
@@ -42,7 +42,7 @@ class Stay(NamedTuple):
 
 
 class Encounters:
-    """The robots of one process that may meet; ``seed``: of what is drawn. Not thread-safe: as the simulation."""
+    """The robots of one process that may meet; ``seed``: that of the draws. Not thread-safe, just as the simulation."""
 
     def __init__(self, simulation: Simulation, law: EncounterLaw, seed: int) -> None:
         self.simulation = simulation
@@ -54,13 +54,13 @@ class Encounters:
         self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
 
     def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream) -> Participant:
-        """Return the :class:`Participant` of a robot that is there from now on; ``law``: of its own calibration.
+        """Add a robot; return its :class:`Participant`. ``law``: the law of encounters of the robot's calibration.
 
-        :raises ConfigurationError: if that is another one than that of the others.
+        :raises ConfigurationError: if that law differs from that of the other robots.
         """
         if law != self.law:
-            raise ConfigurationError("robot '{}': encounters: its calibration has another law for them, or none; "
-                                     'allowed: the same for all robots'.format(navigator.robot.name))
+            raise ConfigurationError("robot '{}': encounters: its calibration has a different law for them, or none; "
+                                     'allowed: the same law for all robots'.format(navigator.robot.name))
         participant = Participant(self, navigator, stream)
         self._robots[navigator.robot.index] = participant
         stream.tell(Meets(self.simulation.now_ns, participant.name, self.law.radius))
@@ -68,14 +68,14 @@ class Encounters:
         return participant
 
     def leave(self, index: int) -> None:
-        """The robot is taken out of the world."""
+        """Note that the robot is removed from the world."""
         self.neighbours.drop(index)
         self._forget(index)
         del self._robots[index]
         self._met = {pair: goals for pair, goals in self._met.items() if index not in pair}
 
     def moved(self, index: int, now_ns: int) -> None:
-        """The track of a robot is another one from ``now_ns`` [ns] on: look for those whom it will meet."""
+        """Note that a robot has another track from ``now_ns`` [ns] on; find the robots that it will meet."""
         participant = self._robots[index]
         self._forget(index)
         self.neighbours.put(index, participant.track)
@@ -118,12 +118,15 @@ class Encounters:
 
 
 def make_encounters(simulation: Simulation, scenario: Any) -> Optional[Encounters]:
-    """Return the :class:`Encounters` of a Scenario, None where robots do not meet."""
+    """Return the :class:`Encounters` of a Scenario, None if it has no law of encounters."""
     return None if scenario.encounters is None else Encounters(simulation, scenario.encounters, scenario.seed)
 
 
 class Participant:
-    """One robot that may meet others. ``track``: where it is and will be; ``ahead``: {other robot: event}."""
+    """One robot that may meet others.
+
+    ``track`` (Track): where it is and will be; ``ahead``: {index of another robot: the event of their meeting}.
+    """
 
     def __init__(self, encounters: Encounters, navigator: Navigator, stream: Stream) -> None:
         self.index: int = navigator.robot.index
@@ -134,43 +137,43 @@ class Participant:
         self._navigator = navigator
         self._stream = stream
         self._stands: Dict[str, Any] = {}  # {reason for which it is held: the event that ends it}
-        self._held_goal = 0  # the number of the goal on whose way that is
+        self._held_goal = 0  # the number of the goal on whose way it stands
         navigator.robot.follow(self.moved)
         stream.subscribe('encounters', {GoalChanged: lambda event: self._goal_changed(event.time_ns)})
 
     @property
     def goal_number(self) -> int:
-        """How many goals it has begun to work on."""
+        """The number of goals on which the robot has begun to work."""
         return self._navigator.goal_number
 
     def moved(self, now_ns: int) -> None:
-        """The robot has set out, or stands."""
+        """Note that the robot has departed, or stands."""
         robot, known = self._navigator.robot, self.track
         if self.index not in self._encounters._robots:
             return
         pose = robot.pose_at(now_ns)
         if robot.leg is None and known is not None and now_ns >= known.end_ns and (
                 (known.pose.x, known.pose.y) == (pose.x, pose.y)):
-            return  # it stands where it was to stand
+            return  # it stands where its track ends
         self.track = Track(robot.leg, pose, now_ns, self._encounters.neighbours.side)
         self._encounters.moved(self.index, now_ns)
 
     def width(self, other: Participant, now_ns: int) -> Optional[float]:
-        """Return how wide [m] what is free is around the middle between both at ``now_ns`` [ns]; None without a map."""
+        """Return the width [m] of the free space around the middle between both at ``now_ns`` [ns], None: no map."""
         occupancy = getattr(self._navigator.planner, 'occupancy', None)
         limit = self._encounters.law.narrow_below
         if occupancy is None or not limit > 0.0:
             return None
         (x, y), (to_x, to_y) = self.track.place_at(now_ns), other.track.place_at(now_ns)
-        from ..maps.clearance import clearance_at  # only who has a map pays for numpy
+        from ..maps.clearance import clearance_at  # imported here, since only robots with a map need numpy
         return 2.0 * clearance_at(occupancy, 0.5 * (x + to_x), 0.5 * (y + to_y), 0.5 * limit)
 
     def note(self, other: Participant, kind: str, nearest: float, seconds: float, now_ns: int) -> None:
-        """Put a row into the log: whom it meets, how, how near they come [m], how long it stands for it [s]."""
+        """Report the encounter with ``other``: its kind, the smallest distance [m], the time that it stands [s]."""
         self._stream.tell(Encounter(now_ns, self.name, other.name, kind, nearest, seconds))
 
     def stand(self, other: Participant, seconds: float, aborts: bool, now_ns: int) -> None:
-        """Have it stand for ``other`` from now on; then it goes on, or gives up."""
+        """Let the robot stand for ``seconds`` [s] because of ``other``; then it gives up if ``aborts``, or goes on."""
         reason = 'encounter with {}'.format(other.name)
         self._held_goal = self.goal_number
         step = self._give_up if aborts else self._go_on
@@ -183,10 +186,10 @@ class Participant:
         self._navigator.travel.release(reason, now_ns)
 
     def _give_up(self, _reason: str, now_ns: int) -> None:
-        self._navigator.shut_down(NO_CONTROL, now_ns)  # by which it stands for nobody any more
+        self._navigator.shut_down(NO_CONTROL, now_ns)  # this also ends all its stands, see _goal_changed
 
     def _goal_changed(self, now_ns: int) -> None:
-        """The goal on whose way it stood has ended, or gives way to another one."""
+        """End all stands if the goal on whose way the robot stood has ended or has been replaced."""
         if self._stands and (not self._navigator.is_active or self._held_goal != self.goal_number):
             for reason in self._forget_stands():
                 self._navigator.travel.release(reason, now_ns)
@@ -199,23 +202,23 @@ class Participant:
         return reasons
 
     def reset(self, _now_ns: int) -> None:
-        """The robot is about to be put to its start; its navigator holds it for nothing any more."""
+        """Forget all stands: the robot is placed at its start next, and its navigator no longer holds it."""
         self._forget_stands()
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew; what was due has been shifted, and the robot's new stand comes next."""
+        """Do nothing: the clock has restarted, all events have been shifted, and the robot's new stand comes next."""
 
     def close(self) -> None:
-        """The robot is gone."""
+        """Note that the robot is removed."""
         self._forget_stands()
         self._encounters.leave(self.index)
 
 
 def next_meeting(one: Track, other: Track, radius: float, times: List[Window], now_ns: int) -> Optional[int]:
-    """Return when [ns] two robots meet next, in one of the ``times`` [Window, ...] from ``now_ns`` [ns] on, or None.
+    """Return the instant [ns] at which two robots meet next, in one of the windows ``times``, or None.
 
-    That is the first instant at which they are within ``radius`` [m]. Who is near already meets at once if they come
-    nearer than they are, else when they are near again.
+    That is the first instant from ``now_ns`` [ns] on at which they are within ``radius`` [m]. If they are near already,
+    they meet at once if they will come nearer, otherwise when they are near again after having been apart.
     """
     if not times:
         return None
@@ -249,9 +252,10 @@ def find_stay(one: Track, other: Track, radius: float, now_ns: int) -> Stay:
 
 
 def kind_of(first: Track, second: Track, now_ns: int, nearest_ns: int) -> Tuple[str, Tuple[int, ...]]:
-    """Return how two robots meet at ``now_ns`` [ns] that are closest at ``nearest_ns`` [ns], and which of them yield.
+    """Return (kind of an encounter at ``now_ns`` [ns], numbers of the robots that may have to stand).
 
-    That is told of 0 and 1: of two that go the same way who is behind, of one that stands the other one.
+    The numbers are 0 for ``first`` and 1 for ``second``; the robots are closest at ``nearest_ns`` [ns]. If both go in
+    the same direction, only the one behind may have to stand. If one stands already, only the other one may have to.
     """
     until_ns = max(nearest_ns, now_ns + NS_PER_S // 1000)
     ways = [_way(track, now_ns, until_ns) for track in (first, second)]

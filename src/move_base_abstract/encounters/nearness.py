@@ -1,14 +1,16 @@
 """When two robots on their ways come near, to the nanosecond, without stepping through time.
 
-In a time in which both drive straight on, the difference of their places is a straight line in time but for their
-acceleration: from the chord between its ends it differs by at most a h^2 / 8 [m], where a bounds the acceleration of
-the difference and h is the time's length (the bulge). So the distance to the chord less the bulge is a lower bound of
-their distance. A time in which that bound is too far is left out at once; else it is halved, the earlier half first,
-until the distance surely falls all the time, or the bulge is below BULGE, which makes the distance convex (a constant
-speed has no bulge: its quadratic is solved at once). Then the instant follows by bisection on the robots' own poses,
-compared exactly, near where the roots of the chords lie.
+Take a span of time in which both robots drive straight on. The difference of their positions would be a straight line
+in time if there were no acceleration. It differs from the chord between its ends by at most the *bulge* a h^2 / 8 [m],
+where a bounds the acceleration of the difference and h is the length of the span. So the distance to the chord, minus
+the bulge, is a lower bound of their distance.
 
-So what is found is exact, and nothing is missed but a pass that dips below the distance by less than BULGE.
+If that bound is too large, the span is left out at once. Otherwise it is halved, and the earlier half comes first,
+until the distance surely falls during the whole span, or until the bulge is below BULGE, so that the distance is
+convex. (At constant speed there is no bulge, and the quadratic is solved at once.) Then the instant is found by
+bisection on the robots' own poses, compared exactly, near the roots of the chords.
+
+So the result is exact. It can only miss a pass that dips below the distance by less than BULGE.
 """
 from __future__ import annotations
 
@@ -21,16 +23,16 @@ from ..engine.instants import first_ns
 if TYPE_CHECKING:
     from .track import Span, Track
 
-#: m
+#: the largest bulge that is neglected [m]
 BULGE = 1e-7
-_CLOSE = 1e-4  # m, to which the closest approach is known
-_SURELY = 1e-6  # m, by which a place between the ends of a span may be off
-_REFINED = 3  # times that a guess is made better
+_CLOSE = 1e-4  # m; the accuracy of the smallest distance
+_SURELY = 1e-6  # m; the largest error of an interpolated position in a span
+_REFINED = 3  # the number of improvements of a guess
 Place = Tuple[float, float]
 
 
 class Window(NamedTuple):
-    """A time [ns] in which both robots drive straight on, in spans of their tracks."""
+    """A span of time [ns] in which both robots drive straight on, with the Spans of their tracks."""
 
     begin_ns: int
     end_ns: int
@@ -39,11 +41,11 @@ class Window(NamedTuple):
 
     @property
     def most(self) -> float:
-        """A bound of the sum of their accelerations [m/s^2]."""
+        """A bound for the sum of their accelerations [m/s^2]."""
         return self.one.most + self.other.most
 
     def is_surely_beyond(self, radius: float) -> bool:
-        """Return whether they stay further apart than ``radius`` [m], as far as the ends of the spans tell it."""
+        """Return whether the ends of the spans suffice to know that they stay further apart than ``radius`` [m]."""
         if self.one.most or self.other.most:
             return False
         (x, y), (to_x, to_y) = _between(self.one, self.begin_ns), _between(self.one, self.end_ns)
@@ -53,7 +55,7 @@ class Window(NamedTuple):
 
 
 def _between(span: Span, now_ns: int) -> Place:
-    """Return about where a robot is at ``now_ns`` [ns] in a span of constant speed [m]."""
+    """Return the interpolated position [m] of a robot at ``now_ns`` [ns] in a span of constant speed."""
     begin_ns, end_ns, _, x, y, to_x, to_y = span
     share = (now_ns - begin_ns) / (end_ns - begin_ns)
     return x + share * (to_x - x), y + share * (to_y - y)
@@ -76,14 +78,14 @@ def windows(one: Track, other: Track, from_ns: int, to_ns: int) -> Iterator[Wind
 
 
 def gap(one: Track, other: Track, now_ns: int) -> Place:
-    """Return how far ``other`` is from ``one`` at ``now_ns`` [ns]: (x, y) [m]."""
+    """Return the vector (x, y) [m] from ``one`` to ``other`` at ``now_ns`` [ns]."""
     x, y = one.place_at(now_ns)
     to_x, to_y = other.place_at(now_ns)
     return to_x - x, to_y - y
 
 
 def distance(one: Track, other: Track, now_ns: int) -> float:
-    """Return their distance [m] at ``now_ns`` [ns]."""
+    """Return the distance of two robots [m] at ``now_ns`` [ns]."""
     return math.hypot(*gap(one, other, now_ns))
 
 
@@ -116,7 +118,7 @@ def first_within(one: Track, other: Track, radius: float, window: Window) -> Opt
 
 
 def _falling_to(one: Track, other: Track, radius: float, begin_ns: int, end_ns: int) -> int:
-    """Return the first instant [ns] within ``radius`` [m] in a time in which the distance falls from more to less."""
+    """Return the first instant [ns] within ``radius`` [m]; the distance falls below it between the two instants."""
     low_ns, high_ns, begin, end = begin_ns, end_ns, gap(one, other, begin_ns), gap(one, other, end_ns)
     guess_ns = begin_ns
     for _ in range(_REFINED):
@@ -134,7 +136,8 @@ def _falling_to(one: Track, other: Track, radius: float, begin_ns: int, end_ns: 
 def first_beyond(one: Track, other: Track, radius: float, window: Window) -> Optional[int]:
     """Return the first instant [ns] in ``window`` at which they are further apart than ``radius`` [m], or None.
 
-    They are no further apart at its beginning; where one goes beyond by less than BULGE and comes back it may be None.
+    They are no further apart at its beginning. If they are further apart by less than BULGE and come back, the result
+    may be None.
     """
     begin_ns, end_ns, most = window.begin_ns, window.end_ns, window.most
     open_ = [(begin_ns, end_ns, gap(one, other, begin_ns), gap(one, other, end_ns))]
@@ -156,7 +159,7 @@ def first_beyond(one: Track, other: Track, radius: float, window: Window) -> Opt
 
 
 def closest(one: Track, other: Track, window: Window) -> Tuple[float, int]:
-    """Return the least distance [m] in ``window``, to a tenth of a millimetre, and when [ns] that is."""
+    """Return (the smallest distance [m] in ``window``, to a tenth of a millimetre; the instant [ns] of it)."""
     begin_ns, end_ns, most = window.begin_ns, window.end_ns, window.most
     begin, end = gap(one, other, begin_ns), gap(one, other, end_ns)
     best = min((math.hypot(*begin), begin_ns), (math.hypot(*end), end_ns))
@@ -182,18 +185,18 @@ def _bulge(most: float, duration_ns: int) -> float:
 
 
 def _surely_falls(most: float, duration_ns: int, begin: Place, end: Place) -> bool:
-    """Return whether the distance falls all the time between two places [m] of the difference."""
+    """Return whether the distance surely falls all the time while the difference goes from ``begin`` to ``end`` [m]."""
     seconds = duration_ns / NS_PER_S
     (x, y), (to_x, to_y) = begin, end
-    vx, vy, off = (to_x - x) / seconds, (to_y - y) / seconds, 0.5 * most * seconds  # m/s, by which the speed differs
+    vx, vy, off = (to_x - x) / seconds, (to_y - y) / seconds, 0.5 * most * seconds  # m/s; off: the speed's error
     bulge = 0.25 * off * seconds
     farthest = max(math.hypot(x, y), math.hypot(to_x, to_y)) + bulge
-    # Of the product of place and speed, which is the highest at the end of the chord, with all that it may be off.
+    # The scalar product of position and speed is largest at the end of the chord; all possible errors are added.
     return to_x * vx + to_y * vy + farthest * off + bulge * math.hypot(vx, vy) < 0.0
 
 
 def _on_chord(begin: Place, end: Place) -> Tuple[float, float]:
-    """Return where between two places [m] the origin is nearest, a share in 0..1, and how far off it is [m]."""
+    """Return (share in 0..1 of the chord at which it is nearest to the origin, distance there [m])."""
     (x, y), (to_x, to_y) = begin, end
     dx, dy = to_x - x, to_y - y
     square = dx * dx + dy * dy
@@ -202,11 +205,11 @@ def _on_chord(begin: Place, end: Place) -> Tuple[float, float]:
 
 
 def _crossing(begin: Place, end: Place, radius: float) -> float:
-    """Return about where the way between two places [m] comes within ``radius`` [m] of the origin, a share in 0..1."""
+    """Return the share, 0..1, of the chord at which it comes within ``radius`` [m] of the origin, about."""
     (x, y), (to_x, to_y) = begin, end
     dx, dy = to_x - x, to_y - y
     square, half = dx * dx + dy * dy, x * dx + y * dy
     rest = x * x + y * y - radius * radius
     root = math.sqrt(max(0.0, half * half - square * rest))
-    # The smaller root, written so that nothing cancels: half < 0 where they come nearer.
+    # The smaller root, written so that nothing cancels: half < 0 if they come nearer.
     return min(1.0, max(0.0, rest / (root - half))) if root > half else 1.0

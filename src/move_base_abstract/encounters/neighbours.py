@@ -1,4 +1,4 @@
-"""Whose ways come near whose, and when: tracks by the square cells that they lead through, not all pairs."""
+"""Which robots' ways come near each other, and when. Tracks are found by square cells, not by checking all pairs."""
 from __future__ import annotations
 
 import math
@@ -7,24 +7,24 @@ from typing import Dict, List, Optional, Tuple
 from .nearness import Window, windows
 from .track import Span, Track
 
-_MOST_CELLS = 64  # of one span; one that covers more is looked at by everybody
+_MOST_CELLS = 64  # per span; a track with a larger span is compared with all others
 Cell = Tuple[int, int]
 
 
 class Neighbours:
-    """The tracks of robots, by index; two of them are near where they come within ``radius`` [m], or nearly so."""
+    """The tracks of robots, by index; finds those that may come within ``radius`` [m] of each other."""
 
     def __init__(self, radius: float) -> None:
         self._radius = radius
-        #: the side of a cell [m], and how far a span may lead
+        #: the side of a cell [m], and the length of the longest span
         self.side = 2.0 * radius
         self._tracks: Dict[int, Track] = {}
         self._cells: Dict[Cell, Dict[int, List[Span]]] = {}
-        self._of: Dict[int, List[Cell]] = {}  # the cells in which a robot is
+        self._of: Dict[int, List[Cell]] = {}  # the cells through which the track of a robot leads
         self._everywhere: Dict[int, bool] = {}  # robots whose tracks are in too many cells
 
     def put(self, index: int, track: Track) -> None:
-        """The robot ``index`` goes by ``track`` from now on."""
+        """Note that the robot ``index`` follows ``track`` from now on."""
         self.drop(index)
         self._tracks[index] = track
         own: Dict[Cell, List[Span]] = {}
@@ -40,7 +40,7 @@ class Neighbours:
             self._cells.setdefault(cell, {})[index] = spans
 
     def drop(self, index: int) -> None:
-        """The robot is not there any more."""
+        """Forget the track of the robot ``index``."""
         self._tracks.pop(index, None)
         self._everywhere.pop(index, None)
         for cell in self._of.pop(index, ()):
@@ -50,9 +50,10 @@ class Neighbours:
                 del self._cells[cell]
 
     def near(self, index: int, now_ns: int) -> List[Tuple[int, List[Window]]]:
-        """Return [(other robot, [Window, ...] in order), ...] by index: times in which it may come near to the robot.
+        """Return [(index of another robot, [Window, ...] in order), ...], by index.
 
-        From ``now_ns`` [ns] on.
+        The windows are the spans of time from ``now_ns`` [ns] on in which the other robot may come near the robot
+        ``index``.
         """
         track = self._tracks[index]
         if index in self._everywhere:
@@ -87,7 +88,7 @@ class Neighbours:
         return found
 
     def _covered(self, span: Span, margin: float) -> Optional[List[Cell]]:
-        """Return the cells that the box of a span touches, ``margin`` [m] wider; None: too many."""
+        """Return the cells that the box of a span, enlarged by ``margin`` [m], touches; None: too many."""
         left, low, right, high = (math.floor(edge / self.side) for edge in _box(span, margin))
         if (right - left + 1) * (high - low + 1) > _MOST_CELLS:
             return None

@@ -1,16 +1,16 @@
-"""What a robot will do, as far as it is known: drive its leg, and stand. As spans of smooth motion."""
+"""What a robot will do as far as it is known: drive its leg, then stand; as spans of smooth motion."""
 from __future__ import annotations
 
 from typing import Any, List, NamedTuple, Tuple
 
 from ..common.units import LAST_NS
 
-#: of one track, above which it is not looked for by places, but by everybody
+#: the largest number of spans of a track; a longer leg gets spans that are not cut, see Neighbours
 MOST_SPANS = 4096
 
 
 class Span(NamedTuple):
-    """A time [ns] in which a robot stands or drives straight on from (x, y) to (to_x, to_y) [m].
+    """A span of time [ns] in which a robot stands, or drives straight from (x, y) to (to_x, to_y) [m].
 
     Its acceleration is no more than ``most`` [m/s^2].
     """
@@ -27,8 +27,8 @@ class Span(NamedTuple):
 class Track:
     """Where a robot is from ``now_ns`` [ns] on, if nothing interferes.
 
-    ``leg``: the one under way, or None of one that stands at ``pose`` (Pose2D). ``spans`` (Span, ...) follow one
-    another up to the end of simulated time; none leads further than ``reach`` [m], but where there would be too many.
+    ``leg``: the leg under way, or None if the robot stands at ``pose`` (Pose2D). ``spans`` (Span, ...) follow one
+    another up to the end of simulated time. None is longer than ``reach`` [m], unless there would be too many.
     """
 
     __slots__ = ('leg', 'pose', 'end_ns', 'spans')
@@ -36,7 +36,7 @@ class Track:
     def __init__(self, leg: Any, pose: Any, now_ns: int, reach: float) -> None:
         self.leg = leg
         self.pose = pose if leg is None else leg.end
-        #: from when on it stands [ns]
+        #: the instant from which on the robot stands [ns]
         self.end_ns: int = now_ns if leg is None else max(now_ns, leg.arrive_ns)
         self.spans: List[Span] = []
         if leg is not None:
@@ -56,13 +56,13 @@ class Track:
 
     @staticmethod
     def _instants(leg: Any, begin_ns: int, end_ns: int, reach: float) -> List[int]:
-        """Return the ends [ns] of the parts of a smooth time, each no longer than ``reach`` [m]."""
+        """Return the ends [ns] of the parts of a smooth span, each no longer than ``reach`` [m]."""
         begin = leg.distance_at(begin_ns)
         parts = int((leg.distance_at(end_ns) - begin) / reach)
         found = [leg.guess_ns(begin + number * reach) for number in range(1, parts + 1)] if parts else []
         return [*(instant for instant in found if begin_ns < instant < end_ns), end_ns]
 
     def place_at(self, now_ns: int) -> Tuple[float, float]:
-        """Return (x, y) [m] at ``now_ns`` [ns]: what the robot's own pose says."""
+        """Return the position (x, y) [m] at ``now_ns`` [ns], exactly as in the robot's own pose."""
         pose = self.pose if now_ns >= self.end_ns else self.leg.pose_at(now_ns)
         return pose.x, pose.y

@@ -1,4 +1,4 @@
-"""Batteries: the state of charge as a formula, and what a leg takes."""
+"""Batteries: the state of charge as a formula, and the energy that a leg takes."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,6 +1,6 @@
 """The battery of a robot: its parameters, and its state of charge at any instant, by a formula.
 
-The instants at which the charge passes a threshold follow from it, to the nanosecond; nothing is polled.
+The instants at which the charge crosses a threshold follow from the formula, to the nanosecond; nothing is polled.
 """
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ def _thresholds(value: Any) -> Any:
     return shares
 
 
-#: the defaults are those of a small robot of the demos of rmf
+#: the defaults are those of a small robot in the demos of rmf
 TABLE = (
     Parameter('battery_capacity', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [Ah], 0 = no battery',
               'Charge of the full battery.'),
     Parameter('nominal_voltage', 12.0, _POSITIVE, 'a number > 0, <= 1e9 [V]',
-              'Capacity times voltage is the energy that the battery holds.'),
+              'Voltage; capacity times voltage is the energy of the full battery.'),
     Parameter('charging_current', 5.0, _POSITIVE, 'a number > 0, <= 1e9 [A]',
-              'Current at a charger that gives no current of its own.'),
+              'Charging current at a charger that has none of its own.'),
     Parameter('mass', 70.0, _POSITIVE, 'a number > 0, <= 1e9 [kg]',
               'Mass of the robot.'),
     Parameter('moment_of_inertia', 40.0, _POSITIVE, 'a number > 0, <= 1e9 [kg m^2]',
@@ -76,13 +76,13 @@ TABLE = (
               'States of charge whose crossing is reported.'),
     Parameter('battery_state_freq', 0.0, number(0.0, 1000.0),
               'a number in 0..1000 [Hz, simulated], 0 = at changes only',
-              'How often the state of the battery is repeated.'),
+              'Rate at which the state of the battery is repeated.'),
 )
 
 
 @dataclass(frozen=True)
 class BatterySettings:
-    """A battery and what it feeds, see TABLE; ``levels``: thresholds, falling, the last one 0."""
+    """A battery and what it feeds; units as in TABLE. ``levels``: the thresholds, highest first, the last one 0."""
 
     capacity: float
     nominal_voltage: float
@@ -95,7 +95,7 @@ class BatterySettings:
 
     @property
     def energy(self) -> float:
-        """What it holds when it is full [J]."""
+        """The energy of the full battery [J]."""
         return self.capacity * self.nominal_voltage * 3600.0 or sys.float_info.min
 
 
@@ -110,12 +110,13 @@ def read_battery(values: Mapping[str, Any]) -> Optional[BatterySettings]:
 
 
 class Battery:
-    """One robot's. ``zones`` (Zone): those with a charger charge who stands in them; ``stream`` is told and heard.
+    """The battery of one robot.
 
-    ``charger``: the Zone whose charger it is at, or None.
+    ``zones`` (Zone, ...): those with a charger charge the robots that stand in them; ``stream``: the robot's stream of
+    events, for telling and hearing. ``charger``: the Zone that charges the robot, or None.
     """
 
-    #: for which the navigator refuses goals
+    #: the reason for which the navigator refuses goals
     REASON = 'battery'
 
     def __init__(self, settings: BatterySettings, robot: Any, navigator: Navigator, simulation: Simulation,
@@ -133,7 +134,7 @@ class Battery:
         self._soc = settings.start
         self._energy = settings.energy
         self._course: Union[_Even, _Driving] = _Even(0.0, simulation.now_ns)
-        self.since_ns = simulation.now_ns  # of the formula
+        self.since_ns = simulation.now_ns  # the instant from which on the formula holds
         self._levels = _Levels(settings.levels, self._soc)
         self._alarm = Alarm(simulation.queue, robot.index, self._is_heard)
         robot.follow(self._motion_changed)
@@ -150,23 +151,23 @@ class Battery:
 
     @property
     def is_empty(self) -> bool:
-        """Whether the robot stands because of it."""
+        """Whether the battery is empty, so that the robot stands."""
         return self._levels.passed == len(self.settings.levels)
 
     @property
     def is_low(self) -> bool:
-        """Whether the charge has fallen to a threshold."""
+        """Whether the charge is at or below a threshold."""
         return self._levels.passed > 0
 
     @property
     def current(self) -> Any:
-        """The current [A] of a robot that stands, > 0 while it is charged; None: it drives."""
+        """The current [A] while the robot stands, > 0 while it is charged; None while it drives."""
         if isinstance(self._course, _Even):
             return 0.0 if self.is_empty else -self._course.power / self.settings.nominal_voltage
         return None
 
     def set(self, soc: float, now_ns: int) -> None:
-        """Have the state of charge ``soc`` in 0..1 from ``now_ns`` [ns] on."""
+        """Set the state of charge to ``soc``, 0..1, from ``now_ns`` [ns] on."""
         self._motion_changed(now_ns)
         self._soc = soc
         self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
@@ -175,7 +176,7 @@ class Battery:
         self._schedule(now_ns)
 
     def set_tool(self, works: Any, now_ns: int) -> None:
-        """Feed the tool from ``now_ns`` [ns] on, or do so no more."""
+        """Note that the tool works from ``now_ns`` [ns] on, or no longer works."""
         self._tool_works = works
         self._motion_changed(now_ns)
 
@@ -184,31 +185,31 @@ class Battery:
         self._motion_changed(event.time_ns)
 
     def reset(self, now_ns: int) -> None:
-        """The robot is about to be put to its start, its navigator is reset already: as at the start."""
+        """Go back to the charge at the start. The navigator is reset already; the robot is placed at its start next."""
         self._soc, self._course = self.settings.start, _Even(0.0, now_ns)
         self._tool_works, self._load = False, 0.0
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]. The robot stands next."""
+        """Note that the clock has restarted and events have been shifted by ``by_ns`` [ns]; the robot stands next."""
         now_ns = self._simulation.now_ns
         self._settle(now_ns - by_ns)
         self._course = _Even(0.0, now_ns)
 
     def close(self) -> None:
-        """The robot is gone."""
+        """Note that the robot is removed."""
         self._alarm.cancel()
 
     def tell_those(self, hears: Callable[[], int]) -> None:
-        """Ask ``hears()`` who hears of the battery, NOBODY to PARTICIPANTS: before it is called nobody does."""
+        """Ask ``hears()``, from now on, who listens to the battery: NOBODY to PARTICIPANTS. Until then nobody does."""
         self._hears = hears
 
     def _is_heard(self) -> bool:
         return self._hears is not None and self._hears() == PARTICIPANTS
 
     def begin(self, now_ns: int) -> None:
-        """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
+        """Begin at ``now_ns`` [ns], when all parts of the robot exist: report the charge and go by the formula."""
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
         self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
@@ -219,7 +220,7 @@ class Battery:
         self.since_ns = now_ns
 
     def _motion_changed(self, now_ns: int) -> None:
-        """Go by another formula from ``now_ns`` [ns] on."""
+        """Find the formula that holds from ``now_ns`` [ns] on."""
         driven: Any = self._course
         leg, settings = self._robot.leg, self.settings
         self._settle(now_ns)
@@ -247,7 +248,7 @@ class Battery:
         self._schedule(now_ns)
 
     def _schedule(self, now_ns: int) -> None:
-        """Have the next level noticed at its instant."""
+        """Schedule the instant at which the charge crosses the next level."""
         due_ns, found = None, self._levels.next(self._course.is_charging, self._soc)
         if found is not None:
             level, is_beyond = found
@@ -263,7 +264,7 @@ class Battery:
 
     def _notice(self, now_ns: int) -> None:
         if self._course.is_charging and not self._levels.passed:
-            self._settle(now_ns)  # the charger feeds the robot, and no more
+            self._settle(now_ns)  # the battery is full, so the charger only feeds the robot
             self._soc = 1.0
             self._stream.tell(ChargePassed(now_ns, self._robot.name, 1.0, FULL))
         else:
@@ -271,10 +272,10 @@ class Battery:
             self._schedule(now_ns)
 
     def _pass_levels(self, now_ns: int, is_told: bool = True) -> None:
-        """Note where the charge is among the levels."""
+        """Note which levels the charge has crossed, and report them if ``is_told``."""
         was_empty = self.is_empty
         passed = self._levels.take(self.soc_at(now_ns))
-        with ExitStack() as rest:  # which comes whatever goes wrong with telling it
+        with ExitStack() as rest:  # these callbacks run even if telling fails
             if self.is_empty and not was_empty:
                 rest.callback(self._navigator.disable, self.REASON, BATTERY_EMPTY, now_ns)
             elif was_empty and not self.is_empty:
@@ -284,7 +285,7 @@ class Battery:
 
 
 class _Levels:
-    """The thresholds of a charge, falling, the last one 0; ``passed``: how many of them ``soc`` is not above."""
+    """The thresholds of a charge, highest first, the last one 0; ``passed``: the number that ``soc`` is not above."""
 
     def __init__(self, levels: Tuple[float, ...], soc: float) -> None:
         self._levels = levels
@@ -294,7 +295,7 @@ class _Levels:
         return sum(soc <= level for level in self._levels)
 
     def next(self, is_charging: bool, soc: float) -> Optional[Tuple[float, Callable[[float, float], bool]]]:
-        """Return (level, when a charge is beyond it) of the next that may be passed, or None."""
+        """Return (level, function(charge, level) that says if it is crossed) of the level that comes next, or None."""
         if not is_charging:
             return None if self.passed == len(self._levels) else (self._levels[self.passed], operator.le)
         if self.passed:
@@ -302,14 +303,14 @@ class _Levels:
         return (1.0, operator.ge) if soc < 1.0 else None
 
     def take(self, soc: float) -> List[Tuple[float, str]]:
-        """The charge is ``soc``: return (level, BELOW, EMPTY or ABOVE) of those that it has passed, in their order."""
+        """Note the charge ``soc``; return (level, BELOW, EMPTY or ABOVE) of each level that it crossed, in order."""
         before, self.passed = self.passed, self._count(soc)
         return [(level, BELOW if level else EMPTY) for level in self._levels[before:self.passed]] or [
             (level, ABOVE) for level in reversed(self._levels[self.passed:before])]
 
 
 class _Even:
-    """``power`` [W] since ``since_ns`` [ns]; of a charger it is < 0."""
+    """A constant ``power`` [W] since ``since_ns`` [ns]; that of a charger is < 0."""
 
     def __init__(self, power: float, since_ns: int) -> None:
         self.power = power
@@ -317,11 +318,14 @@ class _Even:
         self._since_ns = since_ns
 
     def until(self, now_ns: int) -> float:
-        """Return the energy that has been taken up to ``now_ns`` [ns] [J]."""
+        """Return the energy [J] that has been taken up to ``now_ns`` [ns]."""
         return self.power * ((now_ns - self._since_ns) / NS_PER_S)
 
     def first_ns(self, share: float, energy: float, is_passed: Callable[[int], bool]) -> Optional[int]:
-        """Return the first instant [ns] at which ``is_passed``, or None: ``share`` of ``energy`` [J] is gone."""
+        """Return the first instant [ns] at which ``is_passed``, or None if there is none.
+
+        It is about when the ``share`` of the ``energy`` [J] has been taken.
+        """
         if not self.power:
             return None
         seconds = share * energy / self.power
@@ -331,15 +335,15 @@ class _Even:
         if is_passed(near_ns) and not (near_ns > self._since_ns and is_passed(near_ns - 1)):
             return near_ns
         if not is_passed(LAST_NS):
-            return None  # so little that no number shows it
+            return None  # the power is so small that rounding hides it
         while not is_passed(near_ns + spread_ns) or (near_ns - spread_ns > self._since_ns
                                                      and is_passed(near_ns - spread_ns)):
-            spread_ns *= 8  # rounding has moved it further
+            spread_ns *= 8  # rounding has moved the instant further
         return first_ns(max(self._since_ns, near_ns - spread_ns), near_ns + spread_ns, is_passed)
 
 
 class _Driving:
-    """A leg from ``since_ns`` [ns] on: ``power`` [W] and its LegEnergy, of which ``before`` [J] has been taken."""
+    """A leg from ``since_ns`` [ns] on: a ``power`` [W] and its LegEnergy, of which ``before`` [J] was taken before."""
 
     is_charging = False
 
@@ -351,12 +355,12 @@ class _Driving:
         self._since_ns = since_ns
 
     def until(self, now_ns: int) -> float:
-        """Return the energy that has been taken up to ``now_ns`` [ns] [J]: nothing at the departure yet."""
+        """Return the energy [J] that has been taken up to ``now_ns`` [ns]; it is 0 at the departure."""
         if now_ns <= self.leg.depart_ns:
             return 0.0
         return self.energy.until(now_ns) - self._before + self._power * ((now_ns - self._since_ns) / NS_PER_S)
 
     def first_ns(self, _share: float, _energy: float, is_passed: Callable[[int], bool]) -> Optional[int]:
-        """As of :class:`_Even`, None: not on this leg."""
+        """Return the first instant [ns] at which ``is_passed``, or None if there is none on this leg."""
         arrive_ns = self.leg.arrive_ns
         return first_ns(self._since_ns, arrive_ns, is_passed) if is_passed(arrive_ns) else None

@@ -1,20 +1,21 @@
 """The energy that a leg takes until any instant, in closed form: nothing is integrated.
 
-Changing the speed v takes m |a| v watts, braking as much as speeding up, likewise turning I |alpha| omega; friction
-takes f m g v. (The model of rmf_battery, Open Robotics.) The first two are m and I times the total variation of v^2 / 2
-and omega^2 / 2: between instants at which the law of motion changes both only rise or only fall, so that the variation
-there is a difference of two values. A speed that comes at once counts as one that came fast.
+The model is that of rmf_battery (Open Robotics). Changing the speed v takes m a v watts, where a is the size of the
+acceleration; braking takes as much as speeding up. In the same way, turning takes I alpha omega watts. Friction takes
+f m g v. The first two energies are m and I times the total variation of v^2 / 2 and of omega^2 / 2. Between the
+instants at which the law of motion changes, both only rise or only fall, so the variation there is the difference of
+two values. A speed that is reached in no time costs as much as one that is reached quickly.
 """
 from __future__ import annotations
 
 from bisect import bisect_right
 from typing import Any, NamedTuple, Tuple
 
-GRAVITY = 9.81  # m/s^2, as there
+GRAVITY = 9.81  # m/s^2, as in rmf_battery
 
 
 class Mechanics(NamedTuple):
-    """Of a robot: ``mass`` [kg], ``moment_of_inertia`` about its vertical axis [kg m^2], ``friction_coefficient``."""
+    """A robot's ``mass`` [kg], ``moment_of_inertia`` about the vertical axis [kg m^2] and ``friction_coefficient``."""
 
     mass: float
     moment_of_inertia: float
@@ -22,13 +23,13 @@ class Mechanics(NamedTuple):
 
 
 class LegEnergy:
-    """What a leg, of any kind, takes."""
+    """The energy that a leg of any kind takes."""
 
     def __init__(self, leg: Any, mechanics: Mechanics) -> None:
         self._leg = leg
         self._mechanics = mechanics
         self._instants = instants = leg.even_instants_ns(1)
-        self._begins = []  # (energy up to then [J], forward and turning energy then [J])
+        self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
         energy, before = 0.0, (0.0, 0.0)
         for begin_ns, end_ns in zip(instants, instants[1:]):
             at_begin = self._kinetic(begin_ns)
@@ -40,7 +41,7 @@ class LegEnergy:
         self._friction = mechanics.friction_coefficient * mechanics.mass * GRAVITY
 
     def until(self, now_ns: int) -> float:
-        """Return what has been taken from the departure to ``now_ns`` [ns], not before it [J]."""
+        """Return the energy [J] from the departure to ``now_ns`` [ns], which is not before the departure."""
         friction: float = self._friction * self._leg.distance_at(now_ns)
         if now_ns >= self._leg.arrive_ns:
             return self._whole + friction
@@ -48,7 +49,7 @@ class LegEnergy:
         return energy + _change(at_begin, self._kinetic(now_ns)) + friction
 
     def stopping(self, now_ns: int) -> float:
-        """Return what it takes to stand at ``now_ns`` [ns] if the leg is left there [J]."""
+        """Return the energy [J] that stopping takes if the robot leaves the leg at ``now_ns`` [ns]."""
         return _change(self._kinetic(now_ns), (0.0, 0.0))
 
     def _kinetic(self, now_ns: int) -> Tuple[float, float]:

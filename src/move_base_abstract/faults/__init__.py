@@ -1,4 +1,4 @@
-"""What may go wrong with a robot, when it does, and its present condition."""
+"""Faults of a robot: failures and deliberate faults, when they come, and the robot's present condition."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

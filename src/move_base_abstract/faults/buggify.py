@@ -1,7 +1,8 @@
 """Deliberate faults of single goals, each with a chance: a late result, an aborted goal, a wrong pose.
 
-Unlike failures it is there to find what clients take for granted: it comes only with a ``buggify_seed`` other than 0,
-which in lockstep is the seed of chaos. Each has a name, the same in each run, by which it can be switched off alone.
+Unlike failures, their purpose is to find what clients take for granted. They come only with a ``buggify_seed`` other
+than 0, which in lockstep is the seed of chaos. Each fault has a name that is the same in each run, so a user can choose
+single faults.
 """
 from __future__ import annotations
 
@@ -22,14 +23,14 @@ if TYPE_CHECKING:
     from .failing import Failing
 
 LATE_RESULT, STOP = 'late_result', 'stop'
-KINDS = (LATE_RESULT, ABORT, STOP, SILENT, JUMP, MUTE)  # of a goal at most one, the first that its number is for
-CAUSE = 'chaos '  # how the cause of such a failure begins; its name follows
-_LONGEST_S = 10.0  # simulated, that a robot stands, is silent or late, or tells a wrong pose or none
-_FARTHEST_M, _FARTHEST_RAD = 1.0, 0.2  # by which a pose jumps, along each axis, and turns
-_BEFORE_END_NS = 1_000_000  # a result is late because the robot stands so long before its end
+KINDS = (LATE_RESULT, ABORT, STOP, SILENT, JUMP, MUTE)  # a goal has at most one fault: the first that is drawn
+CAUSE = 'chaos '  # the beginning of the cause of such a failure; the name of the fault follows
+_LONGEST_S = 10.0  # s, simulated: the longest time of a stop, a silence, a delay, or a wrong or missing pose
+_FARTHEST_M, _FARTHEST_RAD = 1.0, 0.2  # the largest jump of a pose along each axis, and its largest turn
+_BEFORE_END_NS = 1_000_000  # a result is late because the robot stops this long before the end of its leg
 _FAILURES = {LATE_RESULT: STALL, STOP: STALL, ABORT: ABORT, SILENT: SILENT}
 _CHANCE = number(0.0, 1.0)
-#: what each number of a goal is for. They are part of what a seed means: they stay
+#: the use of each draw of a goal. The numbers must stay, since the meaning of a seed depends on them
 _PLACES = {LATE_RESULT: 0, ABORT: 1, STOP: 2, SILENT: 3, JUMP: 6, MUTE: 7}
 _SHARE, _SECONDS, _X, _Y, _YAW = 4, 5, 8, 9, 10
 
@@ -50,18 +51,21 @@ def _names(value: Any) -> Tuple[str, ...]:
 TABLE = (
     Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent, jump, '
               'mute; each a chance in 0..1 per goal',
-              'Chance per goal of each thing that goes wrong on purpose; of several the first one in this order '
+              'Chance per goal of each deliberate fault; if several are drawn, only the first one in this order '
               'comes.'),
-    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: nothing goes wrong',
-              "Seed of what goes wrong on purpose; in lockstep the run's `chaos_seed`."),
-    Parameter('buggify_only', (), _names, 'a list of names, of which alone something goes wrong; empty: of all',
-              "Which of these things happen; in lockstep the run's `chaos_only`."),
+    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: no deliberate faults',
+              "Seed of the deliberate faults; in lockstep the run's `chaos_seed`."),
+    Parameter('buggify_only', (), _names, 'a list of names of faults; empty: all may come',
+              "Names of the deliberate faults that may come; in lockstep the run's `chaos_only`."),
 )
 
 
 @dataclass(frozen=True)
 class Buggify:
-    """``chances``: ((kind, chance), ...), each > 0; ``only``: names of those that happen, empty: all."""
+    """The deliberate faults of a robot.
+
+    ``chances``: ((kind, chance), ...), each > 0; ``only``: the names of the faults that may come, empty: all.
+    """
 
     chances: Tuple[Tuple[str, float], ...]
     seed: int
@@ -69,22 +73,22 @@ class Buggify:
 
 
 def read_buggify(values: Mapping[str, Any]) -> Optional[Buggify]:
-    """Return the :class:`Buggify` in ``values`` (of :data:`TABLE`), None where nothing goes wrong."""
+    """Return the :class:`Buggify` in ``values`` (of :data:`TABLE`), None if there are no deliberate faults."""
     chances = tuple((kind, chance) for kind, chance in values['buggify'] if chance > 0.0)
     return Buggify(chances, values['buggify_seed'], values['buggify_only']) if chances and values[
         'buggify_seed'] else None
 
 
 def name_of(robot: str, kind: str, goal_number: int) -> str:
-    """Return the name of what goes wrong with a goal of a robot, 12 hexadecimal digits."""
+    """Return the name of a fault of a robot's goal, 12 hexadecimal digits."""
     return hashlib.sha256(f'{robot}/{kind}/{goal_number}'.encode()).hexdigest()[:12]
 
 
 class Buggifying:
-    """What a :class:`Buggify` means for one robot; ``chance``: the Chance of its seed and the robot.
+    """Applies a :class:`Buggify` to one robot; ``chance``: the Chance of its seed and the robot.
 
-    ``failing``: the Failing of the robot, by which it fails. What goes wrong with a goal is drawn when the robot first
-    departs for it.
+    ``failing``: the Failing of the robot, by which it fails. The fault of a goal is drawn when the robot first departs
+    for that goal.
     """
 
     def __init__(self, buggify: Buggify, robot: Any, navigator: Any, queue: Any, chance: Chance,
@@ -96,8 +100,8 @@ class Buggifying:
         self._failing = failing
         self._lapsing = Lapsing(robot, queue, stream)
         self._alarm = Alarm(queue, robot.index)
-        self._goal = 0  # that was drawn for
-        self._kind: Optional[str] = None  # of what is to go wrong with it yet
+        self._goal = 0  # the number of the goal of the last draw
+        self._kind: Optional[str] = None  # the kind of the fault that is still to come, None: none
         robot.follow(self._motion_changed)
 
     def _motion_changed(self, _now_ns: int) -> None:
@@ -139,16 +143,16 @@ class Buggifying:
         return farthest * (2.0 * self._uniform(place) - 1.0)
 
     def reset(self, now_ns: int) -> None:
-        """The robot is put to its start at ``now_ns`` [ns]: nothing is ahead of it."""
+        """Note that the robot is placed at its start at ``now_ns`` [ns]: no fault is ahead of it."""
         self._alarm.cancel()
         self._lapsing.reset(now_ns)
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        """Note that the clock has restarted and events have been shifted by ``by_ns`` [ns]."""
         self._alarm.shift(by_ns)
         self._lapsing.restart(by_ns)
 
     def close(self) -> None:
-        """The robot is gone."""
+        """Note that the robot is removed."""
         self._alarm.cancel()
         self._lapsing.close()

@@ -1,4 +1,4 @@
-"""The condition of a robot besides its pose: whether it is held or has failed, and its battery."""
+"""The condition of a robot in addition to its pose: whether it is held or has failed, and its battery."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional, Sequence
@@ -9,10 +9,11 @@ if TYPE_CHECKING:
 
 
 class Condition:
-    """Read-only for who shows it.
+    """The condition of one robot; code that shows it only reads it.
 
     ``failing`` (:class:`.failing.Failing`) is None for a robot that never fails, ``battery``
-    (:class:`.battery.Battery`) for one without a battery. ``quiet``: parts of which there is nothing to tell here.
+    (:class:`.battery.Battery`) for one without a battery. ``quiet``: parts that show nothing but must be reset,
+    restarted and closed with the others.
     """
 
     def __init__(self, navigator: Navigator, failing: Optional[Failing] = None, battery: Any = None,
@@ -24,7 +25,7 @@ class Condition:
 
     @property
     def is_ordinary(self) -> bool:
-        """Whether the robot is one of which there is nothing to tell: it never fails, and has no battery."""
+        """Whether there is nothing to show of the robot: it never fails, and has no battery."""
         return self.failing is None and self.battery is None
 
     @property
@@ -35,7 +36,7 @@ class Condition:
 
     @property
     def state_text(self) -> str:
-        """What is out of the ordinary, in a few words for people; '' if nothing is."""
+        """A few words for people about failure, empty battery and holds; '' if there are none."""
         failing = self.failing
         failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
         empty = ['battery empty'] if self.battery is not None and self.battery.is_empty else []
@@ -44,21 +45,21 @@ class Condition:
         return ', '.join(failed + empty + (['held: ' + ', '.join(held)] if held else []))
 
     def begin(self, now_ns: int) -> None:
-        """The robot is whole, and who listens too."""
+        """Begin at ``now_ns`` [ns], when all parts of the robot and all listeners exist."""
         if self.battery is not None:
             self.battery.begin(now_ns)
 
     def reset(self, now_ns: int) -> None:
-        """The robot is about to be put to its start at ``now_ns`` [ns]; its navigator has been reset."""
+        """Reset all parts; the navigator has been reset, and the robot is placed at its start at ``now_ns`` [ns]."""
         for part in self._parts:
             part.reset(now_ns)
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew, and what was due been shifted by ``by_ns`` [ns]; the navigator comes next."""
+        """Note that the clock has restarted and events have been shifted by ``by_ns`` [ns]; the navigator is next."""
         for part in self._parts:
             part.restart(by_ns)
 
     def close(self) -> None:
-        """The robot is gone."""
+        """Note that the robot is removed."""
         for part in self._parts:
             part.close()

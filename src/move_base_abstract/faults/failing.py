@@ -1,8 +1,8 @@
 """One robot that fails and is repaired. Each instant follows from numbers that are drawn in advance; nothing is polled.
 
-How far a rate has come is an *exposure*: time with a goal, distance driven, goals driven. The next failure by that rate
-comes when the exposure has reached the sum of exponential numbers drawn so far. So the failures of each rate are a
-Poisson process of its exposure, in which a robot that has failed does not get on.
+Each rate has an *exposure*: the time with a goal, the distance driven, or the number of goals driven. The next failure
+by a rate comes when its exposure has reached the sum of the exponential numbers that were drawn so far. So the failures
+by each rate are a Poisson process of its exposure, which does not grow while the robot has failed.
 """
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from ..goals.navigator import Navigator
 
 _PURPOSES = {HOUR: Purpose.FAILURE_HOURS, KM: Purpose.FAILURE_KM, GOAL: Purpose.FAILURE_GOALS}
-#: the unit of each exposure in that of its rate: ns in an hour, m in a km, goals
+#: how many units of an exposure are one unit of its rate: ns in an hour, m in a km, goals
 _UNITS = {HOUR: 3600 * NS_PER_S, KM: 1000.0, GOAL: 1.0}
 
 
 class Failure(NamedTuple):
-    """How a robot has failed: of ``kind``, of what (``cause``), since when, and until when [ns] if that is known."""
+    """A failure: its ``kind`` and ``cause``, when it came, and when it is repaired [ns], None if that is not known."""
 
     kind: str
     cause: str
@@ -40,12 +40,12 @@ class Failure(NamedTuple):
 
 
 class Failing:
-    """What :class:`Failures` mean for one robot; ``chance`` is its Chance; ``stream`` is told.
+    """Applies :class:`Failures` to one robot; ``chance``: the robot's Chance; ``stream``: its stream of events.
 
-    ``failure``: the :class:`Failure` that it has now, or None; ``count``: how many it has had.
+    ``failure``: the present :class:`Failure`, or None; ``count``: the number of failures so far.
     """
 
-    #: for which the navigator is held, or refuses goals
+    #: the reason for which the robot is held, or its navigator refuses goals
     REASON = 'failure'
 
     def __init__(self, failures: Failures, robot: Any, navigator: Navigator, simulation: Simulation, chance: Chance,
@@ -60,7 +60,7 @@ class Failing:
         self._stream = stream
         self._draws = {cause: 0 for cause, _ in failures.rates}
         self._rates = dict(failures.rates)
-        #: exposures at which the next failures come: of distance by the robot's odometer [m], of goals by _driven
+        #: the exposures at which the next failures come: the robot's odometer [m], and the goals of _driven
         self._next = {cause: self._draw(cause) for cause in (KM, GOAL) if cause in self._rates}
         self._hours_left = self._draw_hours() if HOUR in self._rates else None  # ns
         self._hours = Alarm(self._queue, robot.index)
@@ -76,9 +76,9 @@ class Failing:
         stream.subscribe('failures', {GoalChanged: lambda event: self._goal_changed(event.time_ns)})
 
     def fail(self, cause: str, now_ns: int, kind: Optional[str] = None, repair: Optional[float] = None) -> bool:
-        """Fail at ``now_ns`` [ns], for ``repair`` [s], None: as drawn; one that has failed does not fail again.
+        """Fail at ``now_ns`` [ns], for ``repair`` [s], None: a time that is drawn; return whether the robot has failed.
 
-        Return whether it has failed.
+        A robot that has failed already does not fail again. ``kind`` None: the kind of the robot's Failures.
         """
         if self.failure is not None:
             return False
@@ -88,7 +88,7 @@ class Failing:
         self.failure = Failure(kind, cause, now_ns, until_ns)
         if until_ns is not None:
             self._repair.set(until_ns, self.repair)
-        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
+        with ExitStack() as rest:  # these callbacks run even if telling fails; the last one runs first
             if kind == ABORT:
                 rest.callback(self._navigator.disable, self.REASON, FAILED, now_ns)
             else:
@@ -110,11 +110,11 @@ class Failing:
         return until_ns if until_ns <= LAST_NS else None
 
     def repair(self, now_ns: int) -> bool:
-        """Be as before at ``now_ns`` [ns]; return whether there was anything to repair."""
+        """Repair the robot at ``now_ns`` [ns]; return whether there was anything to repair."""
         failure = self.failure
         if failure is None:
             return False
-        with ExitStack() as rest:  # as above
+        with ExitStack() as rest:  # as in fail()
             rest.callback(self._goal_changed, now_ns)
             rest.callback(self._navigator.travel.release, self.REASON, now_ns)
             if failure.kind == ABORT:
@@ -133,13 +133,13 @@ class Failing:
         return failure
 
     def reset(self, now_ns: int) -> None:
-        """The robot is put to its start, its odometer to 0, its navigator is reset already; what is drawn goes on."""
+        """Forget the failure: the robot is placed at its start, its odometer goes to 0; the draws go on."""
         self._forget(now_ns)
         if KM in self._next:
             self._next[KM] -= self._robot.distance_at(now_ns)
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        """Note that the clock has restarted and events have been shifted by ``by_ns`` [ns]."""
         for alarm in (self._hours, self._on_leg, self._repair, self._giving_up):
             alarm.shift(by_ns)
         if self.failure is not None:
@@ -148,22 +148,22 @@ class Failing:
                                                  until_ns=None if until_ns is None else until_ns + by_ns)
 
     def close(self) -> None:
-        """The robot is gone: nothing fails any more."""
+        """Note that the robot is removed: it does not fail any more."""
         self._giving_up.end()
         for event in (self._hours, self._on_leg, self._repair, *self._script):
             event.cancel()
 
     def _draw(self, cause: str) -> float:
-        """Return after how much more exposure it fails again: exponential."""
+        """Return the exposure after which the robot fails again; it is drawn from an exponential distribution."""
         self._draws[cause] += 1
         number = self._chance.uniform(self._draws[cause], _PURPOSES[cause])
         return -math.log(number) / self._rates[cause] * _UNITS[cause]
 
     def _draw_hours(self) -> int:
-        return int(min(self._draw(HOUR), LAST_NS))  # [ns]; of a tiny rate it is infinite
+        return int(min(self._draw(HOUR), LAST_NS))  # [ns]; for a tiny rate the draw is infinite
 
     def _goal_changed(self, now_ns: int) -> None:
-        """Time is counted while there is a goal and no failure."""
+        """Count time, for the failures per hour, while there is a goal and no failure."""
         if self.failure is not None and self.failure.kind == STUCK:
             self._giving_up.goal_changed(now_ns)
         if self._hours_left is None:
@@ -196,7 +196,7 @@ class Failing:
             (KM, self._km_due_ns(leg)), (GOAL, self._driven.reached_ns(self._next.get(GOAL, math.inf))),
             (CLEARANCE, self._sticking.due_ns(leg))) if due_ns is not None]
         if found:
-            due_ns, cause = min(found, key=lambda one: one[0])  # of equal instants that of the distance
+            due_ns, cause = min(found, key=lambda one: one[0])  # at equal instants the first one, the distance
             self._on_leg.set(due_ns, lambda at_ns: self._fail_on_leg(cause, at_ns))
 
     def _km_due_ns(self, leg: Any) -> Optional[int]:
@@ -214,14 +214,15 @@ class Failing:
 
 
 def _no() -> bool:
-    """Return False: nothing goes on for a failure that is to come."""
+    """Return False: a run need not go on because of a failure that is to come."""
     return False
 
 
 class _DrivenGoals:
-    """How many goals a robot has driven to: of one that is under way, or was left, the share of its time.
+    """The number of goals to which a robot has driven.
 
-    A leg on which a goal goes on stands for what was left of it.
+    A goal that is under way, or that was left, counts by the share of its leg's time. If the robot goes on to a goal on
+    another leg, that leg counts as the share that was left.
     """
 
     def __init__(self, navigator: Navigator) -> None:
@@ -244,7 +245,7 @@ class _DrivenGoals:
             self._of_goal += share * (1.0 - self._of_goal)
 
     def reached_ns(self, goals: float) -> Optional[int]:
-        """Return when on the leg [ns] the number of ``goals`` is reached, or None."""
+        """Return the instant [ns] of the leg at which the number of goals reaches ``goals``, or None."""
         whole = 1.0 - self._of_goal
         if self._done + whole < goals:
             return None

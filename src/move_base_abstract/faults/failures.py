@@ -11,7 +11,7 @@ from ..common.units import seconds_to_ns
 from ..engine.factors import Constant, Lognormal
 
 ABORT, STALL, SILENT, STUCK = KINDS = ('abort', 'stall', 'silent', 'stuck')
-#: what a failure comes of
+#: the causes of failures
 HOUR, KM, GOAL, CLEARANCE, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'clearance', 'script', 'request'
 _NEVER = 'never'
 _MOST_SECONDS = 1e9
@@ -22,7 +22,7 @@ _BY_CLEARANCE = ascending_pairs(number(0.0, 100.0), number(0.0, 1.0))
 
 
 class Scripted(NamedTuple):
-    """A failure at the simulated instant ``at_ns`` [ns]; ``kind`` and ``repair`` [s] None: as of any other."""
+    """A failure at the simulated instant ``at_ns`` [ns]; ``kind`` or ``repair`` [s] None: as for other failures."""
 
     at_ns: int
     kind: Optional[str]
@@ -30,7 +30,7 @@ class Scripted(NamedTuple):
 
 
 def _script(value: Any) -> Tuple[Scripted, ...]:
-    """Return the :class:`Scripted` in a list of seconds, or of mappings with at, and with kind and repair if wanted."""
+    """Return the :class:`Scripted` of a list of seconds, or of mappings with ``at`` and perhaps kind and repair."""
     if not isinstance(value, (list, tuple)):
         raise ValueError
     return tuple(sorted((_scripted(entry) for entry in value), key=lambda one: one.at_ns))
@@ -47,7 +47,7 @@ def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
 
 TABLE = (
     Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT,
-              'What a robot does when it has failed; `none`: it never fails.'),
+              'Behaviour of a robot that has failed; `none`: it never fails.'),
     Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]',
               'Mean number of failures in an hour in which the robot has a goal and has not failed.'),
     Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]',
@@ -56,7 +56,7 @@ TABLE = (
               'Mean number of failures on the way to a goal.'),
     Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
               'kind: ' + _KINDS_TEXT + ', repair: seconds}',
-              'Failures at these instants of `/clock`; instants before the robot is there are left out.'),
+              'Failures at these instants of `/clock`; instants before the robot exists are left out.'),
     Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]',
               'Mean time until a failed robot is repaired.'),
     Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'",
@@ -77,12 +77,12 @@ _RATES = {HOUR: 'failures_per_hour', KM: 'failures_per_km', GOAL: 'failures_per_
 
 @dataclass(frozen=True)
 class Failures:
-    """What may go wrong with a robot.
+    """The failures of a robot.
 
-    ``kind`` (of KINDS), ``rates`` (((cause, rate), ...), each > 0: 1/h with a goal, 1/km, 1 per goal), ``script``
-    (of :class:`Scripted`, in the order of time), ``repair`` (a distribution of :mod:`.factors` [s], None: never);
-    ``by_clearance`` (((clearance of the way [m], chance to get stuck), ...)); ``patience``: after which a robot that is
-    stuck gives a goal up [s].
+    ``kind``: one of KINDS; ``rates``: ((cause, rate), ...), each > 0, in 1/h with a goal, 1/km, or per goal;
+    ``script``: (:class:`Scripted`, ...) in the order of time; ``repair``: the distribution of the time to a repair [s],
+    one of :mod:`.factors`, None: there is no repair; ``by_clearance``: ((clearance of the way [m], chance to get
+    stuck), ...); ``patience`` [s]: the time after which a robot that is stuck gives up a goal.
     """
 
     kind: str
@@ -94,9 +94,9 @@ class Failures:
 
 
 def check_request(kind: Optional[str], repair: Optional[float], where: str) -> None:
-    """Check what a user asks for: a failure's ``kind`` and ``repair`` [s], None: as of any other.
+    """Check the ``kind`` and the ``repair`` [s] of a failure that a user requests, None: as for other failures.
 
-    :raises ConfigurationError: naming ``where`` and what is allowed.
+    :raises ConfigurationError: if one is not allowed; the text names ``where`` and what is allowed.
     """
     requested: Tuple[Tuple[str, Any, Parameter], ...] = (
         ('kind', kind, _REQUESTED_KIND), ('repair', repair, _REQUESTED_REPAIR))
@@ -108,7 +108,7 @@ def check_request(kind: Optional[str], repair: Optional[float], where: str) -> N
 def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     """Return the :class:`Failures` in ``values`` (of :data:`TABLE`), None for a robot that never fails.
 
-    :raises ConfigurationError: for values that do not fit together.
+    :raises ConfigurationError: for values that do not fit together; ``where``: the name space of the parameters.
     """
     where = where.rstrip('/')
     kind, cv = values['failure_kind'], values['repair_cv']
@@ -126,7 +126,7 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):
         raise ConfigurationError('parameter {}/repair_cv: got {:g} with repair_distribution: {}; allowed: > 0 with '
-                                 'lognormal, else 0'.format(where, cv, distribution))
+                                 'lognormal, otherwise 0'.format(where, cv, distribution))
     mean = values['repair_time']
     repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])

@@ -15,7 +15,7 @@ LAPSES = (JUMP, MUTE)
 
 
 class Lapsing:
-    """The lapses of one robot, one at a time; ``stream`` (Stream) is told when they begin and end."""
+    """The lapses of one robot, one at a time; their beginnings and ends are told to ``stream`` (Stream)."""
 
     def __init__(self, robot: Any, queue: EventQueue, stream: Stream) -> None:
         self._robot = robot
@@ -24,9 +24,9 @@ class Lapsing:
         self._now: Optional[Tuple[str, str]] = None  # kind and cause
 
     def begin(self, kind: str, cause: str, now_ns: int, until_ns: int, by: Tuple[float, float, float]) -> None:
-        """Begin one at ``now_ns`` [ns], up to ``until_ns`` [ns]; while there is one, nothing is done.
+        """Begin a lapse at ``now_ns`` [ns] that lasts until ``until_ns`` [ns]; if there is one already, do nothing.
 
-        ``by``: of a jump, how far the pose that is told lies beside the true one then (x, y [m], yaw [rad]).
+        ``by``: the jump of the reported pose from the true one (x, y [m], yaw [rad]), for a lapse of the kind JUMP.
         """
         if self._now is not None:
             return
@@ -45,14 +45,14 @@ class Lapsing:
             self._stream.tell(Lapse(now_ns, self._robot.name, kind, cause, False))
 
     def reset(self, now_ns: int) -> None:
-        """The robot is put to its start at ``now_ns`` [ns]: it is right again."""
+        """End the lapse, since the robot is placed at its start at ``now_ns`` [ns]."""
         self._end.cancel()
         self._be_right(now_ns)
 
     def restart(self, by_ns: int) -> None:
-        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        """Note that the clock has restarted and events have been shifted by ``by_ns`` [ns]."""
         self._end.shift(by_ns)
 
     def close(self) -> None:
-        """The robot is gone."""
+        """Note that the robot is removed."""
         self._end.cancel()

@@ -1,7 +1,7 @@
-"""Robots that get stuck where their way passes an obstacle too closely: whether, where, and how their goals end.
+"""Robots that get stuck where their way passes an obstacle too closely: if and where they do, and how goals then end.
 
-A real robot that cuts the end of a wall too closely stays there: each goal that it is sent afterwards is given up after
-some seconds in which nothing is driven, until somebody moves it.
+A real robot that passes the end of a wall too closely stays there. It gives up each goal that it gets afterwards, after
+some seconds without driving, until somebody moves it.
 """
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from ..engine.event_queue import EventQueue
     from ..goals.navigator import Navigator
 
-_WAY_OUT = 1.0  # m, on which who comes from where it was stuck is not stuck again
+_WAY_OUT = 1.0  # m; a robot that departs from where it was stuck does not get stuck again on this distance
 
 
 class Sticking:
-    """Where on its legs a robot gets stuck: ``chances`` ((clearance [m], chance), ...), for each goal drawn once."""
+    """Finds where on its legs a robot gets stuck, by ``chances`` ((clearance [m], chance), ...); one draw per goal."""
 
     def __init__(self, chances: Pairs, navigator: Navigator, chance: Chance) -> None:
         self._chances = chances
         self._navigator = navigator
         self._chance = chance
-        self._stuck_goal = 0  # the number of the goal on whose way it was stuck last: once is enough
-        self._place: Any = None  # where that was
+        self._stuck_goal = 0  # the number of the last goal on whose way it got stuck; once per goal is enough
+        self._place: Any = None  # where it got stuck
 
     def due_ns(self, leg: Any) -> Optional[int]:
-        """Return when on ``leg`` the robot gets stuck [ns], or None: it does not, or there is no map."""
+        """Return the instant [ns] of ``leg`` at which the robot gets stuck, None if it does not or there is no map."""
         occupancy = getattr(self._navigator.planner, 'occupancy', None)
         number = self._navigator.goal_number
         if not self._chances or occupancy is None or number == self._stuck_goal or not leg.distance > 0.0:
             return None
-        from ..maps.clearance import ClearanceField  # only who has a map pays for numpy
+        from ..maps.clearance import ClearanceField  # imported here, since only robots with a map need numpy
         clearance, distance = ClearanceField.on(occupancy, self._chances[-1][0]).least_along(
             leg.way, _WAY_OUT if (leg.start.x, leg.start.y) == self._place else 0.0)
         if self._chance.uniform(number, Purpose.STUCK) >= along(self._chances, clearance):
@@ -48,13 +48,13 @@ class Sticking:
                         leg.guess_ns(distance))
 
     def got_stuck(self, now_ns: int) -> None:
-        """It is stuck: on the way of this goal it will not be again."""
+        """Note that the robot is stuck; on the way to this goal it will not get stuck again."""
         pose = self._navigator.robot.pose_at(now_ns)
         self._stuck_goal, self._place = self._navigator.goal_number, (pose.x, pose.y)
 
 
 class GivingUp:
-    """How a robot that is stuck, and is held, gives each of its goals up after ``patience`` [s]."""
+    """Gives up each goal of a robot that is stuck, and is held, after ``patience`` [s]."""
 
     def __init__(self, patience: float, navigator: Navigator, queue: EventQueue, robot_index: int) -> None:
         self._patience_ns = seconds_to_ns(patience)
@@ -64,13 +64,13 @@ class GivingUp:
         self._place: Any = None
 
     def begin(self, now_ns: int) -> None:
-        """The robot is stuck from now on, where it stands."""
+        """Note that the robot is stuck from ``now_ns`` [ns] on, where it stands."""
         pose = self._navigator.robot.pose_at(now_ns)
         self._place, self._goal_number = (pose.x, pose.y), 0
         self.goal_changed(now_ns)
 
     def goal_changed(self, now_ns: int) -> None:
-        """The robot has got a goal, or has none any more."""
+        """Note that the robot has got a goal, or has none any more."""
         navigator = self._navigator
         if not navigator.is_active:
             self._alarm.cancel()
@@ -79,15 +79,15 @@ class GivingUp:
             self._alarm.set(now_ns + self._patience_ns, lambda due_ns: navigator.shut_down(NO_CONTROL, due_ns))
 
     def was_moved(self, now_ns: int) -> bool:
-        """Return whether the robot stands elsewhere than where it got stuck."""
+        """Return whether the robot stands somewhere else than where it got stuck."""
         pose = self._navigator.robot.pose_at(now_ns)
         return self._place is not None and (pose.x, pose.y) != self._place
 
     def end(self) -> None:
-        """The robot is stuck no more."""
+        """Note that the robot is no longer stuck."""
         self._place = None
         self._alarm.cancel()
 
     def shift(self, by_ns: int) -> None:
-        """What was due has been shifted by ``by_ns`` [ns]."""
+        """Note that events have been shifted by ``by_ns`` [ns]."""
         self._alarm.shift(by_ns)

@@ -1,4 +1,4 @@
-"""Where robots can go: cells of a map, nets of lanes, tables of times; the planners that find ways on them."""
+"""Where robots can go: cells of a map, nets of lanes, tables of times; and the planners that find ways on them."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,4 +1,4 @@
-"""The distance of occupied cells from a place and from a way."""
+"""The distance from a point, or from a way, to the nearest occupied cell."""
 from __future__ import annotations
 
 import math
@@ -12,14 +12,14 @@ from .occupancy import OCCUPIED, OccupancyMap
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: by the limit
+#: {map: {limit: field}}
 _shared: MutableMapping[OccupancyMap, Dict[float, ClearanceField]] = weakref.WeakKeyDictionary()
 
 
 def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> float:
-    """Return how far (x, y) [m, map frame] is from the nearest occupied cell [m], at most ``limit`` [m].
+    """Return the distance [m] from (x, y) [m, map frame] to the nearest occupied cell, at most ``limit`` [m].
 
-    To the cell's nearest point. What is unknown, or off the map, is not occupied.
+    It is the distance to the nearest point of that cell. Unknown cells, and places off the map, are not occupied.
     """
     resolution = occupancy.resolution
     column, row = occupancy.to_cells(x, y)
@@ -35,13 +35,13 @@ def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> f
 
 
 class ClearanceField:
-    """For each cell of a map how far its middle is from the nearest point of an occupied cell [m], up to ``limit`` [m].
+    """For each cell of a map, the distance [m] from its middle to the nearest point of an occupied cell.
 
-    What is unknown, or off the map, is not occupied.
+    The distances go up to ``limit`` [m]. Unknown cells, and places off the map, are not occupied.
     """
 
     def __init__(self, occupancy: OccupancyMap, limit: float) -> None:
-        # A map of its own, as of the ways on it: what is kept of a map must not keep the map.
+        # A copy of the map, as in MapWays: data that is kept for a map must not keep the map itself alive.
         self._map = OccupancyMap(occupancy.cells, occupancy.resolution, occupancy.origin)
         self._limit = limit
         reach = math.ceil(limit / occupancy.resolution) + 1  # cells
@@ -51,16 +51,16 @@ class ClearanceField:
 
     @classmethod
     def on(cls, occupancy: OccupancyMap, limit: float) -> ClearanceField:
-        """Return the field of a map up to ``limit`` [m], which all robots share."""
+        """Return the field of a map up to ``limit`` [m]; all robots share it."""
         fields = _shared.setdefault(occupancy, {})
         if limit not in fields:
             fields[limit] = cls(occupancy, limit)
         return fields[limit]
 
     def least_along(self, way: Sequence[Tuple[float, float]], skipped: float = 0.0) -> Tuple[float, float]:
-        """Return the least clearance [m] of the cells below ``way`` ((x, y), ...) [m], and how far along it is [m].
+        """Return (the least clearance [m] of the cells below ``way`` ((x, y), ...) [m], where that is along it [m]).
 
-        The first of equal ones; looked at every half cell, behind the first ``skipped`` [m].
+        Of equal ones the first counts. The way is looked at every half cell, after the first ``skipped`` [m].
         """
         best, before = (self._limit, 0.0), 0.0
         for begin, end in zip(way, way[1:]):
@@ -79,7 +79,7 @@ class ClearanceField:
         return best
 
     def _shares(self, begin: Tuple[float, float], end: Tuple[float, float]) -> NDArray[Any]:
-        """Return where from ``begin`` to ``end`` [cells] to look, in 0..1: on the map, every half cell."""
+        """Return the shares, 0..1, from ``begin`` to ``end`` [cells] at which to look: on the map, every half cell."""
         low, high = 0.0, 1.0
         for one, other, size in zip(begin, end, (self._map.width, self._map.height)):
             if one != other:
@@ -93,7 +93,7 @@ class ClearanceField:
 
 
 def _least(squares: NDArray[Any], reach: int) -> NDArray[Any]:
-    """Return the least of ``squares`` plus the square of the distance to it, over rows up to ``reach`` away [cells]."""
+    """Return the least sum of one of ``squares`` and its squared distance, over rows up to ``reach`` [cells] away."""
     found = squares.copy()
     for step in range(1, min(reach, len(squares) - 1) + 1):
         square = np.float32((step - 0.5) ** 2)

@@ -1,8 +1,9 @@
 """The shortest ways from the cells of a grid to one of them: a wave that runs only as far as needed.
 
-Dijkstra's algorithm with a bucket for each straight step's length (Dial): no step is shorter, so that the cells of one
-bucket do not change one another and are settled at once. Costs are whole numbers, 985 for a straight step and 1393 for
-a diagonal one; 1393 / 985 is the square root of 2 to 3 parts in 10 million, so that no float decides.
+This is Dijkstra's algorithm with buckets (Dial). A bucket is as wide as a straight step. No step is shorter, so the
+cells of one bucket do not affect each other, and all of them are settled at once. Costs are whole numbers, so no float
+decides: 985 for a straight step and 1393 for a diagonal one. 1393 / 985 is the square root of 2 to 3 parts in 10
+million.
 """
 from __future__ import annotations
 
@@ -19,17 +20,17 @@ if TYPE_CHECKING:
 
 STRAIGHT, DIAGONAL = 985, 1393
 
-_MOST = 2 ** 29  # of a cost with the bits beside it, while it has 32 bits
-_STEP_BITS = 3  # beside a cost stands the step by which it came: of equal ones the smaller is the first of STEPS
+_MOST = 2 ** 29  # the largest cost, with its step bits, in 32 bits
+_STEP_BITS = 3  # a cost contains its step in the lowest bits: of equal costs, the one with the first of STEPS is less
 _LENGTHS = np.array([(STRAIGHT if 0 in step else DIAGONAL) << _STEP_BITS | number
                      for number, step in enumerate(STEPS)])
 _UNSETTLED = 255
-#: by a cell's allowed steps: which these are, [256, 8]
+#: [allowed steps of a cell as bits, step]: whether the step is allowed; the shape is (256, 8)
 _ALLOWED = (np.arange(256)[:, np.newaxis] >> np.arange(len(STEPS)) & 1).astype(bool)
 
 
 def _lengths(kind: Any) -> Tuple[int, NDArray[Any]]:
-    """Return what is 'far' for costs of a type of integer, and by allowed steps what each costs, [8, 256]."""
+    """Return (the cost that means 'far' for a type of integer, the cost of [step, allowed steps], (8, 256))."""
     far = np.iinfo(kind).max // 2
     return far, np.where(_ALLOWED, _LENGTHS, far // 2).T.astype(kind)
 
@@ -40,7 +41,7 @@ _OF_KIND = {kind: _lengths(kind) for kind in (np.int32, np.int64)}
 class CostField:
     """First steps of the shortest ways over free cells of ``grid`` (PlanningGrid) to the cell with the number ``goal``.
 
-    Of equally long ways the step that comes first in STEPS is taken, at each cell.
+    Of equally long ways, the one whose step comes first in STEPS is taken, at each cell.
     """
 
     def __init__(self, grid: PlanningGrid, goal: int) -> None:
@@ -50,24 +51,24 @@ class CostField:
         self._steps[goal] = 0
         self._step_of = memoryview(self._steps)
         self._is_whole = self._rested = False
-        # of a wave that can go on; costs None: it cannot
+        # The state of a wave that can go on; if _costs is None, it cannot.
         self._costs: Any = None
         self._open: Any = None
         self._front: Any = None
         self._waiting: Any = None
 
     def leads_from(self, cell: int) -> bool:
-        """Return whether there is a way from the cell with a number."""
+        """Return whether there is a way from the cell with the number ``cell``."""
         while self._step_of[cell] == _UNSETTLED:
             if self._is_whole or not self._go_on():
                 return False
-        if self._rested and self._costs is not None:  # once is enough: it is run to its end
+        if self._rested and self._costs is not None:  # run the wave to its end, so that it need not start a third time
             while self._go_on():
                 pass
         return True
 
     def way_from(self, cell: int) -> List[int]:
-        """Return the numbers of the cells of the shortest way, the first being ``cell``; a way must lead from there."""
+        """Return the numbers of the cells of the shortest way, beginning with ``cell``; there must be a way."""
         offsets, steps, goal = self._grid.offsets.tolist(), self._step_of, self.goal
         way = [cell]
         while cell != goal:
@@ -76,13 +77,13 @@ class CostField:
         return way
 
     def rest(self) -> None:
-        """Take little memory from now on, a byte a cell: to go on further the wave must start anew."""
+        """Free memory, down to a byte per cell. To go on, the wave must then start again."""
         self._rested = True
         self._costs = self._open = self._front = self._waiting = None
 
     def _begin(self) -> None:
         self._use(np.int32)
-        self._costs = np.full(len(self._steps), self._far, np.int32)  # with the bits beside them
+        self._costs = np.full(len(self._steps), self._far, np.int32)  # with their step bits
         self._costs[self.goal] = 0
         self._open = self._grid.free.copy()
         self._open[self.goal] = False
@@ -123,14 +124,14 @@ class CostField:
         self._costs[was_far] = self._far
 
     def _met(self) -> NDArray[Any]:
-        """Return the cells that wait to be settled: those left over and the neighbours of those settled last, once."""
+        """Return the cells that wait to be settled, each once: those left over and new neighbours of settled ones."""
         grid, front = self._grid, self._front
         near = front[:, np.newaxis] + grid.offsets
         near = near[_ALLOWED[grid.steps[front]] & self._open[near]]
         if not len(near):
             return self._waiting
         order = np.arange(len(near), dtype=np.int32)
-        grid.scratch[near] = order  # of those that are there twice the last one stays
+        grid.scratch[near] = order  # of a cell that is there twice, the last number stays
         near = near[grid.scratch[near] == order]
         self._open[near] = False
         return np.concatenate((self._waiting, near)) if len(self._waiting) else near

@@ -1,4 +1,4 @@
-"""The parts of a costmap's parameters that can be shown without a costmap: the footprint and the local window."""
+"""The parameters of costmaps that have an effect here, without costmaps: the footprint and the local window."""
 from __future__ import annotations
 
 import math
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 GLOBAL, LOCAL = 'global_costmap', 'local_costmap'
 
-_RADIUS = 0.46  # m, as costmap_2d's
-_PADDING = 0.01  # m, likewise
-_CORNERS = 16  # of the polygon that stands for a circle, likewise
+_RADIUS = 0.46  # m, as in costmap_2d
+_PADDING = 0.01  # m, as in costmap_2d
+_CORNERS = 16  # of the polygon for a circle, as in costmap_2d
 _MAX_POINTS = 1000
 _MAX_TEXT = 100_000
 _MAX_CELLS = 4_000_000
@@ -31,7 +31,7 @@ _WINDOW = (Parameter('width', 10.0, number(above=0.0), 'a finite number > 0 [m]'
 
 @dataclass(frozen=True)
 class Window:
-    """A grid of ``columns`` x ``rows`` cells of ``resolution`` [m] that goes with the robot."""
+    """A grid of ``columns`` x ``rows`` cells of ``resolution`` [m] that moves with the robot."""
 
     columns: int = 200
     rows: int = 200
@@ -44,7 +44,7 @@ class Window:
     def _edge(self, centre: float, cells: int) -> float:
         edge = centre - 0.5 * cells * self.resolution
         number_of_cells = edge / self.resolution
-        # Where a float is coarser than a cell there are no whole cells.
+        # If a float is coarser than a cell, there are no whole cells.
         return math.floor(number_of_cells) * self.resolution if abs(number_of_cells) < 2 ** 53 else edge
 
 
@@ -56,7 +56,7 @@ class Footprint:
 
     @property
     def inscribed_radius(self) -> float:
-        """The distance [m] from the base frame's origin to the nearest point of the outline, as costmap_2d's."""
+        """The distance [m] from the base frame's origin to the nearest point of the outline, as in costmap_2d."""
         return min(_distance_to(begin, end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
 
     def at(self, pose: Pose2D) -> List[Tuple[float, float]]:
@@ -77,8 +77,9 @@ class Costmaps:
 def read_costmaps(raw: Mapping[str, Any], where: str) -> Tuple[Costmaps, List[str]]:
     """Return (:class:`Costmaps`, paths of the parameters used) of ``raw``, the parameters in the namespace ``where``.
 
-    As costmap_2d: ``footprint`` in the costmap's group or else outside of it, then ``robot_radius`` in this order, then
-    a radius of 0.46 m; and ``footprint_padding`` of the group, 0.01 m.
+    As in costmap_2d, the outline is ``footprint`` in the costmap's group, or if that is missing the one outside the
+    group. If both are missing, it is a circle with ``robot_radius``, found in the same order, or with a radius of
+    0.46 m. ``footprint_padding`` in the group is added, by default 0.01 m.
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
@@ -107,7 +108,7 @@ def _group(raw: Mapping[str, Any], costmap: str) -> Dict[str, Any]:
 
 def _read(group: Mapping[str, Any], path: str, parameter: Parameter, used: List[str],
           where: str) -> Any:
-    """Return the value of ``parameter`` in ``group``, which lies below ``path``, or the default."""
+    """Return the value of ``parameter`` in ``group``, which is below ``path``, or the default; note it in ``used``."""
     if parameter.name not in group:
         return parameter.default
     name = '{}/{}'.format(path, parameter.name).lstrip('/')
@@ -138,7 +139,10 @@ def _padded(value: float, padding: float) -> float:
 
 
 def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
-    """Return ((x, y), ...) of a footprint as a list or as its text, which may be empty; ValueError for others."""
+    """Return ((x, y), ...) of a footprint that is given as a list or as a text; either may be empty.
+
+    :raises ValueError: if it is anything else.
+    """
     if isinstance(value, str):
         value = _parse(value)
     if not isinstance(value, (list, tuple)) or not (len(value) == 0 or 3 <= len(value) <= _MAX_POINTS):
@@ -153,7 +157,7 @@ def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
 
 
 def _parse(text: str) -> List[List[float]]:
-    """Return the list of lists of numbers that ``text`` says, as costmap_2d reads it: commas are blanks."""
+    """Return the list of lists of numbers in ``text``, as costmap_2d reads it: commas count as blanks."""
     if len(text) > _MAX_TEXT:
         raise ValueError
     points: List[List[float]] = []

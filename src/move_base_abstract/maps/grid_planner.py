@@ -19,26 +19,26 @@ if TYPE_CHECKING:
     from ..motion.geometry import Pose2D
     from .map_check import MapCheck
 
-_FIELDS_BYTES = 64 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
-_WAVES_BYTES = 32 * 1024 * 1024  # of those that can go on where they are: others have to start anew
-_WAVE_BYTES = 6  # a cell, of one that can go on
-_DIGITS = 6  # of corners: micrometres, which do not show how a rotated map's angle was rounded on its way
-_LEAST_RESOLUTION = 0.001  # m, of cells with corners in micrometres: much less than 1/256 of a cell
-_KEPT_WAYS = 10_000  # likewise
+_FIELDS_BYTES = 64 * 1024 * 1024  # the memory for all fields of one map; the least recently used one is dropped first
+_WAVES_BYTES = 32 * 1024 * 1024  # the memory for waves that can go on; other waves have to start again
+_WAVE_BYTES = 6  # the memory per cell for a wave that can go on
+_DIGITS = 6  # of corners [m]: micrometres hide the rounding of a rotated map's angle
+_LEAST_RESOLUTION = 0.001  # m; with smaller cells, a micrometre is not much less than 1/256 of a cell
+_KEPT_WAYS = 10_000  # the least recently found one is dropped first
 
-#: by radius and whether unknown is free
+#: {map: {(radius [m], whether unknown cells are free): ways}}
 _shared: MutableMapping[OccupancyMap, Dict[Tuple[float, bool], MapWays]] = weakref.WeakKeyDictionary()
 
-#: a place of the planning grid
+#: a point in parts of a cell, see PlanningGrid
 Cell = Tuple[int, int]
 Corners = Tuple[Tuple[float, float], ...]
 
 
 class MapWays:
-    """The ways on one map for robots of ``radius`` [m]; what is found is kept, and depends on no other question."""
+    """The ways on one map for robots of ``radius`` [m]. Ways are cached; no way depends on earlier questions."""
 
     def __init__(self, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> None:
-        # A map of its own: what is kept of a map must not keep the map, with which it is to go.
+        # A copy of the map: data that is kept for a map must not keep the map itself alive.
         self._map = OccupancyMap(occupancy.cells, occupancy.resolution, occupancy.origin)
         cells = radius / self._map.resolution
         self.grid = PlanningGrid(blocked_cells(occupancy.cells, cells, unknown_is_free))
@@ -46,12 +46,12 @@ class MapWays:
         self._digits = _DIGITS if self._map.resolution >= _LEAST_RESOLUTION else 2 * _DIGITS
         self._waves = max(2, _WAVES_BYTES // (_WAVE_BYTES * len(self.grid.free)))
         self._fields: Ordered[int, CostField] = OrderedDict()  # {cell of a goal: CostField}
-        self._shorteners: Dict[int, Shortener] = {}  # {cell of a goal: the Shortener of its latest place}
+        self._shorteners: Dict[int, Shortener] = {}  # {cell of a goal: Shortener for the latest point in it}
         self._ways: Ordered[Any, Optional[Corners]] = OrderedDict()  # {(start, goal): corners}
 
     @classmethod
     def on(cls, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> MapWays:
-        """Return the ways on the OccupancyMap ``occupancy``, which all robots of one ``radius`` [m] share."""
+        """Return the ways on the OccupancyMap ``occupancy``; all robots with one ``radius`` [m] share them."""
         ways = _shared.setdefault(occupancy, {})
         key = radius, unknown_is_free
         if key not in ways:
@@ -59,15 +59,15 @@ class MapWays:
         return ways[key]
 
     def is_free(self, pose: Pose2D) -> bool:
-        """Return whether a robot's centre may be at ``pose`` (map frame)."""
+        """Return whether the centre of a robot may be at ``pose`` (map frame)."""
         place = self._place(pose)
         return place is not None and self.grid.is_free(self.grid.cell_of(place))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[Corners]:
         """Return the corners ((x, y), ...) [m] of the way from ``start`` to ``goal`` (Pose2D, map frame), or None.
 
-        A robot that stands where its centre may not be, but no further from a free cell than its radius and a cell,
-        goes straight to the nearest one first.
+        If the robot stands where its centre must not be, but is no further from a free cell than its radius plus a
+        cell, it first goes straight to the nearest free cell.
         """
         places = self._place(start), self._place(goal)
         if places not in self._ways:
@@ -77,7 +77,7 @@ class MapWays:
         return self._ways[places]
 
     def leads(self, start: Pose2D, goal: Pose2D) -> bool:
-        """Return whether there is a way from ``start`` to ``goal``. Of many goals and one start this is quick."""
+        """Return whether there is a way from ``start`` to ``goal``. This is fast for one start and many goals."""
         begin, end = self._start(self._place(start)), self._place(goal)
         if begin is None or end is None:
             return False
@@ -85,7 +85,7 @@ class MapWays:
         return self.grid.is_free(cell) and self._field(self.grid.cell_of(begin)).leads_from(cell)
 
     def is_clear(self, points: Sequence[Tuple[float, float]]) -> bool:
-        """Return whether the straight pieces between ``points`` [(x, y), m] touch no cell where no centre may be."""
+        """Return whether the straight pieces between ``points`` [(x, y), m] touch only cells where a centre may be."""
         places: List[Any] = [self.grid.place(*self._map.to_cells(x, y)) for x, y in points]
         return None not in places and all(self.grid.sees(one, other, 0) for one, other in zip(places, places[1:]))
 
@@ -107,7 +107,7 @@ class MapWays:
         return self.grid.place(*self._map.to_cells(pose.x, pose.y))
 
     def _start(self, place: Optional[Cell]) -> Optional[Cell]:
-        """Return where on the free cells a way from ``place`` begins, or None."""
+        """Return the point of the free cells at which a way from ``place`` begins, or None."""
         if place is None or self.grid.is_free(self.grid.cell_of(place)):
             return place
         cell = self.grid.nearest_free(place, self._reach)
@@ -133,10 +133,10 @@ class MapWays:
 
 
 class GridPlanner(StraightLinePlanner):
-    """Plans ways around what the map of ``map_check`` shows, for a robot whose inscribed radius is ``radius`` [m].
+    """Plans ways around the obstacles on the map of ``map_check``, for a robot with the inscribed ``radius`` [m].
 
-    Places outside of ``bounds`` cannot be reached; a way may lead through them. What is worked out is shared by all
-    planners of a process: one of them is asked at a time.
+    Places outside ``bounds`` cannot be reached, but a way may lead through them. All planners of a process share their
+    results, so only one of them may be used at a time.
     """
 
     goes_straight = False
@@ -146,7 +146,7 @@ class GridPlanner(StraightLinePlanner):
         self._radius = radius
 
     def refusal(self, goal: Pose2D) -> Optional[str]:
-        """Return what the map has against ``goal``, as a text, or None."""
+        """Return a text that says why the map does not allow ``goal``, or None."""
         refusal = super().refusal(goal)
         if refusal is None and not self._ways().is_free(goal):
             return ('The goal ({:g}, {:g}) lies nearer to an occupied cell of the map than the inscribed radius of the '
@@ -154,17 +154,17 @@ class GridPlanner(StraightLinePlanner):
         return refusal
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
-        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        """Return a text that says why there is no way from ``start`` to ``goal``; call it only if there is none."""
         return super().refusal_of_way(start, goal) or (
             'No way leads from ({:g}, {:g}) to the goal ({:g}, {:g}) on the map for a robot of {:g} m.'.format(
                 start.x, start.y, goal.x, goal.y, self._radius))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[Corners]:
-        """Return the corners ((x, y), ...) [m] of the way, () for a straight one, or None where there is no way."""
+        """Return the corners ((x, y), ...) [m] of the way, () for a straight one, or None if there is no way."""
         return self._ways().corners(start, goal) if self.reachable(goal) else None
 
     def is_clear(self, points: Sequence[Tuple[float, float]]) -> bool:
-        """Return whether a robot may go straight on from point to point, [(x, y), m]."""
+        """Return whether a robot may go straight from point to point, [(x, y), m]; without a map it may."""
         return self.lacking is not None or self._ways().is_clear(points)
 
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:

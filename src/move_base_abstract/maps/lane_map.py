@@ -7,7 +7,7 @@
       - {from: depot, to: gate, speed: 0.5, capacity: 1}
       - {from: gate, to: depot, one_way: true, points: [[10, 4], [0, 4]]}
 
-Maps of L-CAS' topological navigation (``tmap2``) are read, too: see :mod:`topological_map`.
+Maps of the topological navigation of L-CAS (``tmap2``) are read, too: see :mod:`.topological_map`.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .topological_map import is_topological_map, plain_map
 if TYPE_CHECKING:
     pass
 
-NEAR = 0.01  # m; who is as near as this to a node or a lane is there
+NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
 _COORDINATE = number(-1e9, 1e9)
 _NODE_TABLE = {
     'x': Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
@@ -49,7 +49,7 @@ def _group(value: Any) -> str:
     return value
 
 
-#: of zones, too
+#: also the key of a zone
 GROUP = Parameter('group', None, _group, "letters, digits and '_', a letter first")
 _EDGE_TABLE = {
     'points': Parameter('points', (), _points, 'a list of [x, y] [m, global frame, within +-1e9]'),
@@ -62,11 +62,11 @@ _EDGE_TABLE = {
 
 
 class Edge(NamedTuple):
-    """A lane from the node ``begin`` to ``end`` along ``points`` ((x, y), ...) [m], those of the nodes included.
+    """A lane from the node ``begin`` to the node ``end`` along ``points`` ((x, y), ...) [m], including both nodes.
 
-    ``speed`` [m/s], ``capacity`` [robots]: None, no limit; ``share`` of a robot's speed at which it is driven, so that
-    it takes as long as its ``length`` says, where one is given. ``capacity`` counts both directions together.
-    ``group``: the name of what it shares a number of places with.
+    ``speed`` [m/s] and ``capacity`` [robots], None: no limit; ``capacity`` counts both directions together. ``share``:
+    the part of its speed with which a robot drives, so that the lane takes as long as one of the given ``length``, 1
+    without one. ``group``: the name of the group with which the lane shares places, None: it has none.
     """
 
     begin: str
@@ -80,7 +80,7 @@ class Edge(NamedTuple):
 
     @property
     def is_counted(self) -> bool:
-        """Whether who is on it holds a place."""
+        """Whether a robot on it holds a place."""
         return self.capacity is not None or self.group is not None
 
 
@@ -93,44 +93,45 @@ class LaneMap(NamedTuple):
 
     @property
     def has_capacities(self) -> bool:
-        """Whether on any edge there is place for some robots only."""
+        """Whether any edge has place for a limited number of robots."""
         return any(edge.is_counted for edge in self.edges)
 
     @property
     def has_speeds(self) -> bool:
-        """Whether any edge says how fast it is driven."""
+        """Whether any edge limits the speed of robots."""
         return any(edge.speed is not None or edge.share != 1.0 for edge in self.edges)
 
 
 def read_lane_map(path: str, where: str) -> LaneMap:
     """Return the :class:`LaneMap` in the file ``path``.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
     """
     return _lane_map_in(*found(path, 'lanes', where))
 
 
 def found(path: str, key: str, where: str) -> Tuple[str, int, int]:
-    """Return (path, time of its last change [ns], size [bytes]) of a file that the parameter ``key`` names.
+    """Return (path, time of the last change [ns], size [bytes]) of the file that the parameter ``key`` names.
 
     :raises ConfigurationError: if the path is not absolute, or there is no such file.
     """
     if not os.path.isabs(path):
-        raise ConfigurationError('parameter {}/{}: got {}; allowed: an absolute path, in a scenario file also one from '
-                                 'its folder'.format(where.rstrip('/'), key, shown(path)))
+        raise ConfigurationError('parameter {}/{}: got {}; allowed: an absolute path; in a scenario file also a path '
+                                 'from its folder'.format(where.rstrip('/'), key, shown(path)))
     return (path, *file_version(path, 'parameter {}/{}'.format(where.rstrip('/'), key)))
 
 
 @lru_cache(maxsize=16)
 def _lane_map_in(path: str, _mtime_ns: int, _size: int) -> LaneMap:
-    """Return the lanes in a file; many robots ask for the same one."""
+    """Return the lanes in a file; they are cached, since many robots ask for the same file."""
     return make_lane_map(load_yaml_file(path), path)
 
 
 def make_lane_map(raw: Mapping[str, Any], where: str = 'lanes') -> LaneMap:
-    """Return the :class:`LaneMap` in the dictionary ``raw``, ours or a tmap2; ``where`` begins the text of an error.
+    """Return the :class:`LaneMap` in the dictionary ``raw``, in our own form or as a tmap2.
 
-    :raises ConfigurationError: for unknown keys and nodes, values that are not allowed, and what is there twice.
+    :raises ConfigurationError: for unknown keys and nodes, for values that are not allowed, and for nodes and edges
+        that are there twice; the text begins with ``where``.
     """
     if is_topological_map(raw):
         raw = plain_map(raw, where)
@@ -152,7 +153,7 @@ def make_lane_map(raw: Mapping[str, Any], where: str = 'lanes') -> LaneMap:
 
 
 def is_place_name(value: Any) -> bool:
-    """Return whether ``value`` can name a node or a place: a text of 1 to 200 characters that can be printed."""
+    """Return whether ``value`` can be the name of a node or a place: a text of 1 to 200 printable characters."""
     return isinstance(value, str) and 0 < len(value) <= 200 and value.isprintable()
 
 
@@ -199,7 +200,10 @@ def _check_mapping(raw: Mapping[str, Any], known: Tuple[str, ...], needed: Tuple
 
 
 def _check_different(edges: List[Edge], where: str) -> None:
-    """Refuse two edges that lead the same way between the same nodes."""
+    """Check that no two edges lead in the same direction between the same nodes.
+
+    :raises ConfigurationError: if there are two.
+    """
     indices: Dict[Tuple[str, str], int] = {}
     for index, edge in enumerate(edges):
         for pair in [(edge.begin, edge.end)] + [(edge.end, edge.begin)] * (not edge.one_way):

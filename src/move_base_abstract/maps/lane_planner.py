@@ -1,4 +1,4 @@
-"""Ways along lanes: from where a robot is to the net, over it by the shortest time, and from it to the goal."""
+"""Ways along lanes: from where a robot is to the net, over the net in the shortest time, and from it to the goal."""
 from __future__ import annotations
 
 import math
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 _KEPT_WAYS = 10_000
 _KEPT_NETS = 64
 _KEPT_PLACES = 10_000
-_KEPT_TIMES = 2_000_000  # from nodes to goal nodes
+_KEPT_TIMES = 2_000_000  # times from nodes to goal nodes
 _FREE = PieceLimit()
 
-_shared: Ordered[Any, LaneWays] = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keep the map}
+_shared: Ordered[Any, LaneWays] = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keeps the map alive}
 
 
 class _Lane(NamedTuple):
-    """One direction of the edge ``edge`` (its index), in which it is driven in ``cost`` [ns] at full speed."""
+    """One direction of the edge with the index ``edge``; driving it takes ``cost`` [ns] at full speed."""
 
     edge: int
     begin: str
@@ -47,7 +47,7 @@ class _Lane(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """A straight piece up to ``to`` (x, y) [m], on the edge of that index or off the net (None)."""
+    """A straight piece up to ``to`` (x, y) [m], on the edge with the index ``edge``, None: off the net."""
 
     to: Tuple[float, float]
     limit: PieceLimit
@@ -55,7 +55,7 @@ class _Piece(NamedTuple):
 
 
 class _Access(NamedTuple):
-    """How a place and the net meet: at ``node`` by ``pieces``, which take ``cost`` [ns] at full speed."""
+    """The connection of a point with the net: at ``node``, by ``pieces`` that take ``cost`` [ns] at full speed."""
 
     node: str
     pieces: Tuple[_Piece, ...]
@@ -63,17 +63,21 @@ class _Access(NamedTuple):
 
 
 class _Towards(NamedTuple):
-    """``times`` {node: ns at full speed} to one goal node, and by which lane one leaves each node that was asked."""
+    """Ways to one goal node.
+
+    ``times``: {node: time to the goal node [ns] at full speed}; ``onward``: {node: the first lane of its shortest way},
+    for nodes that were asked for.
+    """
 
     times: Dict[str, int]
     onward: Dict[str, _Lane]
 
 
 class LaneWays:
-    """The ways on a :class:`.lane_map.LaneMap` for robots of ``max_speed`` [m/s]. What is found is kept.
+    """The ways on a :class:`.lane_map.LaneMap` for robots of ``max_speed`` [m/s]. Ways are cached.
 
-    Shortest is what takes the least time at full speed, in whole nanoseconds an edge. Of equally short ways the one
-    counts whose next node, seen from the start, comes first in the file, at each node where they part.
+    The shortest way takes the least time at full speed, in whole nanoseconds per edge. Of equally short ways, at each
+    node where they part, the one counts whose next node comes first in the file.
     """
 
     def __init__(self, lane_map: LaneMap, max_speed: float) -> None:
@@ -82,7 +86,7 @@ class LaneWays:
         self._lanes = [lane for index, edge in enumerate(lane_map.edges) for lane in _lanes(index, edge, max_speed)]
         order = {name: number for number, name in enumerate(lane_map.nodes)}
         self._leaving: Dict[str, List[_Lane]] = {name: [] for name in order}
-        self._arriving: List[List[Tuple[int, int]]] = [[] for _ in order]  # of each node (number of another, ns), ...
+        self._arriving: List[List[Tuple[int, int]]] = [[] for _ in order]  # per node: [(number of another, ns), ...]
         for lane in sorted(self._lanes, key=lambda lane: order[lane.end]):
             self._leaving[lane.begin].append(lane)
             self._arriving[order[lane.end]].append((order[lane.begin], lane.cost))
@@ -99,7 +103,7 @@ class LaneWays:
 
     @classmethod
     def on(cls, lane_map: LaneMap, max_speed: float) -> LaneWays:
-        """Return the ways on the LaneMap ``lane_map``, which all robots of one ``max_speed`` [m/s] share."""
+        """Return the ways on the LaneMap ``lane_map``; all robots with one ``max_speed`` [m/s] share them."""
         key = id(lane_map), max_speed
         if key not in _shared:
             _shared[key] = cls(lane_map, max_speed)
@@ -108,7 +112,7 @@ class LaneWays:
         return _shared[key]
 
     def way(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
-        """Return the :class:`.PlannedWay` from ``start`` to ``goal`` ((x, y), m), or None where no lanes lead there."""
+        """Return the :class:`.PlannedWay` from ``start`` to ``goal`` ((x, y), m), or None if no lanes lead there."""
         key = start, goal
         if key not in self._ways:
             self._ways[key] = self._find(start, goal)
@@ -117,15 +121,21 @@ class LaneWays:
         return self._ways[key]
 
     def priced_way(self, start: Tuple[float, float], goal: Tuple[float, float], prices: Prices) -> Optional[PlannedWay]:
-        """As :meth:`way`, but the cheapest one where lanes cost more than their time; see :mod:`.priced_ways`."""
+        """Return the cheapest way, if lanes cost more than their time, otherwise as :meth:`way` does.
+
+        See :mod:`.priced_ways`.
+        """
         return self._find(start, goal, prices)
 
     def meeting_nodes(self, place: Tuple[float, float], to_goal: bool = False) -> List[str]:
-        """Return at which nodes one comes onto the net from ``place`` ((x, y), m); ``to_goal``: leaves it for there."""
+        """Return the nodes at which a robot comes onto the net from ``place`` ((x, y), m).
+
+        With ``to_goal``, return the nodes at which a robot leaves the net for ``place``.
+        """
         return [access.node for access in self._accesses(place, to_goal)]
 
     def distance_to(self, place: Tuple[float, float]) -> float:
-        """Return how far ``place`` ((x, y), m) is from the nearest node or lane [m]."""
+        """Return the distance [m] from ``place`` ((x, y), m) to the nearest node or lane."""
         nearest = float(np.hypot(*(self._nodes_xy - place).T).min())
         return min(nearest, float(self._pieces_away(place)[1].min())) if len(self._pieces) else nearest
 
@@ -166,7 +176,7 @@ class LaneWays:
         return towards
 
     def _lanes_between(self, node: str, last: str) -> List[_Lane]:
-        """Return the lanes of the shortest way; see the class for which of equal ones."""
+        """Return the lanes of the shortest way from ``node`` to ``last``; for equal ones see the class."""
         times, onward = self._towards(last)
         lanes: List[_Lane] = []
         while node != last:
@@ -179,9 +189,10 @@ class LaneWays:
         return lanes
 
     def _find_accesses(self, place: Tuple[float, float], to_goal: bool = False) -> Tuple[_Access, ...]:
-        """Return how to go from ``place`` to the net, or from the net to it: along the lanes it is on, else straight.
+        """Return the connections of ``place`` to the net, or with ``to_goal`` from the net to it.
 
-        Straight means by the nearest node; of equally near ones the first of the file.
+        If the place is on lanes, they lead along these. Otherwise there is one, straight between the place and the
+        nearest node; of equally near nodes the first in the file counts.
         """
         node, is_there = self._nearest(place)
         if is_there:
@@ -199,13 +210,13 @@ class LaneWays:
         return (_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0),)
 
     def _find_nearest(self, place: Tuple[float, float]) -> Tuple[str, bool]:
-        """Return the node that is nearest to ``place``, and whether that is there."""
+        """Return (the node that is nearest to ``place``, whether the place is at that node)."""
         far = np.hypot(*(self._nodes_xy - place).T)
         nearest = int(np.round(far, 6).argmin())
         return list(self._places)[nearest], far[nearest] <= NEAR
 
     def _lanes_at(self, place: Tuple[float, float]) -> List[Tuple[int, int, float]]:
-        """Return (number of a lane, of its piece, share of that) for each lane that ``place`` lies on."""
+        """Return (number of the lane, number of its piece, share of the piece) for each lane on which ``place`` is."""
         if not len(self._pieces):
             return []
         shares, far = self._pieces_away(place)
@@ -216,14 +227,14 @@ class LaneWays:
         return [(number, *where) for number, where in found.items()]
 
     def _pieces_away(self, place: Tuple[float, float]) -> Tuple[Any, Any]:
-        """Return for each piece of the lanes where on it is nearest to ``place`` (share), and how far that is [m]."""
+        """Return (shares at which the pieces of the lanes are nearest to ``place``, the distances there [m])."""
         begin, along = self._pieces[:, 2:4], self._pieces[:, 4:6] - self._pieces[:, 2:4]
         shares = np.clip(((place - begin) * along).sum(1) / (along * along).sum(1), 0.0, 1.0)
         return shares, np.hypot(*(begin + shares[:, None] * along - place).T)
 
     def _along_one_lane(self, start: Tuple[float, float],
                         goal: Tuple[float, float]) -> List[Tuple[int, Any, Any]]:
-        """Return the candidates that never leave the lane on which both are, and neither is at a node."""
+        """Return the candidates that stay on one lane: both points are on it, and neither is at a node."""
         if self._nearest(start)[1] or self._nearest(goal)[1]:
             return []
         ends: Dict[int, List[Any]] = {number: where for number, *where in self._lanes_at(goal)}
@@ -239,7 +250,7 @@ class LaneWays:
 
 
 class LanePlanner(StraightLinePlanner):
-    """Plans ways along the lanes of ``ways`` (LaneWays); ``bounds`` and the map judge goals only."""
+    """Plans ways along the lanes of ``ways`` (LaneWays). ``bounds`` and the map only decide which goals are allowed."""
 
     goes_straight = False
 
@@ -247,16 +258,16 @@ class LanePlanner(StraightLinePlanner):
                  map_check: Optional[MapCheck] = None) -> None:
         super().__init__(bounds, map_check)
         self._ways = ways
-        #: what lanes cost beside their time, None: nothing; see :mod:`.priced_ways`
+        #: what lanes cost in addition to their time, None: nothing; see :mod:`.priced_ways`
         self.prices: Optional[Prices] = None
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
-        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        """Return a text that says why there is no way from ``start`` to ``goal``; call it only if there is none."""
         return super().refusal_of_way(start, goal) or (
             'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
-        """Return the :class:`.PlannedWay`, or None where there is no way."""
+        """Return the :class:`.PlannedWay`, or None if there is no way."""
         if not self.reachable(goal):
             return None
         ends = (start.x, start.y), (goal.x, goal.y)
@@ -264,7 +275,7 @@ class LanePlanner(StraightLinePlanner):
 
     @staticmethod
     def is_clear(_points: Sequence[Tuple[float, float]]) -> bool:
-        """Return whether a robot may go straight on from point to point: lanes do not depend on a map."""
+        """Return True: a robot may go on from point to point, since lanes do not depend on a map."""
         return True
 
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
@@ -272,7 +283,7 @@ class LanePlanner(StraightLinePlanner):
 
 
 def _lanes(index: int, edge: Edge, max_speed: float) -> List[_Lane]:
-    """Return the directions in which an edge may be driven."""
+    """Return the directions of an edge in which robots may drive."""
     limit = PieceLimit(math.inf if edge.speed is None else edge.speed, edge.share)
     cost = max(1, round(path_length(edge.points) / limit.of(max_speed) * NS_PER_S))
     ways = [(edge.begin, edge.end, edge.points)]
@@ -282,7 +293,7 @@ def _lanes(index: int, edge: Edge, max_speed: float) -> List[_Lane]:
 
 
 def _over_lanes(lanes: Sequence[_Lane]) -> PlannedWay:
-    """Return the PlannedWay over just these ``lanes``."""
+    """Return the PlannedWay over exactly these ``lanes``."""
     points = list(chain.from_iterable([lane.points[1:] for lane in lanes]))
     segments = tuple(chain.from_iterable([lane.segments for lane in lanes]))
     return PlannedWay(points[:-1], [segment.limit for segment in segments],
@@ -296,7 +307,7 @@ def _pieces(lane: _Lane, points: Sequence[Tuple[float, float]]) -> Tuple[_Piece,
 
 def _planned(start: Tuple[float, float], pieces: Sequence[_Piece], goal: Tuple[float, float],
              ends_on_lane: bool) -> PlannedWay:
-    """Return the PlannedWay from ``start`` by ``pieces`` to ``goal``, without pieces that have no length."""
+    """Return the PlannedWay from ``start`` along ``pieces`` to ``goal``, without pieces of no length."""
     kept = _without_rests(start, pieces)
     if kept and math.dist(kept[-1].to, goal) <= NEAR:
         kept[-1] = kept[-1]._replace(to=goal)

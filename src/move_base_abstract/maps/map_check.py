@@ -8,13 +8,13 @@ if TYPE_CHECKING:
     from ..motion.geometry import Pose2D
     from .occupancy import OccupancyMap
 
-#: what move_base logs of a goal off its costmap
+#: the text that move_base logs for a goal off its costmap
 TEXT_OFF_MAP = ('The goal sent to the navfn planner is off the global costmap. '
                 'Planning will always fail to this goal.')
 
 
 class Ground(Enum):
-    """What is at a place, as move_base's costmap sees a map: values below 100 are free, -1 is unknown."""
+    """The state of a place, as in move_base's costmap: map values of 0 to 99 are free, -1 is unknown."""
 
     FREE = 'free'
     UNKNOWN = 'unknown'
@@ -23,10 +23,10 @@ class Ground(Enum):
 
 
 class MapCheck:
-    """What the map means for one robot: where it may be sent.
+    """Judges by the map where one robot may be sent.
 
-    While there is no map (``occupancy`` is None) no goal can be judged; ``lacking`` says why.
-    ``allow_unknown``: whether unknown cells are as good as free ones.
+    While there is no map (``occupancy`` is None), no goal can be judged; the text ``lacking`` says why.
+    ``allow_unknown``: whether unknown cells count as free; ``allow_occupied``: whether any cell is allowed.
     """
 
     def __init__(self, occupancy: Optional[OccupancyMap] = None, allow_unknown: bool = True,
@@ -37,16 +37,19 @@ class MapCheck:
         self._allow_occupied = allow_occupied
 
     def use(self, occupancy: OccupancyMap) -> None:
-        """Judge by another map (OccupancyMap) from now on."""
+        """Judge by the map ``occupancy`` (OccupancyMap) from now on."""
         self.occupancy = occupancy
 
     def use_none(self, lacking: Any) -> None:
-        """Judge no goals from now on, because of what the text ``lacking`` says."""
+        """Judge no goals from now on; the text ``lacking`` says why."""
         self.lacking = lacking
         self.occupancy = None
 
     def refusal(self, pose: Pose2D) -> Optional[str]:
-        """Return why ``pose`` (map frame) is no place to be sent to, off the map in move_base's words, or None."""
+        """Return a text that says why the robot must not be sent to ``pose`` (map frame), or None.
+
+        For a pose off the map it is the text of move_base.
+        """
         occupancy = self.occupancy
         if occupancy is None:
             return self.lacking
@@ -59,10 +62,10 @@ class MapCheck:
 
 
 def square_rings(increment: float, limit: float) -> Iterator[Tuple[float, float]]:
-    """Yield offsets (dx, dy) [m] on ever larger squares around (0, 0), ``increment`` [m] apart, up to ``limit`` [m].
+    """Yield offsets (dx, dy) [m] on growing squares around (0, 0), ``increment`` [m] apart, up to ``limit`` [m].
 
-    The order is that in which move_base tries places near a goal: from the inside out; on a square by |dy|, then |dx|;
-    south before north, west before east.
+    The order is that in which move_base tries places near a goal: from the inside to the outside; on a square by the
+    size of dy, then by that of dx; south before north, west before east.
     """
     count = int(limit / increment + 1e-9) if increment > 0.0 else 0
     for ring in range(1, count + 1):

@@ -1,6 +1,7 @@
-"""Reading maps from files: the YAML description and the image beside it, as map_server takes them.
+"""Reads maps from files: the YAML description and its image, in the format of map_server.
 
-No node and no topic here: a file in, an :class:`OccupancyMap` out, or a ConfigurationError that names the file.
+There are no nodes and topics here: the input is a file, and the result is an :class:`OccupancyMap`, or a
+ConfigurationError that names the file.
 """
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 _REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
 _KEYS = _REQUIRED + ('mode',)
-_FLAGS = {0: False, 1: True}  # and so false and true, which equal them
+_FLAGS = {0: False, 1: True}  # this allows false and true, too, which are equal to 0 and 1
 _MODES = tuple(mode.value for mode in MapMode)
 _CONVERSIONS = {'1': 'L', 'L': 'L', 'LA': 'RGBA', 'La': 'RGBA', 'P': 'RGB', 'PA': 'RGBA', 'RGB': 'RGB',
                 'RGBA': 'RGBA', 'RGBX': 'RGB', 'CMYK': 'RGB', 'YCbCr': 'RGB'}
@@ -36,7 +37,12 @@ _Chosen = TypeVar('_Chosen')
 
 @dataclass(frozen=True)
 class MapDescription:
-    """What a map's YAML file says, with the image's path made absolute or relative to the working directory."""
+    """The content of a map's YAML file.
+
+    ``image``: the path of the image, absolute or relative to the working directory; ``resolution``: the side of a cell
+    [m]; ``origin``: the pose of the south-west corner; ``rule``: how the image is read; ``warnings``: texts about
+    strange keys and values.
+    """
 
     image: str
     resolution: float
@@ -48,7 +54,7 @@ class MapDescription:
 def load_map(description: MapDescription) -> OccupancyMap:
     """Return the :class:`OccupancyMap` of a :class:`MapDescription`.
 
-    :raises ConfigurationError: if the image is missing, damaged or of a kind that cannot be read.
+    :raises ConfigurationError: if the image is missing, damaged or in a format that cannot be read.
     """
     return OccupancyMap(cells_of_image(read_pixels(description.image), description.rule), description.resolution,
                         description.origin)
@@ -57,7 +63,8 @@ def load_map(description: MapDescription) -> OccupancyMap:
 def read_description(path: StrPath) -> MapDescription:
     """Return the :class:`MapDescription` in the YAML file ``path``.
 
-    :raises ConfigurationError: naming the file, the key, what was got and what is allowed.
+    :raises ConfigurationError: if it cannot be used; the text names the file, the key, what was got and what is
+        allowed.
     """
     document = _parse(path)
     for key in _REQUIRED:
@@ -81,7 +88,7 @@ def _parse(path: StrPath) -> Dict[Any, Any]:
 
 
 def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, unit: str = '') -> float:
-    """Return ``raw`` as a finite float; YAML 1.1 reads 5e-2 as a string, other readers of maps do not."""
+    """Return ``raw`` as a finite float. A text is allowed, since YAML 1.1 reads 5e-2 as one, unlike other readers."""
     try:
         if isinstance(raw, bool):
             raise ValueError
@@ -125,7 +132,7 @@ def _warnings(document: Dict[Any, Any], rule: ImageRule, path: StrPath) -> Itera
             yield '{}: {}: unknown key, not used{}'.format(
                 path, shown_text(key), "; did you mean '{}'?".format(close[0]) if close else '')
     if rule.free_thresh > rule.occupied_thresh:
-        yield '{}: free_thresh {:g} is above occupied_thresh {:g}: what is above either is occupied'.format(
+        yield '{}: free_thresh {:g} is above occupied_thresh {:g}: all cells above the latter are occupied'.format(
             path, rule.free_thresh, rule.occupied_thresh)
 
 
@@ -134,7 +141,7 @@ def read_pixels(path: StrPath) -> Any:
 
     Channels: 1 = grey, 3 = colour, 4 = colour and alpha.
 
-    :raises ConfigurationError: if there is no such file, it is damaged, or its pixels are of another kind.
+    :raises ConfigurationError: if there is no such file, if it is damaged, or if its pixels have another format.
     """
     try:
         with open_input(path, BYTES_MAX, what='file of an image') as stream:

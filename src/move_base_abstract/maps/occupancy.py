@@ -1,4 +1,4 @@
-"""The map: what is free, occupied or unknown, and how an image becomes one. Pure values; nothing here reads a file."""
+"""The map: free, occupied and unknown cells, and how an image becomes a map. Only values; nothing here reads a file."""
 from __future__ import annotations
 
 import math
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 _WHITE = 255
-_DIGITS = 12  # of sine and cosine of a map's angle
+_DIGITS = 12  # of the sine and cosine of a map's angle
 
 
 class MapMode(Enum):
@@ -31,13 +31,13 @@ class MapMode(Enum):
 
 
 class OccupancyMap:
-    """An immutable grid of cells, int8, row 0 in the south and column 0 in the west of the map's own axes.
+    """An immutable grid of cells (int8); row 0 is in the south and column 0 in the west, by the map's own axes.
 
-    ``resolution`` is the side of a cell [m], ``origin`` the pose of the grid's south-west corner in the map's frame;
-    its yaw turns the grid about that corner. The resolution is taken in 32 bits, as in nav_msgs/MapMetaData: so a place
-    on a cell's border is in the same cell for a map from a file and for the same one from a topic.
+    ``resolution`` is the side of a cell [m]; ``origin`` is the pose of the grid's south-west corner in the map's frame,
+    and its yaw turns the grid about that corner. The resolution is rounded to 32 bits, as in nav_msgs/MapMetaData. So a
+    point on a cell's border is in the same cell, whether the map comes from a file or from a topic.
 
-    :raises ConfigurationError: if ``cells`` is not a 2-D int8 array with cells in it, or ``resolution`` is not > 0.
+    :raises ConfigurationError: if ``cells`` is not a 2-D int8 array or is empty, or if ``resolution`` is not > 0.
     """
 
     def __init__(self, cells: NDArray[Any], resolution: float, origin: Pose2D = Pose2D()) -> None:
@@ -56,12 +56,12 @@ class OccupancyMap:
             raise ConfigurationError('map: resolution: got {!r}; allowed: a number > 0 that 32 bits hold '
                                      '[m/cell]'.format(resolution))
         self._origin = origin
-        # A map on a topic has its angle as a quaternion: its last digits are not those of the file.
+        # A map on a topic has its angle as a quaternion, whose last digits differ from those of the file.
         self._cos, self._sin = round(math.cos(origin.yaw), _DIGITS), round(math.sin(origin.yaw), _DIGITS)
 
     @property
     def cells(self) -> NDArray[Any]:
-        """The values of the cells, [row from the south, column from the west]; not writable."""
+        """The values of the cells, [row from the south, column from the west]; read-only."""
         return self._cells
 
     @property
@@ -76,26 +76,29 @@ class OccupancyMap:
 
     @property
     def axes(self) -> Tuple[float, float]:
-        """Cosine and sine of the angle by which the map's own axes are turned in its frame."""
+        """Cosine and sine of the angle by which the map's own axes are rotated in its frame."""
         return self._cos, self._sin
 
     @property
     def width(self) -> int:
-        """Number of columns."""
+        """The number of columns."""
         return int(self._cells.shape[1])
 
     @property
     def height(self) -> int:
-        """Number of rows."""
+        """The number of rows."""
         return int(self._cells.shape[0])
 
     @property
     def size(self) -> Tuple[float, float]:
-        """(east-west, north-south) extent along the map's own axes [m]."""
+        """The extent (east-west, north-south) along the map's own axes [m]."""
         return self.width * self._resolution, self.height * self._resolution
 
     def cell_at(self, x: float, y: float) -> Optional[int]:
-        """Return the value of the cell at (x, y) [m, map frame], or None off the map. A cell has its lower edges."""
+        """Return the value of the cell at (x, y) [m, map frame], or None off the map.
+
+        The southern and the western edge belong to a cell.
+        """
         column, row = self.to_cells(x, y)
         if not (0.0 <= column < self.width and 0.0 <= row < self.height):
             return None
@@ -108,7 +111,7 @@ class OccupancyMap:
                 (self._cos * dy - self._sin * dx) / self._resolution)
 
     def from_cells(self, column: float, row: float) -> Tuple[float, float]:
-        """Return (x, y) [m, map frame] of a place in cells, the reverse of :meth:`to_cells`."""
+        """Return (x, y) [m, map frame] of a point in cells: the inverse of :meth:`to_cells`."""
         east, north = column * self._resolution, row * self._resolution
         return (self._origin.x + self._cos * east - self._sin * north,
                 self._origin.y + self._sin * east + self._cos * north)
@@ -123,15 +126,15 @@ class OccupancyMap:
         return Ground.FREE if 0 <= value < OCCUPIED else Ground.OCCUPIED
 
     def is_free(self, pose: Pose2D, unknown_is_free: bool = True) -> bool:
-        """Return whether the cell under ``pose`` (map frame) is free; off the map nothing is."""
+        """Return whether the cell at ``pose`` (map frame) is free; no place off the map is."""
         ground = self.ground_at(pose.x, pose.y)
         return ground is Ground.FREE or (unknown_is_free and ground is Ground.UNKNOWN)
 
     def cut(self, x: float, y: float, columns: int, rows: int, resolution: float) -> NDArray[Any]:
         """Return a grid [row from the south, column from the west] of int8 with its south-west corner at (x, y).
 
-        ``x``, ``y`` [m] and the grid's axes are those of the map's frame, ``resolution`` [m] is the side of its cells.
-        Each gets the value that the map has under its centre; off the map that is UNKNOWN.
+        ``x``, ``y`` [m] and the axes of the grid are those of the map's frame; ``resolution`` [m] is the side of its
+        cells. Each cell gets the value of the map at its centre; off the map that is UNKNOWN.
         """
         east = x - self._origin.x + (np.arange(columns) + 0.5) * resolution
         north = (y - self._origin.y + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
@@ -153,7 +156,7 @@ class OccupancyMap:
 class ImageRule:
     """How an image is read: mode, whether white is occupied (``negate``), and the two thresholds of occupancy (0..1).
 
-    :raises ConfigurationError: if a threshold is not a number.
+    :raises ConfigurationError: if a threshold is not finite.
     """
 
     mode: MapMode = MapMode.TRINARY
@@ -170,8 +173,9 @@ class ImageRule:
     def cell_of_shade(self, shade: float) -> int:
         """Return the cell value of an opaque pixel of ``shade`` (0 black .. 255 white, fractions allowed).
 
-        As in map_server of ROS Noetic, to the letter: black is occupied; the thresholds are exclusive; fractions are
-        cut off, not rounded; raw takes the shade as one byte, so that 255 is -1 (unknown) and 101..254 have no meaning.
+        It does exactly what map_server of ROS Noetic does: black is occupied; the thresholds are exclusive; fractions
+        are cut off, not rounded; ``raw`` takes the shade as one byte, so 255 is -1 (unknown) and 101..254 have no
+        meaning.
         """
         if self.negate:
             shade = _WHITE - shade
@@ -191,11 +195,11 @@ class ImageRule:
 def cells_of_image(pixels: NDArray[Any], rule: ImageRule) -> NDArray[Any]:
     """Return the int8 cells (row 0 in the south) of ``pixels``, uint8 (rows from the top, columns, channels).
 
-    Channels: 1 = grey, 3 = colour, 4 = colour and alpha. The shade of a pixel is the mean of its channels. In
-    mode trinary the alpha channel is one of those (as in map_server); in mode scale a fully transparent pixel
+    Channels: 1 = grey, 3 = colour, 4 = colour and alpha. The shade of a pixel is the mean of its channels. In the mode
+    ``trinary`` the alpha channel is one of them (as in map_server). In the mode ``scale`` a fully transparent pixel
     between the thresholds is unknown.
 
-    :raises ConfigurationError: if ``pixels`` is anything else.
+    :raises ConfigurationError: if ``pixels`` has another type or shape.
     """
     pixels = np.asarray(pixels)
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] not in (1, 3, 4) or not pixels.size:

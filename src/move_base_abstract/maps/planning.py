@@ -1,6 +1,6 @@
-"""Where a robot can go, and the straight way there through everything. Without a map every place is free.
+"""Where a robot can go, and the straight way there, through any obstacle. Without a map every place is free.
 
-Ways around what a map shows are made by :mod:`grid_planner`.
+:mod:`.grid_planner` plans ways around the obstacles on a map.
 """
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 _PATH_SPACING = 0.25
 _MAX_PATH_STEPS = 10_000
 _CELLS_BETWEEN_TRIES = 3
-_MAX_TRIES = 1_000_000  # some seconds
+_MAX_TRIES = 1_000_000  # they take some seconds
 
 
 @dataclass(frozen=True)
 class WorldBounds:
-    """The rectangle [m, global frame] outside of which nothing can be reached.
+    """The rectangle [m, global frame] outside which no place can be reached.
 
     :raises ValueError: if a bound is NaN, or a lower bound is not below its upper one.
     """
@@ -39,7 +39,7 @@ class WorldBounds:
                              'got {!r}'.format([self.x_min, self.y_min, self.x_max, self.y_max]))
 
     def contains(self, pose: Pose2D) -> bool:
-        """Return whether ``pose`` lies in the rectangle, its edge included."""
+        """Return whether ``pose`` is in the rectangle or on its edge."""
         return self.x_min <= pose.x <= self.x_max and self.y_min <= pose.y <= self.y_max
 
     def nearest(self, pose: Pose2D) -> Pose2D:
@@ -48,9 +48,9 @@ class WorldBounds:
 
 
 class StraightLinePlanner:
-    """Plans straight ways to places inside ``bounds`` and, with a :class:`MapCheck`, to those that the map allows."""
+    """Plans straight ways to places inside ``bounds``; with a :class:`MapCheck`, only to places that the map allows."""
 
-    #: whether no way has corners, so that none depends on what lies between
+    #: whether all ways are straight, so that no way depends on what is between its ends
     goes_straight = True
 
     def __init__(self, bounds: WorldBounds = WorldBounds(), map_check: Optional[MapCheck] = None) -> None:
@@ -60,29 +60,29 @@ class StraightLinePlanner:
 
     @property
     def lacking(self) -> Optional[str]:
-        """What is missing before goals can be judged, as a text, or None."""
+        """A text that says what is missing before goals can be judged, or None."""
         if self._map_check is None or self._map_check.occupancy is not None:
             return None
         return self._map_check.lacking
 
     @property
     def occupancy(self) -> Any:
-        """The map (OccupancyMap) by which it judges, None: there is none, or none yet."""
+        """The map (OccupancyMap) by which it judges goals, None: there is none, or none yet."""
         return None if self._map_check is None else self._map_check.occupancy
 
     def clearance_of(self, points: Sequence[Tuple[float, float]]) -> Optional[float]:
-        """Return how near a way between ``points`` [(x, y), m] comes to what the map shows [m], None without a map."""
+        """Return the distance [m] of a way between ``points`` [(x, y), m] from occupied cells, None without a map."""
         if self.occupancy is None:
             return None
-        from .way_clearance import way_clearance  # only who asks pays for numpy
+        from .way_clearance import way_clearance  # imported here, since it needs numpy
         return way_clearance(self.occupancy, points)
 
     def refusal(self, goal: Pose2D) -> Optional[str]:
-        """Return what the map has against ``goal``, as a text, or None."""
+        """Return a text that says why the map does not allow ``goal``, or None."""
         return None if self._map_check is None else self._map_check.refusal(goal)
 
     def refusal_of_way(self, _start: Pose2D, goal: Pose2D) -> Optional[str]:
-        """Return why there is no way to ``goal``, as a text, or None."""
+        """Return a text that says why there is no way to ``goal``, or None."""
         refusal = self.refusal(goal)
         if refusal is None and not self._bounds.contains(goal):
             return 'The goal ({:g}, {:g}) lies outside of world_bounds, [{:g}, {:g}, {:g}, {:g}].'.format(
@@ -95,20 +95,20 @@ class StraightLinePlanner:
             self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None))
 
     def plan(self, start: Pose2D, goal: Pose2D) -> List[Pose2D]:
-        """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
+        """Return the way from ``start`` to ``goal`` as a list of poses about 0.25 m apart, or [] if there is none."""
         corners = self.corners(start, goal)
         return [] if corners is None else path_along(start, corners, goal)
 
     def corners(self, _start: Pose2D, goal: Pose2D) -> Optional[Tuple[Any, ...]]:
-        """Return the corners ((x, y), ...) [m] of the way, here none, or None where there is no way."""
+        """Return the corners ((x, y), ...) [m] of the way, which are none here, or None if there is no way."""
         return () if self.reachable(goal) else None
 
     def plan_near(self, start: Pose2D, goal: Pose2D, tolerance: float, add_goal: bool = True) -> List[Pose2D]:
-        """Return the way to ``goal``, or to a place near it that lies within ``tolerance`` [m], or [].
+        """Return the way to ``goal``, or to a place within ``tolerance`` [m] of it, or [] if there is none.
 
-        Without a map that is the nearest place inside the bounds, with one the first of move_base's search: on squares
-        around the goal, three cells apart. With ``add_goal`` a goal that was missed is appended all the same, as
-        move_base does by default.
+        Without a map that place is the nearest one inside the bounds. With a map it is the first one that move_base's
+        search finds, on squares around the goal that are three cells apart. With ``add_goal`` the goal is appended even
+        if the way does not reach it, as move_base does by default.
         """
         path = self.plan(start, goal)
         if path:
@@ -139,9 +139,9 @@ class StraightLinePlanner:
 
 
 def path_along(start: Pose2D, corners: Tuple[Any, ...], goal: Pose2D) -> List[Pose2D]:
-    """Return poses from ``start`` by ``corners`` [(x, y), m] to ``goal``, as of :func:`straight_path` for each piece.
+    """Return poses from ``start`` along ``corners`` [(x, y), m] to ``goal``; each piece is a :func:`straight_path`.
 
-    At a corner the pose heads on to the next one.
+    The pose at a corner has the heading of the next piece.
     """
     points = [start] + [Pose2D(x, y) for x, y in corners] + [goal]
     most = max(1, _MAX_PATH_STEPS // (len(points) - 1))
@@ -154,9 +154,9 @@ def path_along(start: Pose2D, corners: Tuple[Any, ...], goal: Pose2D) -> List[Po
 
 
 def straight_path(start: Pose2D, goal: Pose2D, most_steps: int = _MAX_PATH_STEPS) -> List[Pose2D]:
-    """Return poses from ``start`` to ``goal`` on a straight line, heading along it, the last one being the goal.
+    """Return poses from ``start`` to ``goal`` on a straight line, with the heading along it; the last one is the goal.
 
-    They are 0.25 m apart at most, but no more than ``most_steps``: a way that is very long has longer steps.
+    They are at most 0.25 m apart. If that would need more than ``most_steps`` steps, the steps are longer.
     """
     distance = start.distance_to(goal)
     steps = max(1, int(math.ceil(min(distance / _PATH_SPACING, most_steps))))

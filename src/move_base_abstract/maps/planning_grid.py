@@ -1,7 +1,7 @@
-"""The cells of a map that a robot of a given radius may be in, and which places see each other. Integers only.
+"""The cells of a map in which a robot of a given radius may be, and which places see each other. Integers only.
 
-A place is (column, row) in 1/256 of a cell, whole numbers. What a straight line between two places touches is found
-without rounding, so that no decision hangs on the last digit of a float.
+A place is a point (column, row) in 1/256 of a cell, in whole numbers. The cells that a straight line between two places
+touches are found without rounding, so no decision depends on the last digit of a float.
 """
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from .occupancy import OCCUPIED, UNKNOWN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: parts of a cell in which places are counted; even, so that a cell's centre is one
+#: the parts of a cell in which places are counted; the number is even, so that a cell's centre is a place
 PARTS = 256
-#: parts by which planned ways keep off cells that are not free, so that no rounding of a place brings them into one
+#: the distance [parts] of planned ways from cells that are not free, so that rounding brings no way into such a cell
 MARGIN = 1
-_OFF = MARGIN + 1  # parts; the least distance of a place from its cell's borders
+_OFF = MARGIN + 1  # parts; the least distance of a place from the borders of its cell
 _HALF = PARTS // 2
 _PARTS_OF_8 = 8 * PARTS
-_EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # of a line
+_EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # the points of a line that are tested first, in eighths
 
-#: the eight steps (columns, rows) in the order in which equal ones are taken: straight before diagonal
+#: the eight steps (columns, rows), in the order in which equally good ones are taken: straight before diagonal
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
 def blocked_cells(cells: NDArray[Any], radius: float, unknown_is_free: bool = True) -> NDArray[Any]:
-    """Return which of ``cells`` (int8 of an OccupancyMap) no robot's centre may be in, as an array of bool.
+    """Return in which of ``cells`` (int8, of an OccupancyMap) no robot's centre may be, as an array of bool.
 
-    Those are the occupied ones and all whose centre lies within ``radius`` [cells] of the centre of one, as those that
-    costmap_2d calls inscribed; and the unknown ones, if these are not free. The disc is one of whole numbers; a
-    millionth is allowed for, so that 0.3 m are three cells of 0.1 m in 32 bits too.
+    These are the occupied cells, and all cells whose centre is within ``radius`` [cells] of the centre of an occupied
+    one, which costmap_2d calls inscribed; also the unknown cells, if they are not free. The disc is computed in whole
+    numbers, with an allowance of a millionth, so that 0.3 m are three cells of 0.1 m in 32 bits, too.
     """
     occupied = (cells >= OCCUPIED) | (cells < UNKNOWN)
     blocked = occupied.copy()
@@ -50,7 +50,7 @@ def blocked_cells(cells: NDArray[Any], radius: float, unknown_is_free: bool = Tr
 
 
 def _widened(occupied: NDArray[Any], reach: int) -> NDArray[Any]:
-    """Return which cells have an occupied one within ``reach`` cells to the east or west."""
+    """Return which cells have an occupied cell within ``reach`` cells to the east or west."""
     rows, columns = occupied.shape
     counts = np.zeros((rows, columns + 1), np.int32)
     np.cumsum(occupied, axis=1, out=counts[:, 1:])
@@ -59,9 +59,9 @@ def _widened(occupied: NDArray[Any], reach: int) -> NDArray[Any]:
 
 
 class PlanningGrid:
-    """Which cells are free, [row from the south, column from the west]; off the grid nothing is. Immutable.
+    """The free cells of a map, [row from the south, column from the west]. Immutable.
 
-    A cell's number is ``(row + 1) * stride + column + 1``: around the grid lies a border of cells that are not free.
+    The number of a cell is ``(row + 1) * stride + column + 1``: around the grid is a border of cells that are not free.
     """
 
     def __init__(self, blocked: NDArray[Any]) -> None:
@@ -70,55 +70,56 @@ class PlanningGrid:
         self.stride: int = columns + 2
         free = np.zeros((rows + 2, columns + 2), bool)
         free[1:-1, 1:-1] = ~blocked
-        #: whether a cell is free, by its number
+        #: [number of a cell]: whether the cell is free
         self.free = free.ravel()
-        #: how a cell's number changes with each of STEPS
+        #: [step]: the change of a cell's number by each of STEPS
         self.offsets = np.array([row * self.stride + column for column, row in STEPS])
-        #: by a cell's number: bit k says that the k-th of STEPS is allowed: diagonals cut no corner that is not free
+        #: [number of a cell]: bit k says that the k-th of STEPS is allowed; diagonals cut no corner of blocked cells
         self.steps = _allowed_steps(free)
-        #: a number for each cell that anybody may overwrite
+        #: [number of a cell]: a number that any user of the grid may overwrite
         self.scratch = np.zeros(free.size, np.int32)
-        #: by a cell's number: bit k says that it lies diagonally outside of a corner of what is not free, which lies at
-        #: the k-th diagonal one of STEPS
+        #: [number of a cell]: bit k says that a convex corner of the cells that are not free is diagonally next to the
+        #: cell, in the direction of the k-th diagonal one of STEPS
         corners = _convex_corners(free)
         self._corners_of = memoryview(corners.ravel())
         self._corners = corners[1:-1, 1:-1]
         self._is_free = memoryview(self.free.view(np.uint8))
-        # [column, row]: how many cells of the column south of the row are not free
+        # [column, row]: the number of cells of the column south of the row that are not free
         counts = np.zeros((columns, rows + 1), np.int32)
         np.cumsum(blocked.T, axis=1, out=counts[:, 1:])
         self._counts = counts.ravel()
 
     def place(self, column: float, row: float) -> Optional[Tuple[int, int]]:
-        """Return the place (1/256 cells) of a point given in cells with fractions, or None off the grid.
+        """Return the place (1/256 cells) of a point that is given in cells with fractions, or None off the grid.
 
-        It is the nearest one inside of the point's cell, at least two parts off its borders.
+        It is the nearest place inside the point's cell that is at least two parts off the cell's borders.
         """
         if not (0.0 <= column < self.columns and 0.0 <= row < self.rows):
             return None
         return _inside(column), _inside(row)
 
     def cell_of(self, place: Tuple[int, int]) -> int:
-        """Return the number of the cell in which ``place`` lies."""
+        """Return the number of the cell that contains ``place``."""
         return (place[1] // PARTS + 1) * self.stride + place[0] // PARTS + 1
 
     def centre_of(self, cell: int) -> Tuple[int, int]:
-        """Return the place in the middle of the cell with a number."""
+        """Return the place in the middle of the cell with the number ``cell``."""
         row, column = divmod(cell, self.stride)
         return (column - 1) * PARTS + _HALF, (row - 1) * PARTS + _HALF
 
     def is_free(self, cell: int) -> bool:
-        """Return whether the cell with a number is free."""
+        """Return whether the cell with the number ``cell`` is free."""
         return bool(self._is_free[cell])
 
     def is_corner(self, cell: int) -> bool:
-        """Return whether a cell lies diagonally outside of a corner of what is not free."""
+        """Return whether a convex corner of the cells that are not free is diagonally next to a cell."""
         return self._corners_of[cell] != 0
 
     def corners_within(self, places: Tuple[Tuple[int, int], ...]) -> Tuple[NDArray[Any], NDArray[Any]]:
-        """Return the corners of what is not free in the box around ``places``: [corner, x and y], parts as of places.
+        """Return (corners, bends) in the box around ``places``, as arrays [corner, x and y] in parts, as for places.
 
-        And the place by each, as near as may be, at which a way bends around it, in a second array.
+        The corners are the convex corners of the cells that are not free. A bend is the nearest allowed place to its
+        corner, at which a way bends around it.
         """
         low = [max(min(values) // PARTS - 1, 0) for values in zip(*places)]
         high = [max(values) // PARTS + 2 for values in zip(*places)]
@@ -133,7 +134,7 @@ class PlanningGrid:
         return np.concatenate(corners), np.concatenate(bends)
 
     def corner_at(self, place: Tuple[int, int]) -> Optional[Tuple[int, int]]:
-        """Return towards which corner (+-1, +-1) of what is not free ``place`` is as near as may be, or None."""
+        """Return the direction (+-1, +-1) of the corner for which ``place`` is the nearest allowed place, or None."""
         parts = place[0] % PARTS, place[1] % PARTS
         if not all(part in (_OFF, PARTS - _OFF) for part in parts):
             return None
@@ -143,7 +144,7 @@ class PlanningGrid:
     def nearest_free(self, place: Tuple[int, int], reach: int) -> Optional[int]:
         """Return the number of the free cell nearest to ``place``, at most ``reach`` cells away, or None.
 
-        The distance is that of the cells' centres; of equal ones the southernmost counts, then the westernmost.
+        The distance is that of the cells' centres. Of equally near ones the southernmost counts, then the westernmost.
         """
         column, row = place[0] // PARTS, place[1] // PARTS
         best = None
@@ -158,12 +159,13 @@ class PlanningGrid:
     def sees(self, one: Tuple[int, int], other: Tuple[int, int], margin: int = MARGIN) -> bool:
         """Return whether each cell within ``margin`` parts (0 or 1) of the straight line between two places is free.
 
-        With 0 that is each cell that the line touches, ends and borders too; a line through a corner touches all four
-        cells there. With 1 a square of twice that side goes along the line. Along each column of cells it covers rows
-        from its lower to its upper end there; where it crosses a border is a fraction, compared without dividing.
+        With 0 these are the cells that the line touches, including its ends and the cells' borders; a line through a
+        corner touches all four cells there. With 1 a square with sides of two parts moves along the line. In each
+        column of cells it covers the rows from its lower to its upper end there. The point at which it crosses a border
+        is a fraction, which is compared without division.
         """
         (x, y), (end_x, end_y) = sorted((one, other))
-        for share in _EIGHTHS:  # a point of the line lies in a cell that it touches: most that are not clear show here
+        for share in _EIGHTHS:  # quick test: most lines that are not clear show it at one of these points
             rest = 8 - share
             cell = (rest * y + share * end_y) // _PARTS_OF_8 * self.stride + (rest * x + share * end_x) // _PARTS_OF_8
             if not self._is_free[cell + self.stride + 1]:
@@ -174,7 +176,8 @@ class PlanningGrid:
         if first == last:
             low, high = min(y, end_y) // PARTS, max(y, end_y) // PARTS
             return bool(self._counts[first * stride + high + 1] == self._counts[first * stride + low])
-        # Of the line where columns meet, times width; its ends lie further off their cells' borders than the margin.
+        # Heights of the line at the borders of columns, times width. Its ends are off their cells' borders by more
+        # than the margin.
         heights = (np.arange(first + 1, last + 1) * PARTS - x) * height + y * width
         spread = margin * (width + abs(height))
         lows, highs = np.empty(last - first + 1, np.int64), np.empty(last - first + 1, np.int64)

@@ -1,6 +1,6 @@
-"""Reading PGM and PPM images, text (P2, P3) and binary (P5, P6), by the formats' description (netpbm.sourceforge.net).
+"""Reads PGM and PPM images, text (P2, P3) and binary (P5, P6), as their formats are described (netpbm.sourceforge.net).
 
-Pillow reads text only since 9.2 and scales small greatest values only since 9.1, so that what a map looks like would
+Pillow reads text only since 9.2, and scales values with a small maximum only since 9.1. With Pillow, a map would
 depend on the release of Debian.
 """
 from __future__ import annotations
@@ -23,7 +23,7 @@ _HEADER = re.compile(rb'P[2356]' + _GAP + rb'(\d{1,9})' + _GAP + rb'(\d{1,9})' +
 
 
 def is_pnm(stream: IO[bytes]) -> bool:
-    """Return whether the file ``stream`` begins as a PGM or PPM image does; it is at its beginning afterwards.
+    """Return whether the file ``stream`` begins like a PGM or PPM image; afterwards it is at its beginning again.
 
     :raises OSError: if it cannot be read.
     """
@@ -35,7 +35,7 @@ def is_pnm(stream: IO[bytes]) -> bool:
 def read_pnm(path: StrPath, stream: IO[bytes]) -> Any:
     """Return the pixels of a PGM or PPM file: uint8, 0 to 255, (rows from the top, columns, 1 or 3 channels).
 
-    :raises ConfigurationError: naming the file, if it is damaged, too large, or has more than 8 bits a value.
+    :raises ConfigurationError: if it is damaged, too large, or has more than 8 bits a value; the text names the file.
     :raises OSError: if it cannot be read.
     """
     data = stream.read(BYTES_MAX)

@@ -1,25 +1,25 @@
-"""How far it is over a net (Dijkstra), and the cheapest way where lanes cost more than their time just now.
+"""The shortest times over a net (Dijkstra), and the cheapest way while lanes cost more than their time.
 
-The latter is A*, led by the times without that.
+The latter is A-star, with the shortest times as its heuristic.
 """
 from __future__ import annotations
 
 from heapq import heappop, heappush
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
-#: how much a lane, (index of its edge, time [ns] at full speed), costs beside its time [ns, >= 0]
+#: (index of an edge, time [ns] at full speed) -> what the lane costs in addition to its time [ns, >= 0]
 Prices = Callable[[int, int], int]
 
 
 def times_to(arriving: Sequence[Sequence[Tuple[int, int]]], last: int) -> List[Optional[int]]:
-    """Return for each node how long it takes to come from there to the node ``last`` [ns], None: one does not.
+    """Return for each node the time [ns] of the shortest way from there to the node ``last``, None: there is no way.
 
-    ``arriving``: for each node [(a node from which a lane leads there, its time [ns]), ...]; nodes are numbers.
+    ``arriving``: for each node [(a node from which a lane leads to it, its time [ns]), ...]; nodes are numbers.
     """
     count = len(arriving)
     times: List[Optional[int]] = [None] * count
     times[last] = 0
-    open_ = [last]  # time * count + node: one number is compared faster than a pair
+    open_ = [last]  # time * count + node, since a number is compared faster than a pair
     while open_:
         time, node = divmod(heappop(open_), count)
         if time != times[node]:
@@ -34,11 +34,11 @@ def times_to(arriving: Sequence[Sequence[Tuple[int, int]]], last: int) -> List[O
 
 def cheapest(leaving: Mapping[str, Sequence[Any]], times: Mapping[str, int], first: str, last: str,
              prices: Prices) -> Tuple[int, List[Any]]:
-    """Return (cost [ns], lanes) of the cheapest way from the node ``first`` to ``last``, which ``times`` has.
+    """Return (cost [ns], lanes) of the cheapest way from the node ``first``, which is in ``times``, to ``last``.
 
-    ``leaving``: the lanes from each node, sorted by where they lead; ``times``: {node: ns to ``last`` at full speed}
-    of all nodes from which one comes there. Of equally cheap ways the one is taken that is found first: the same each
-    time, whatever other robots there are.
+    ``leaving``: the lanes from each node, sorted by the nodes to which they lead; ``times``: {node: ns to ``last`` at
+    full speed} of all nodes from which there is a way. Of equally cheap ways, the one that is found first counts. It is
+    always the same one, whatever other robots there are.
     """
     costs: Dict[str, int] = {first: 0}
     came: Dict[str, Any] = {}

@@ -1,9 +1,10 @@
 """Ways over cells, shortened to a few straight pieces at any angle by lines of sight.
 
-From a place the way goes straight to one of the next cells where its shortest way over the cells turns or passes a
-corner of what is not free, and on from there likewise: the choice that is shortest in all. Lengths are whole numbers,
-in 1/65536 of a cell, rounded up piece by piece, so that a straight way is never longer than one with a corner. Of
-equally long ways the one with the fewest corners counts, then the one whose first corner lies furthest along.
+The shortest way over the cells has candidates for bends: the cells where it turns, or where it passes a corner of the
+cells that are not free. From a place the shortened way goes straight to one of the next candidates, and on from there
+in the same way; the choice with the shortest total length counts. Lengths are whole numbers, in 1/65536 of a cell,
+rounded up for each piece, so a straight way is never longer than one with a corner. Of equally long ways the one with
+the fewest corners counts, then the one whose first corner is furthest along the way.
 """
 from __future__ import annotations
 
@@ -14,19 +15,19 @@ if TYPE_CHECKING:
     from .cost_field import CostField
     from .planning_grid import PlanningGrid
 
-_BITS = 16  # of the square of 256 parts more than the 256 parts of a cell in which places are counted
-_AHEAD = 48  # cells; how many of them a straight piece is tried to
+_BITS = 16  # lengths are 256 times finer than places, so their squares are shifted by twice 8 bits
+_AHEAD = 48  # the number of candidates ahead to which a straight piece is tried
 
 
 def length_between(one: Tuple[int, int], other: Tuple[int, int]) -> int:
-    """Return the distance of two places [1/65536 cell], rounded up."""
+    """Return the distance between two places [1/65536 cell], rounded up."""
     dx, dy = other[0] - one[0], other[1] - one[1]
     squared = (dx * dx + dy * dy) << _BITS
     return math.isqrt(squared - 1) + 1 if squared else 0
 
 
 class _Tail(NamedTuple):
-    """How a way goes on: its length to the goal, the number of its corners, the cell at which it bends next."""
+    """The rest of a way: its length to the goal, the number of its corners, and the cell at which it bends next."""
 
     length: int
     corners: int
@@ -34,9 +35,9 @@ class _Tail(NamedTuple):
 
 
 class Shortener:
-    """The shortened ways to ``goal``, a place in the cell that ``field`` (CostField) leads to.
+    """The shortened ways to ``goal``, a place in the cell to which ``field`` (CostField) leads.
 
-    What is found from a cell is kept: ways to one goal soon run together. It does not depend on what was asked before.
+    The best way from each cell is kept, since ways to one goal soon run together. No way depends on earlier questions.
     """
 
     def __init__(self, grid: PlanningGrid, field: CostField, goal: Tuple[int, int]) -> None:
@@ -46,7 +47,7 @@ class Shortener:
         self._tails = {field.goal: _Tail(0, 0, None)}
 
     def corners_from(self, place: Tuple[int, int]) -> List[Tuple[int, int]]:
-        """Return the places of the corners between ``place`` and the goal; a way must lead from its cell."""
+        """Return the places of the corners between ``place`` and the goal; there must be a way from its cell."""
         cells = self.field.way_from(self._grid.cell_of(place))
         turns = self._turns(cells)
         for number in range(len(turns) - 2, -1, -1):
@@ -61,7 +62,7 @@ class Shortener:
         return corners
 
     def _turns(self, cells: List[int]) -> List[int]:
-        """Return those of ``cells`` at which a way may bend: turns, corners, and the neighbours of its ends."""
+        """Return the ``cells`` at which a way may bend: turns, corners, and the neighbours of its ends."""
         is_corner = self._grid.is_corner
         turns = []
         step = None
@@ -75,7 +76,7 @@ class Shortener:
         return turns + cells[-1:]
 
     def _best(self, place: Tuple[int, int], turns: List[int]) -> _Tail:
-        """Return the best way on from ``place`` by one of ``turns``, of which the first one at least is seen."""
+        """Return the best way on from ``place`` by one of ``turns``; at least the first of them must be visible."""
         choices = []
         for number, cell in enumerate(turns):
             tail = self._tails[cell]

@@ -1,7 +1,7 @@
 """Ways pulled tight: each bend moves to the corners of the blocked cells inside it.
 
-Of a bend a - b - c both pieces are clear, so what keeps a from seeing c reaches in between a and c: a string along the
-bend is caught by the convex hull of the corners in the triangle. Whole numbers decide.
+In a bend a - b - c both pieces are clear. So the blocked cells that hide c from a reach into the triangle between a and
+c. A string along the bend would be caught by the convex hull of the corners in the triangle. All numbers are whole.
 """
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
     from .planning_grid import PlanningGrid
 
-_TRIES = 32  # for each bend that a way has at first; a few are enough
+_TRIES = 32  # per bend of the original way; usually a few are enough
 
 
 def tightened(grid: PlanningGrid, places: List[Tuple[int, int]]) -> List[Tuple[int, int]]:
-    """Return ``places`` (1/256 cells, see PlanningGrid), from start to goal, pulled tight. It is never longer."""
+    """Return the way along ``places`` (1/256 cells, see PlanningGrid), pulled tight; it never gets longer."""
     places = list(places)
     tries = _TRIES * len(places)
     index = 1
@@ -34,7 +34,7 @@ def tightened(grid: PlanningGrid, places: List[Tuple[int, int]]) -> List[Tuple[i
 
 
 def is_taut(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, int], end: Tuple[int, int]) -> bool:
-    """Return whether the way from ``begin`` to ``end`` bends around a corner, as near to it as may be."""
+    """Return whether the way from ``begin`` to ``end`` bends around a corner, as near to it as is allowed."""
     corner = grid.corner_at(bend)
     if corner is None:
         return False
@@ -45,7 +45,7 @@ def is_taut(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, int], e
 
 def _pulled(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, int],
             end: Tuple[int, int]) -> List[Tuple[int, int]]:
-    """Return the places by which the way from ``begin`` to ``end`` is tight, on the side of ``bend``."""
+    """Return the places between ``begin`` and ``end`` with which the way is tight, on the side of ``bend``."""
     if is_taut(grid, begin, bend, end):
         return [bend]
     if grid.sees(begin, end):
@@ -64,15 +64,15 @@ def _length(places: List[Tuple[int, int]]) -> int:
 
 def _side(begin: Tuple[int, int], end: Tuple[int, int], x: Union[int, NDArray[Any]],
           y: Union[int, NDArray[Any]]) -> Union[int, NDArray[Any]]:
-    """Return > 0 where (x, y) lies to the left of the line from ``begin`` to ``end``, < 0 to the right of it."""
+    """Return a number > 0 if (x, y) is left of the line from ``begin`` to ``end``, < 0 if it is right of it."""
     return (end[0] - begin[0]) * (y - begin[1]) - (end[1] - begin[1]) * (x - begin[0])
 
 
 def _bends_within(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, int], end: Tuple[int, int],
                   sign: int) -> Iterable[Any]:
-    """Return the places [(x, y)] by the corners of what is not free in the triangle, sides included.
+    """Return the bends [(x, y)] at the corners of blocked cells in the triangle, including its sides.
 
-    A corner may lie in the triangle and the place by it a part outside: what counts is the corner.
+    If a corner is in the triangle but its bend is a part outside, it counts.
     """
     corners, bends = grid.corners_within((begin, bend, end))
     x, y = corners.T
@@ -82,7 +82,7 @@ def _bends_within(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, i
 
 
 def _around(begin: Tuple[int, int], end: Tuple[int, int], points: Iterable[Any]) -> List[Tuple[int, int]]:
-    """Return the convex way from ``begin`` to ``end`` around ``points``, which lie on one side of their line."""
+    """Return the convex way from ``begin`` to ``end`` around ``points``, which are on one side of their line."""
     ordered = sorted([begin, end, *points])
     hull = _chain(ordered)[:-1] + _chain(ordered[::-1])[:-1]
     first = hull.index(begin)
@@ -91,7 +91,7 @@ def _around(begin: Tuple[int, int], end: Tuple[int, int], points: Iterable[Any])
 
 
 def _chain(ordered: List[Tuple[int, int]]) -> List[Tuple[int, int]]:
-    """Return those of the points, which are sorted, that bound them on the right of their first and last one."""
+    """Return the points of the convex hull from the first to the last of ``ordered``, on the right of that line."""
     chain: List[Tuple[int, int]] = []
     for point in ordered:
         while len(chain) > 1 and _side(chain[-2], chain[-1], *point) <= 0:

@@ -1,9 +1,9 @@
-"""Maps of L-CAS' topological navigation (``tmap2``), taken as lanes: nodes, and edges that lead one way each.
+"""Maps of the topological navigation of L-CAS (``tmap2``), read as lanes: nodes, and edges in one direction each.
 
-The format: https://github.com/LCAS/topological_navigation. What is used of it: the name and the pose of a node, and of
-its edges where they lead and the top speed that ``config`` sets for a local planner. A node whose ``parent_frame`` is
-the child frame of the map's ``transformation`` is brought into the parent's. Actions, areas of influence, policies and
-restrictions mean nothing here.
+The format is described at https://github.com/LCAS/topological_navigation. We use the name and the pose of a node, the
+nodes to which its edges lead, and the top speed that ``config`` of an edge sets for a local planner. A node whose
+``parent_frame`` is the child frame of the map's ``transformation`` is transformed into the parent frame. Actions, areas
+of influence, policies and restrictions are ignored.
 """
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from ..common.errors import ConfigurationError
 from ..common.shown import shown
 from ..motion.geometry import Pose2D, yaw_of_quaternion
 
-#: names of parameters that are the top speed of a local planner
+#: the names of parameters for the top speed of a local planner
 _SPEEDS = ('max_vel_x', 'max_vel_trans', 'max_trans_vel')
 
 
 def is_topological_map(raw: Mapping[str, Any]) -> bool:
-    """Return whether the document ``raw`` is a tmap2: its nodes have a ``node`` each."""
+    """Return whether the document ``raw`` is a tmap2: each entry of its nodes has a key ``node``."""
     nodes = raw.get('nodes') if isinstance(raw, dict) else None
     return isinstance(nodes, list) and bool(nodes) and isinstance(nodes[0], dict) and 'node' in nodes[0]
 
 
 def plain_map(raw: Mapping[str, Any], where: str) -> Dict[str, List[Dict[str, Any]]]:
-    """Return the tmap2 ``raw`` as nodes and edges in our own form; of edges to the same node the first counts.
+    """Return the tmap2 ``raw`` as nodes and edges in our own form; of several edges to one node the first counts.
 
-    :raises ConfigurationError: if a part of it is not what the format says; the text begins with ``where``.
+    :raises ConfigurationError: if a part of it does not have the format; the text begins with ``where``.
     """
     nodes, edges = [], []
     for index, entry in enumerate(raw['nodes']):
@@ -43,7 +43,7 @@ def plain_map(raw: Mapping[str, Any], where: str) -> Dict[str, List[Dict[str, An
 
 
 def _origin(raw: Mapping[str, Any], node: Any) -> Pose2D:
-    """Return where the frame lies in which the node is given (Pose2D, global frame)."""
+    """Return the pose (Pose2D, global frame) of the frame in which the node is given."""
     transformation = raw.get('transformation')
     if not transformation or node.get('parent_frame') != transformation['child']:
         return Pose2D()

@@ -1,4 +1,4 @@
-"""Travel matrices: how long it takes from place to place, for worlds that give times and no geometry.
+"""Travel matrices: the travel times between places, for worlds that have times but no geometry.
 
     places:
       - {name: depot, x: 0.0, y: 0.0}
@@ -6,7 +6,7 @@
     times:
       - {from: depot, to: field, seconds: 75.0}
 
-or as CSV: from,from_x,from_y,to,to_x,to_y,seconds. Each direction stands for itself.
+or as CSV: from,from_x,from_y,to,to_x,to_y,seconds. Each direction has a time of its own.
 """
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from ..motion.geometry import Pose2D
     from .map_check import MapCheck
 
-AT_PLACE = 0.1  # m; who is as near as this to a place is there
-_ON_LINE = 0.01  # m; likewise, of the straight line between two
+AT_PLACE = 0.1  # m; a robot as near as this to a place is there
+_ON_LINE = 0.01  # m; a robot as near as this to the straight line between two places is on it
 CSV_COLUMNS = ['from', 'from_x', 'from_y', 'to', 'to_x', 'to_y', 'seconds']
 _COORDINATE = number(-1e9, 1e9)
 _XY = Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]')
@@ -49,23 +49,24 @@ class TravelMatrix(NamedTuple):
 
 
 def read_travel_matrix(path: str, where: str) -> TravelMatrix:
-    """Return the :class:`TravelMatrix` in the file ``path``, CSV if its name ends so, else YAML.
+    """Return the :class:`TravelMatrix` in the file ``path``; if its name ends with .csv it is CSV, otherwise YAML.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
     """
     return _matrix_in(*found(path, 'travel_matrix', where))
 
 
 @lru_cache(maxsize=16)
 def _matrix_in(path: str, _mtime_ns: int, _size: int) -> TravelMatrix:
-    """Return the matrix in a file; many robots ask for the same one."""
+    """Return the matrix in a file; it is cached, since many robots ask for the same file."""
     return make_travel_matrix(_read_csv(path) if path.endswith('.csv') else load_yaml_file(path), path)
 
 
 def make_travel_matrix(raw: Mapping[str, Any], where: str = 'travel_matrix') -> TravelMatrix:
-    """Return the :class:`TravelMatrix` in the dictionary ``raw``; ``where`` begins the text of an error.
+    """Return the :class:`TravelMatrix` in the dictionary ``raw``.
 
-    :raises ConfigurationError: for unknown keys and places, values that are not allowed, and what is there twice.
+    :raises ConfigurationError: for unknown keys and places, for values that are not allowed, and for places and times
+        that are there twice; the text begins with ``where``.
     """
     if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('places', 'times')):
         raise ConfigurationError('{}: got {}; allowed: a mapping with the lists places and times'.format(
@@ -102,7 +103,10 @@ def _check_entry(raw: Mapping[str, Any], keys: Tuple[str, str, str], where: str)
 
 
 def _check_apart(places: Dict[str, Tuple[float, float]], where: str) -> None:
-    """Refuse two places at which a robot would be at once."""
+    """Check that no robot can be at two places at the same time.
+
+    :raises ConfigurationError: if two places are too near each other.
+    """
     ordered = sorted(places.items(), key=lambda place: place[1])
     for number_, (name, (x, y)) in enumerate(ordered):
         for other, (a, b) in ordered[number_ + 1:]:
@@ -124,7 +128,7 @@ def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
             try:
                 numbers = [float(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
             except (TypeError, ValueError):
-                raise ConfigurationError('{}: got {}; allowed: numbers but for the names'.format(
+                raise ConfigurationError('{}: got {}; allowed: numbers, except for the names'.format(
                     where, shown(dict(row)))) from None
             for name, place in ((row['from'], tuple(numbers[:2])), (row['to'], tuple(numbers[2:4]))):
                 if places.setdefault(name, place) != place:
@@ -135,9 +139,9 @@ def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
 
 
 class MatrixPlanner(StraightLinePlanner):
-    """Plans straight ways between the places of ``matrix`` (TravelMatrix) that take as long as it says.
+    """Plans straight ways between the places of ``matrix`` (TravelMatrix), with the durations in it.
 
-    ``bounds`` and the map judge goals only.
+    ``bounds`` and the map only decide which goals are allowed.
     """
 
     goes_straight = False
@@ -149,7 +153,7 @@ class MatrixPlanner(StraightLinePlanner):
         self._places = list(matrix.places.items())
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
-        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        """Return a text that says why there is no way from ``start`` to ``goal``; call it only if there is none."""
         refusal = super().refusal_of_way(start, goal)
         if refusal is not None:
             return refusal
@@ -159,21 +163,21 @@ class MatrixPlanner(StraightLinePlanner):
         return 'The travel matrix has no time from {} to {}.'.format(shown(self._nearest(start)[0]), shown(name))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
-        """Return the :class:`.PlannedWay`, which has no corners but a time, or None where there is no way."""
+        """Return the :class:`.PlannedWay`, which has a duration and no corners, or None if there is no way."""
         name = self._at(goal) if self.reachable(goal) else None
         seconds = None if name is None else self._seconds(start, name)
         return None if seconds is None else PlannedWay(seconds=seconds)
 
     @staticmethod
     def is_clear(_points: Any) -> bool:
-        """Return whether a robot may go straight on from point to point: times do not depend on a map."""
+        """Return True: a robot may go straight from point to point, since times do not depend on a map."""
         return True
 
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.corners(start, goal) is not None
 
     def _nearest(self, pose: Pose2D) -> Tuple[Optional[str], float]:
-        """Return (name, distance [m]) of the nearest place; of equally near ones the first of the file."""
+        """Return (name, distance [m]) of the nearest place; of equally near ones the first in the file counts."""
         return min(((name, math.hypot(x - pose.x, y - pose.y)) for name, (x, y) in self._places),
                    key=lambda place: round(place[1], 6), default=(None, math.inf))
 
@@ -182,7 +186,7 @@ class MatrixPlanner(StraightLinePlanner):
         return name if distance <= AT_PLACE else None
 
     def _seconds(self, start: Pose2D, goal_name: str) -> Optional[float]:
-        """Return how long it takes from ``start`` [s], or None. Who is between two places has a share left to go."""
+        """Return the travel time [s] from ``start``, or None; between two places it is a share of their time."""
         name = self._at(start)
         if name == goal_name:
             return self._matrix.seconds.get((name, name), 0.0)
@@ -202,7 +206,7 @@ class MatrixPlanner(StraightLinePlanner):
 
 
 def _is_between(begin: Tuple[float, float], end: Tuple[float, float], pose: Pose2D) -> bool:
-    """Return whether ``pose`` lies on the straight line from ``begin`` to ``end``."""
+    """Return whether ``pose`` is on the straight line from ``begin`` to ``end``."""
     share = share_along(begin, end, pose.x, pose.y)
     return math.hypot(begin[0] + share * (end[0] - begin[0]) - pose.x,
                       begin[1] + share * (end[1] - begin[1]) - pose.y) <= _ON_LINE

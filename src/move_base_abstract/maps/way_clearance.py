@@ -1,4 +1,4 @@
-"""How near a way comes to what is occupied on a map: by a field of distances, made once per map."""
+"""The distance of a way from the occupied cells of a map, by a field of distances that is made once per map."""
 from __future__ import annotations
 
 import math
@@ -12,17 +12,18 @@ from .occupancy import OCCUPIED, OccupancyMap
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: m: what lies further off is as far as this
+#: the largest distance [m]; larger ones count as this
 LIMIT = 3.0
-_MOST_CELLS = 200  # of the limit, on maps of very small cells
+_MOST_CELLS = 200  # the limit in cells, on maps with very small cells
 
 _fields: MutableMapping[OccupancyMap, NDArray[Any]] = weakref.WeakKeyDictionary()
 
 
 def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]) -> float:
-    """Return how near the straight pieces between ``points`` [(x, y), m] come to what is occupied [m].
+    """Return the least distance [m] of the straight pieces between ``points`` [(x, y), m] from occupied cells.
 
-    At most LIMIT; to the edge of the cell, to within a cell. What is unknown or off the map is not occupied.
+    It is the distance to the edge of the cell, with the accuracy of a cell, and at most LIMIT. Unknown cells, and
+    places off the map, are not occupied.
     """
     if occupancy not in _fields:
         _fields[occupancy] = distance_field(occupancy.cells >= OCCUPIED, _reach(occupancy))
@@ -30,7 +31,7 @@ def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]
     nearest = float(reach)
     for one, other in zip(points, points[1:] or points[:1]):
         begin, end = np.array(occupancy.to_cells(*one)), np.array(occupancy.to_cells(*other))
-        count = int(2.0 * float(np.hypot(*(end - begin)))) + 2  # twice a cell
+        count = int(2.0 * float(np.hypot(*(end - begin)))) + 2  # two points per cell
         columns, rows = np.floor(np.linspace(begin, end, count)).astype(int).T
         inside = (columns >= 0) & (columns < occupancy.width) & (rows >= 0) & (rows < occupancy.height)
         if inside.any():
@@ -43,9 +44,10 @@ def _reach(occupancy: OccupancyMap) -> int:
 
 
 def distance_field(occupied: NDArray[Any], reach: int) -> NDArray[Any]:
-    """Return the squares of the distances [cells] from each cell's centre to that of the nearest occupied one.
+    """Return the squares of the distances [cells] from each cell's centre to the centre of the nearest occupied cell.
 
-    Exact below ``reach`` [cells], whose square is the highest value. First along columns, then over rows.
+    They are exact below ``reach`` [cells], whose square is the highest value. They are found along columns first, then
+    across them.
     """
     rows, columns = occupied.shape
     row = np.arange(rows)[:, None]

@@ -1,4 +1,4 @@
-"""How a robot moves: poses, legs and routes in closed form, laws of travel, how long goals really take."""
+"""How a robot moves: poses, legs and routes in closed form, laws of travel, and how long goals really take."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,4 +1,4 @@
-"""A robot that slows down the nearer it comes to the end of its way, or of a turn, in closed form."""
+"""A robot that slows down as it comes near the end of its way or of a turn, in closed form."""
 import math
 from dataclasses import dataclass, field
 
@@ -7,13 +7,13 @@ from .geometry import normalize_angle
 
 @dataclass(frozen=True)
 class ApproachProfile:
-    """Travel over ``distance`` [m] from rest: accelerate, cruise, brake so that the speed is in proportion to the rest.
+    """Travel over ``distance`` [m] from rest: accelerate, cruise, then brake in proportion to the distance left.
 
-    While it brakes the speed is ``gain`` [1/s] x (what is left + ``offset`` [m, > 0]), so that what is left shrinks
-    exponentially and the end is reached at the speed ``gain`` x ``offset``. So does a planner that wants to be able to
-    stand within a fixed time (DWA: 1/``sim_time``). With the acceleration a the speed u at which braking begins
-    follows from u^2/2a + u/gain - offset = distance; braking takes ln(u / (gain offset)) / gain.
-    For a turn read rad for m.
+    While the robot brakes, its speed is ``gain`` [1/s] x (the distance left + ``offset`` [m, > 0]). So the distance
+    left shrinks exponentially, and the robot reaches the end at the speed ``gain`` x ``offset``. A planner that must
+    be able to stop within a fixed time behaves like this (DWA: gain = 1/``sim_time``). With the acceleration a, the
+    speed u at which braking begins follows from u^2/2a + u/gain - offset = distance; braking takes
+    ln(u / (gain offset)) / gain. For a turn, read rad instead of m.
     """
 
     distance: float
@@ -23,11 +23,11 @@ class ApproachProfile:
     offset: float
     #: the highest speed that is reached [m/s]
     peak_speed: float = field(init=False, repr=False, compare=False)
-    #: how long speeding up takes [s]
+    #: the time that speeding up takes [s]
     ramp_seconds: float = field(init=False, repr=False, compare=False)
-    #: when braking begins [s after the start]
+    #: the time at which braking begins [s after the start]
     brake_begin: float = field(init=False, repr=False, compare=False)
-    #: how long the trip takes [s]
+    #: the time that the trip takes [s]
     seconds: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
@@ -66,7 +66,7 @@ class ApproachProfile:
         return min(self.distance, max(0.0, self.distance - left))
 
     def smooth(self):
-        """As of :meth:`.leg.SpeedProfile.smooth`; while it brakes it is the most that the acceleration comes to."""
+        """Return the same as :meth:`.leg.SpeedProfile.smooth`; for braking, the largest acceleration that occurs."""
         ramp = [(self.ramp_seconds, self.acceleration)] if self.ramp_seconds else []
         return [*ramp, (self.brake_begin, 0.0), (self.seconds, self.gain * self.peak_speed)]
 
@@ -79,7 +79,10 @@ class ApproachProfile:
         return self.peak_speed * math.exp(-self.gain * max(0.0, elapsed - self.brake_begin))
 
     def elapsed(self, covered):
-        """Return when [s after the start] ``covered`` [m] are covered, clamped to the trip: the reverse of covered."""
+        """Return the time [s after the start] at which ``covered`` [m] are covered: the inverse of :meth:`covered`.
+
+        The result is clamped to the trip.
+        """
         if covered <= 0.0 or self.seconds == 0.0:
             return 0.0
         if covered >= self.distance:
@@ -90,11 +93,11 @@ class ApproachProfile:
         if even <= self.brake_begin:
             return even
         braked = self.gain * (self.distance - covered + self.offset)
-        # Never sooner: of a trip that does not brake the last digit of what is covered may lie behind its end.
+        # Never before brake_begin: on a trip without braking, rounding may put ``covered`` just beyond the end.
         return self.brake_begin + max(0.0, math.log(self.peak_speed / braked)) / self.gain
 
     def changes(self, pieces):
-        """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""
+        """Return instants [s after the start] that divide each time of changing speed into ``pieces`` equal parts."""
         shares = [number / pieces for number in range(1, pieces + 1)]
         return [*(share * self.ramp_seconds for share in shares),
                 *(self.brake_begin + share * (self.seconds - self.brake_begin) for share in (0.0, *shares))]
@@ -102,15 +105,16 @@ class ApproachProfile:
 
 @dataclass(frozen=True)
 class MotionPhases:
-    """How a robot begins and ends its legs, beside its limits.
+    """How a robot begins and ends its legs, in addition to its limits.
 
-    A turn by t [rad] at the start takes ``start_turn`` (a, b): a t + b t^2 [s/rad, s/rad^2], evenly; the drive brakes
-    with ``braking_gain`` [1/s] and ``braking_offset`` [m], the last turn with ``turning_gain`` [1/s] and
-    ``turning_offset`` [rad] from at most ``turning_speed`` [rad/s], as of :class:`ApproachProfile`.
+    A turn by t [rad] at the start takes a t + b t^2 seconds at an even rate, with ``start_turn`` = (a, b) [s/rad,
+    s/rad^2]. The drive brakes with ``braking_gain`` [1/s] and ``braking_offset`` [m]. The last turn begins with at most
+    ``turning_speed`` [rad/s] and brakes with ``turning_gain`` [1/s] and ``turning_offset`` [rad]. Both brake as an
+    :class:`ApproachProfile` does.
 
-    A real robot turns while it drives, so that on a short way it arrives in a bow: of the first turn the share
-    B^2 / (B^2 + length^2) is still in its heading, B being ``bow_length`` [m]. The last turn takes as long as from
-    there.
+    A real robot turns while it drives, so on a short way it arrives in a bow: the share B^2 / (B^2 + length^2) of the
+    first turn is still in its heading, where B is ``bow_length`` [m]. The duration of the last turn is computed from
+    that heading.
     """
 
     start_turn: tuple
@@ -122,7 +126,7 @@ class MotionPhases:
     bow_length: float = 0.0
 
     def start_turn_seconds(self, turn):
-        """Return how long a turn by ``turn`` [rad] at the start takes [s]."""
+        """Return the time [s] that a turn by ``turn`` [rad] at the start takes."""
         linear, square = self.start_turn
         return abs(turn) * (linear + square * abs(turn))
 
@@ -131,7 +135,10 @@ class MotionPhases:
         return ApproachProfile(distance, limits.max_speed, limits.acceleration, self.braking_gain, self.braking_offset)
 
     def end_turn(self, turn, start_turn, length, tolerance):
-        """Return the profile of a turn by ``turn`` [rad] after ``length`` [m], to within ``tolerance`` [rad]."""
+        """Return the profile of the last turn, by ``turn`` [rad] to within ``tolerance`` [rad].
+
+        ``start_turn`` [rad] and ``length`` [m] are the first turn and the length of the drive before it.
+        """
         square = self.bow_length * self.bow_length
         share = square / (square + length * length) if square else 0.0
         whole = abs(normalize_angle(turn - share * start_turn))

@@ -1,4 +1,4 @@
-"""Driving backwards along a way, in closed form, and where a way is parted for it."""
+"""Driving backwards along the first part of a way, in closed form, and dividing a way for it."""
 import math
 from bisect import bisect_right
 from itertools import accumulate
@@ -6,13 +6,14 @@ from itertools import accumulate
 from ..common.units import NS_PER_S
 from .geometry import Pose2D, normalize_angle
 
-_HALVINGS = 60  # of a length
+_HALVINGS = 60  # steps of the bisection for a length
 
 
 class Backwards:
-    """Straight ``pieces`` (Segment, ...) driven backwards at ``speed`` [m/s], ``driven`` [m] after the departure.
+    """Straight ``pieces`` (Segment, ...) that are driven backwards at ``speed`` [m/s], evenly.
 
-    Meanwhile the heading turns evenly from ``yaw`` [rad] until the robot's back is to where it goes.
+    They begin ``driven`` [m] after the departure. Meanwhile the heading turns evenly from ``yaw`` [rad] until the
+    robot's back points in the direction in which it drives.
     """
 
     __slots__ = ('seconds', '_pieces', '_begins', '_speed', '_turn', '_driven')
@@ -24,20 +25,20 @@ class Backwards:
         self._turn = normalize_angle(pieces[0].course + math.pi - yaw)
 
     def even_instants(self, _ramp_pieces):
-        """Return when [s] corners are passed."""
+        """Return the times [s after its start] at which the robot passes corners."""
         return [begin / self._speed for begin in self._begins]
 
     def smooth(self):
-        """As of :meth:`.leg.SpeedProfile.smooth`: at one speed; at a corner a time ends."""
+        """Return the same as :meth:`.leg.SpeedProfile.smooth`: the speed is constant; a span ends at each corner."""
         return [(end, 0.0) for end in (*(begin / self._speed for begin in self._begins[1:]), self.seconds)]
 
     def guess(self, distance):
-        """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""
+        """Return when [s after its start] the robot has driven ``distance`` [m] on its leg, None: after its end."""
         covered = distance - self._driven
         return max(0.0, covered) / self._speed if covered <= self._speed * self.seconds else None
 
     def pose_at(self, elapsed_ns):
-        """Return the pose ``elapsed_ns`` [ns] after its begin."""
+        """Return the pose ``elapsed_ns`` [ns] after its start."""
         elapsed = min(elapsed_ns / NS_PER_S, self.seconds)
         covered = elapsed * self._speed
         index = bisect_right(self._begins, covered) - 1
@@ -55,7 +56,7 @@ class Backwards:
 
 
 def parted(pieces, length):
-    """Return (the first ``length`` [m] of ``pieces`` (Segment, ...), the rest of them)."""
+    """Return (the first ``length`` [m] of ``pieces`` (Segment, ...), the rest of them), both as lists of Segments."""
     before, behind = [], []
     for piece in pieces:
         begin = length - sum(one.length for one in before)
@@ -71,9 +72,10 @@ def parted(pieces, length):
 
 
 def length_backwards(extra, length, speed, seconds_of):
-    """Return how much of ``length`` [m] takes ``extra`` [s] longer if it is driven backwards at ``speed`` [m/s] first.
+    """Return the length [m] that must be driven backwards at ``speed`` [m/s] to make a drive ``extra`` [s] longer.
 
-    ``seconds_of(length)`` is how long a drive takes [s]. All of it, where that takes no longer than ``extra``.
+    The drive has the whole ``length`` [m]; ``seconds_of(length)`` returns the time [s] of a drive forwards. If even
+    driving all of it backwards adds no more than ``extra``, the result is ``length``.
     """
     low, high = 0.0, length
     whole = seconds_of(length)

@@ -1,4 +1,4 @@
-"""A calibrated robot: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
+"""A calibrated robot: its limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
 import math
 import os
 import re
@@ -21,11 +21,11 @@ from .leg import MotionLimits, Tolerances
 from .recorded_range import Recorded, read_intervals, read_recorded
 
 FORMAT = 1
-ENCOUNTERS = 'encounters'  # the section that a calibration may have
+ENCOUNTERS = 'encounters'  # an optional section of a calibration
 _NAME = re.compile(r'[A-Za-z0-9_]+')
 _NORMAL = NormalDist()
-_LEAST_FACTOR = 0.5  # a leg takes no less than this share of what its phases say
-LEAST_MOST = 0.5  # s: the tail for a turn may be as long on any way
+_LEAST_FACTOR = 0.5  # a leg takes at least this share of the duration by its phases
+LEAST_MOST = 0.5  # s: the tail of a turn may be this long on any way, however short
 _REQUIRED = object()
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
 
@@ -65,20 +65,23 @@ TABLE = (
          'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
 class TailMotion(NamedTuple):
-    """What a robot of the tail does: it drives backwards at ``reverse_speed`` [m/s], or spins [rad/s]."""
+    """The speeds of a robot in the tail: it drives backwards at ``reverse_speed`` [m/s], or spins [rad/s]."""
 
     reverse_speed: float
     spin_speed: float
 
 
 def read_tail_motion(value):
-    """Return the :class:`TailMotion` of a calibration's section, a converter of a Parameter."""
+    """Return the :class:`TailMotion` in a section of a calibration; this is the converter of a Parameter.
+
+    :raises ValueError: if ``value`` is not a mapping with exactly these speeds in their ranges.
+    """
     if not isinstance(value, dict) or set(value) != set(TailMotion._fields):
         raise ValueError
     return TailMotion(*(number(high=100.0, above=0.001)(value[name]) for name in TailMotion._fields))
 
 
-#: sections that a calibration may have
+#: optional sections of a calibration
 SECTIONS = (
     Parameter('tail_most', math.inf, number(0.001, 1000.0), 'a number in 0.001..1000 [s per m]'),
     Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
@@ -93,13 +96,16 @@ SECTIONS = (
 class CalibratedDurations:
     """The part of a goal's duration that the phases do not explain.
 
-    ``delay`` [s] at rest first. Then either the motion differs by a normal ``spread`` [s] and by small delays,
-    exponential of mean ``delay_share`` times the motion's time; or the goal is one of the tail: it comes as many
-    seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
-    the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
-    :class:`.durations.Durations`. ``recorded``: what the legs were like that say so, None: nobody knows.
-    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands. ``tail_most`` [s per m]: how long the
-    tail of a turn is at most for each metre of the way; x seconds of ``tail`` become x m / (x + m), m being the most.
+    First the robot stands for ``delay`` [s]. Then there are two cases. Usually the duration of the motion differs by a
+    normal ``spread`` [s] and by small delays, which are exponential with the mean ``delay_share`` times the duration of
+    the motion. Otherwise the goal is in the tail: it takes longer by a time drawn from ``tail`` (Gamma) [s], which the
+    robot spends at the start too. The chance of the tail is ``tail_rate`` [1/s] over the duration of the motion, and
+    rises with the start turn by ``tail_chances`` ((rad, chance), ...).
+
+    ``failures``: as in :class:`.durations.Durations`. ``recorded``: the ranges of the legs to which this was fitted,
+    None: unknown. ``tail_motion``: what a robot in the tail does during the extra time, None: it stands. ``tail_most``
+    [s per m]: the longest tail of a turn for each metre of the way; x seconds of ``tail`` become x m / (x + m), where m
+    is that limit.
     """
 
     delay: float
@@ -114,7 +120,10 @@ class CalibratedDurations:
     tail_most: float = math.inf
 
     def draw(self, leg, uniform):
-        """Return (overhead [s], factor) of a goal with its first leg (PhasedRoute), by ``uniform(purpose, place)``."""
+        """Return (overhead [s], factor) of a goal whose first leg is ``leg`` (PhasedRoute).
+
+        ``uniform(purpose, place)`` gives the draws in (0, 1).
+        """
         motion = leg.duration_ns / NS_PER_S
         if uniform(Purpose.TAIL, 0) < self.tail_chance(motion, leg.start_turn):
             late = self.tail.draw(lambda place: uniform(Purpose.TAIL_SECONDS, place))
@@ -128,10 +137,10 @@ class CalibratedDurations:
         return self.delay, max(_LEAST_FACTOR, 1.0 + late)
 
     def shaped(self, leg, overhead, uniform):
-        """Return the leg in the place of ``leg`` of a goal for which ``draw`` gave ``overhead`` [s].
+        """Return the leg that replaces ``leg`` of a goal for which :meth:`draw` returned ``overhead`` [s].
 
-        What comes later than the delay the robot spends as ``tail_motion`` says: backwards where it is in the tail for
-        its turn at the start, else turning to and fro at its goal. That leg takes longer by as much as it spends.
+        The robot spends the overhead beyond the delay as ``tail_motion`` says. If it is in the tail because of its turn
+        at the start, it drives backwards. Otherwise it turns to and fro at its goal. The new leg takes longer by that.
         """
         extra, motion = overhead - self.delay, self.tail_motion
         if motion is None or not extra > 0.0:
@@ -141,19 +150,20 @@ class CalibratedDurations:
         return leg.spinning(extra, motion.spin_speed)
 
     def _is_for_turn(self, leg, uniform):
-        """Return whether a goal of the tail is that for its turn at the start."""
+        """Return whether a goal in the tail is there because of its turn at the start."""
         return uniform(Purpose.TAIL, 0) < along(self.tail_chances, abs(leg.start_turn))
 
     def tail_chance(self, motion, start_turn):
-        """Return the chance of the tail for a ``motion`` [s] after a turn by ``start_turn`` [rad]."""
+        """Return the chance of the tail for a motion that lasts ``motion`` [s] after a turn by ``start_turn`` [rad]."""
         return 1.0 - math.exp(-self.tail_rate * motion) * (1.0 - along(self.tail_chances, abs(start_turn)))
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """A robot's limits, tolerances and phases, how its goals differ from them, and a line on where that comes from.
+    """The limits, tolerances and phases of a robot, and how the durations of its goals differ from them.
 
-    ``encounters``: what it costs it to meet another robot, None: the calibration does not say.
+    ``source``: a line of text that says where this comes from; ``encounters``: what it costs the robot to meet another
+    robot, None: the calibration does not say.
     """
 
     source: str
@@ -165,23 +175,23 @@ class Calibration:
 
 
 def calibration_file(name, where):
-    """Return the path of the calibration ``name``: an absolute path, or the name of one that ships.
+    """Return the path of the calibration ``name``: an absolute path, or the name of a calibration of this package.
 
-    :raises ConfigurationError: if it is neither; ``where`` has the parameter.
+    :raises ConfigurationError: if it is neither; ``where`` is the name space of the parameter, for the message.
     """
     path = name if os.path.isabs(name) else _shipped().get(name)
     if path is None:
         raise ConfigurationError(
-            'parameter {}/calibration: got {}; allowed: an absolute path, in a scenario file also one from its folder '
-            'that ends with .yaml, or one of those that ship: {}'.format(
+            'parameter {}/calibration: got {}; allowed: an absolute path; in a scenario file a path from its folder '
+            'that ends with .yaml; or one of the calibrations of this package: {}'.format(
                 where.rstrip('/'), shown(name), ', '.join(sorted(_shipped())) or 'none'))
     return str(path)
 
 
 def read_calibration(name, where):
-    """Return the :class:`Calibration` ``name``, as of :func:`calibration_file`.
+    """Return the :class:`Calibration` ``name``, which is found as by :func:`calibration_file`.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
     """
     path = calibration_file(name, where)
     return _calibration_in(path, *file_version(path, 'parameter {}/calibration'.format(where.rstrip('/'))))
@@ -189,14 +199,15 @@ def read_calibration(name, where):
 
 @lru_cache(maxsize=64)
 def _calibration_in(path, _mtime_ns, _size):
-    """Return the calibration in a file; many robots ask for the same one."""
+    """Return the calibration in a file; it is cached, since many robots ask for the same one."""
     return make_calibration(load_yaml_file(path), path)
 
 
 def make_calibration(raw, where):
     """Return the :class:`Calibration` in the dictionary ``raw``.
 
-    :raises ConfigurationError: if it is none, a value is missing or not allowed; the text begins with ``where``.
+    :raises ConfigurationError: if ``raw`` is no calibration, or a value is missing, unknown or not allowed; the text
+        begins with ``where``.
     """
     names = tuple(parameter.name for parameter in TABLE)
     if not isinstance(raw, dict) or raw.get('format') != FORMAT:
@@ -223,7 +234,7 @@ def make_calibration(raw, where):
 
 @lru_cache(maxsize=1)
 def _shipped():
-    """Return {name: path} of the calibrations that ship: beside the sources, or where they are installed."""
+    """Return {name: path} of the calibrations of this package: beside the sources, or where they are installed."""
     here = Path(__file__).resolve()
     for parent in here.parents:
         for share in (parent, parent / 'share' / 'move_base_abstract'):

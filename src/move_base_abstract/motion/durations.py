@@ -1,4 +1,4 @@
-"""How long goals really take: an overhead, a factor, failures on the way. Drawn once per goal, see :mod:`chance`."""
+"""How long goals really take: an overhead, a factor and failures on the way, drawn once per goal (:mod:`.chance`)."""
 import os
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,7 +21,7 @@ DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
 
 TABLE = (
     Parameter('goal_overhead', 0.0, number(0.0, 86400.0), 'a number in 0..86400 [s, simulated]',
-              'How long the robot stands before it begins to move, once for each goal.'),
+              'Time for which the robot stands before it begins to move, once for each goal.'),
     Parameter('duration_factor', 1.0, number(0.001, 1000.0), 'a number in 0.001..1000',
               'Mean of the factor by which a leg takes longer than by the law of motion.'),
     Parameter('duration_distribution', 'constant', one_of(*DISTRIBUTIONS),
@@ -44,40 +44,42 @@ _POINTS_PARAMETER = Parameter('quantiles', None, _POINTS,
 class Durations:
     """What may happen to each goal.
 
-    ``overhead`` [s] at rest first; a ``factor`` (as of :mod:`factors`) on the leg's time; a chance of failure by the
-    leg's length, ``failures`` ((m, chance), ...), straight from one to the next.
+    The robot first stands for ``overhead`` [s]. The duration of its leg is multiplied by ``factor`` (one of
+    :mod:`.factors`). The goal fails with a chance that depends on the length of the leg: ``failures``
+    ((m, chance), ...), linear from one pair to the next.
     """
 
     overhead: float = 0.0
     factor: Any = Constant()
     failures: Tuple[Tuple[float, float], ...] = ()
 
-    #: what was recorded: nothing, these are numbers that somebody has thought of
+    #: the ranges of recorded legs: none, since these numbers were not fitted to recordings
     recorded = None
 
     @staticmethod
     def shaped(leg, _overhead, _uniform):
-        """Return ``leg``: the overhead is spent at rest."""
+        """Return ``leg`` itself, since the robot spends the overhead at rest."""
         return leg
 
     def draw(self, _leg, uniform):
-        """Return (overhead [s], factor) of a goal with its first leg; ``uniform(purpose, place)`` in (0, 1)."""
+        """Return (overhead [s], factor) of a goal; ``uniform(purpose, place)`` gives the draws in (0, 1)."""
         return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
 
 
 def read_durations(values, where):
-    """Return the :class:`Durations` in ``values`` (of :data:`TABLE`), None where all goes by the law alone.
+    """Return the :class:`Durations` in ``values`` (of :data:`TABLE`), or None if goals go by the law of motion alone.
 
     :raises ConfigurationError: for values that do not fit together, and for a file that cannot be used.
     """
     kind, mean, cv = values['duration_distribution'], values['duration_factor'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0):
         raise ConfigurationError('parameter {}/duration_cv: got {:g} with duration_distribution: {}; allowed: > 0 '
-                                 'with {}, else 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
+                                 'with {}, otherwise 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
     if (kind == 'quantiles') != (values['duration_quantiles'] is not None):
         raise ConfigurationError(
             'parameter {}/duration_quantiles: got {} with duration_distribution: {}; allowed: the path of a file with '
-            'quantiles, else none'.format(where.rstrip('/'), shown(values['duration_quantiles']), kind))
+            'quantiles with that, otherwise none'.format(
+                where.rstrip('/'), shown(values['duration_quantiles']), kind))
     if kind in _FACTORS:
         factor = _FACTORS[kind](mean, cv)
     else:
@@ -90,35 +92,36 @@ def read_durations(values, where):
 def _read_quantiles(path, where):
     if not os.path.isabs(path):
         raise ConfigurationError(
-            'parameter {}/duration_quantiles: got {}; allowed: an absolute path, in a scenario file also one from its '
-            'folder'.format(where.rstrip('/'), shown(path)))
+            'parameter {}/duration_quantiles: got {}; allowed: an absolute path; in a scenario file also a path from '
+            'its folder'.format(where.rstrip('/'), shown(path)))
     return _quantiles_in(path, *file_version(path, 'parameter {}/duration_quantiles'.format(where.rstrip('/'))))
 
 
 @lru_cache(maxsize=64)
 def _quantiles_in(path, _mtime_ns, _size):
-    """Return the points in a file; many robots ask for the same one."""
+    """Return the points in a file; they are cached, since many robots ask for the same file."""
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['quantiles']:
-        raise ConfigurationError('{}: got {}; allowed: a mapping with quantiles alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, quantiles'.format(path, shown(raw)))
     points = checked(raw['quantiles'], 'quantiles', _POINTS_PARAMETER, path)
     factors = [factor for _, factor in points]
     if (points[0][0], points[-1][0]) != (0.0, 1.0) or factors != sorted(factors):
-        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, the factors too not descending'.format(
+        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, and factors that do not fall'.format(
             path, shown(raw['quantiles']), _POINTS_PARAMETER.allowed))
     return points
 
 
 class GoalDurations:
-    """What :class:`Durations` mean for the goals of one robot, one after the other.
+    """Apply :class:`Durations` to the goals of one robot, one after the other.
 
-    ``durations`` (:class:`Durations`, or what draws as they do). A robot that goes by the law alone has none.
-    What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
-    for once, whether it fails is judged by the length of its first leg. So is whether it lies outside of what was
-    recorded: then ``on_beyond(recorded, found, now_ns)`` is called. ``planner`` knows the map, if there is one.
+    ``durations`` is a :class:`Durations` or has its interface. A robot that goes by the law of motion alone has no
+    GoalDurations. The draws hold for the whole goal, even if the robot goes on from another place or by another way:
+    it waits for its overhead once, and the length of the first leg decides whether it fails. The first leg also decides
+    whether the goal lies outside the recorded ranges; if it does, ``on_beyond(recorded, found, now_ns)`` is called.
+    ``planner`` knows the map, if there is one.
     """
 
-    #: what the client of a goal that fails is told; None: what move_base says
+    #: the text that the client gets when its goal fails; None: the text of move_base
     failure_text = None
 
     def __init__(self, durations, seed=0, robot_name='', planner=None, on_beyond=None):
@@ -134,7 +137,7 @@ class GoalDurations:
         self._way_to_failure: Optional[float] = None
 
     def next_goal(self):
-        """The robot works on its next goal."""
+        """Note that the robot begins to work on its next goal."""
         self._number += 1
         self._factor = self._fails = self._way_to_failure = None
 
@@ -145,7 +148,7 @@ class GoalDurations:
             self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
             self._judge(leg)
             shaped = self._durations.shaped(leg, overhead, self._uniform)
-            # The robot is under way for the part of its overhead that the leg takes longer; it arrives when it would.
+            # If the shaped leg is longer, it contains that part of the overhead; the instant of arrival is the same.
             rest_ns = self._ready_ns - leg.depart_ns - (shaped.duration_ns - leg.duration_ns)
             return PacedLeg(shaped, Pace(max(0, rest_ns), self._factor))
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
@@ -158,7 +161,7 @@ class GoalDurations:
                 self._on_beyond(recorded, found, leg.depart_ns)
 
     def failure_ns(self, leg):
-        """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""
+        """Return the instant [ns] at which the robot fails on ``leg``, or None if it arrives."""
         if not self._durations.failures:
             return None
         if self._fails is None:
@@ -173,7 +176,7 @@ class GoalDurations:
         return self._failure_ns
 
     def interrupted(self, leg, now_ns):
-        """It stands on its ``leg`` at ``now_ns`` [ns] and will go on: if it is to fail, then at the same place."""
+        """Note that the robot stops on its ``leg`` at ``now_ns`` [ns] and will go on; a failure keeps its place."""
         if self._fails and self._way_to_failure is None:
             self._way_to_failure = leg.distance_at(self._failure_ns) - leg.distance_at(now_ns)
 
@@ -182,4 +185,4 @@ class GoalDurations:
 
 
 def _unknown(_points):
-    """Return the clearance of a way for a planner that somebody else has written: nobody says it."""
+    """Return None, the clearance of a way if the planner cannot compute it (a planner of another author)."""

@@ -1,4 +1,4 @@
-"""What it costs a robot to meet another one: chances and times, from the section ``encounters`` of a calibration."""
+"""What it costs a robot to meet another one: chances and times from the section ``encounters`` of a calibration."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ _OF_CHANCES = 'a list of [nearest distance [m], chance in 0..1], the distances >
 
 
 def _chances(value: Any) -> Pairs:
-    """Convert a chance, the same at all distances, or pairs of (distance [m], chance)."""
+    """Convert one chance for all distances, or pairs of (distance [m], chance)."""
     pairs: Pairs = _CHANCES(value if isinstance(value, list) else [[0.0, value]])
     return pairs
 
@@ -51,7 +51,11 @@ TABLE = (
 
 
 class Cost(NamedTuple):
-    """What an encounter costs the two robots: how long each stands [s], 0 = not at all; ``aborts``: then gives up."""
+    """What an encounter costs the two robots.
+
+    ``seconds``: the time that each of them stands [s], 0 = not at all; ``aborts``: whether those that stand then give
+    up their goals.
+    """
 
     seconds: Tuple[float, float]
     aborts: bool
@@ -64,11 +68,14 @@ NO_COST = Cost((0.0, 0.0), False)
 class EncounterLaw:
     """What happens when two robots come within ``radius`` [m] of one another.
 
-    ``chances``: {kind: ((nearest distance [m], chance that it costs anything), ...)}; where the free space around them
-    is narrower than ``narrow_below`` [m] the chance p becomes 1 - (1 - p)^``narrow_weight``. Then with ``both_chance``
-    both have to stand, else one of them. That takes the Lognormal ``delay`` [s], or with a chance by ``block_chances``
-    ((nearest distance [m], chance), ...) the Gamma ``block`` [s], of which ``abort_chance`` end in giving up. Of blocks
-    the share ``long_chance`` is longer: exponential of ``long_mean`` [s], and none of these ends in giving up.
+    ``chances``: ((kind, ((nearest distance [m], chance that the encounter costs anything), ...)), ...). If the free
+    space around the robots is narrower than ``narrow_below`` [m], the chance p becomes 1 - (1 - p)^``narrow_weight``.
+
+    If the encounter costs anything, both robots have to stand with ``both_chance``, otherwise one of them. Each stands
+    for a time drawn from the Lognormal ``delay`` [s]. With a chance by ``block_chances`` ((nearest distance [m],
+    chance), ...) the encounter is a *block*: the time is drawn from the Gamma ``block`` [s], and with ``abort_chance``
+    the robot then gives up its goal. The share ``long_chance`` of the blocks is longer: exponential with the mean
+    ``long_mean`` [s]; after these no robot gives up.
     """
 
     source: str
@@ -85,17 +92,20 @@ class EncounterLaw:
     narrow_weight: float
 
     def chance(self, kind: str, nearest: float, width: Optional[float] = None) -> float:
-        """Return the chance that an encounter costs anything; ``nearest`` [m], ``width`` [m] of what is free."""
+        """Return the chance that an encounter of ``kind`` costs anything.
+
+        ``nearest`` [m]: the smallest distance between the robots; ``width`` [m]: that of the free space, None: unknown.
+        """
         chance = along(dict(self.chances)[kind], nearest)
         if width is not None and width < self.narrow_below:
             return float(1.0 - (1.0 - chance) ** self.narrow_weight)
         return chance
 
     def draw(self, chance: float, yields: Tuple[int, ...], uniform: Callable[..., float], nearest: float) -> Cost:
-        """Return the :class:`Cost` of an encounter, drawn from ``uniform(purpose, place)`` in (0, 1).
+        """Return the :class:`Cost` of an encounter, drawn by ``uniform(purpose, place)`` in (0, 1).
 
-        ``chance`` as of :meth:`chance`; ``yields``: which of the two, 0 and 1, may be the one that has to stand;
-        ``nearest`` [m]: how near they come.
+        ``chance``: the result of :meth:`chance`; ``yields``: the numbers (0, 1) of the robots that may have to stand;
+        ``nearest`` [m]: the smallest distance between them.
         """
         if not yields or uniform(Purpose.ENCOUNTER, 0) >= chance:
             return NO_COST

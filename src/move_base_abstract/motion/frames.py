@@ -4,7 +4,7 @@ from .geometry import STRAIGHT_AHEAD, Pose2D, turned_about_z, yaw_of_quaternion
 
 
 class RobotFrames:
-    """Relates frames to the global frame: a robot's own in closed form, others by ``lookup``.
+    """Finds frames in the global frame: those of one ``robot`` in closed form, all others by ``lookup``.
 
     ``lookup(frame_id, stamp_ns)`` returns the :class:`Pose2D` of a foreign frame in the global frame at ``stamp_ns``
     [ns; 0 = latest] or raises :class:`FrameError`.
@@ -19,7 +19,7 @@ class RobotFrames:
         self._lookup = lookup
 
     def is_foreign(self, frame_id):
-        """Return whether ``frame_id`` can only be found by the look-up."""
+        """Return whether only the look-up can find ``frame_id``, since it is no frame of the robot."""
         return bool(frame_id) and frame_id not in (self.global_frame, self.odom_frame, self.base_frame)
 
     def is_fixed(self, frame_id):
@@ -29,7 +29,7 @@ class RobotFrames:
     def locate(self, frame_id, stamp_ns, now_ns):
         """Return the pose of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = now].
 
-        :raises FrameError: if the frame or its place at that time is not known; the text names the frame.
+        :raises FrameError: if the frame, or its pose at that time, is not known; the text names the frame.
         """
         if self.is_fixed(frame_id):
             return Pose2D()
@@ -43,7 +43,7 @@ class RobotFrames:
                 frame_id, self.global_frame, error)) from None
 
     def moves(self, frame_id, now_ns):
-        """Return whether the frame is known and may be elsewhere later."""
+        """Return whether the frame is known and may have another pose later."""
         if self.is_fixed(frame_id):
             return False
         try:
@@ -53,21 +53,21 @@ class RobotFrames:
         return True
 
     def place(self, goal, now_ns):
-        """Return where the :class:`GoalPose` ``goal`` is in the global frame, at its stamp or now.
+        """Return the :class:`Pose2D` of the :class:`GoalPose` ``goal`` in the global frame, at its stamp or now.
 
-        :raises FrameError: as of :meth:`locate`. :raises ValueError: if it is no place.
+        :raises FrameError: as :meth:`locate` does. :raises ValueError: if a number of the pose is not finite.
         """
         x, y = goal.position
         if goal.frame_id in self._fixed:
             yaw = 0.0 if goal.quaternion == STRAIGHT_AHEAD else 0.0 + yaw_of_quaternion(goal.quaternion)
-            return Pose2D(0.0 + x, 0.0 + y, yaw)  # as composed: never -0.0
+            return Pose2D(0.0 + x, 0.0 + y, yaw)  # as Pose2D.compose would: never -0.0
         place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
         return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
 
     def orientation(self, goal, place):
-        """Return the quaternion (x, y, z, w) of the :class:`GoalPose` ``goal``, which is at ``place`` (Pose2D).
+        """Return the quaternion (x, y, z, w), in the global frame, of the :class:`GoalPose` ``goal`` at ``place``.
 
-        In the global frame as it was sent: small tilts and its length, too.
+        ``place`` is its Pose2D in the global frame. The quaternion keeps small tilts and its length, as it was sent.
         """
         if goal.frame_id in self._fixed:
             return goal.quaternion

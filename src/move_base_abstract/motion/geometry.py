@@ -6,7 +6,7 @@ _PI = math.pi
 _TWO_PI = 2.0 * _PI
 _MIN_SQUARED_NORM = 1e-6
 _MAX_TILT = 1e-3
-#: the quaternion of yaw 0, as of most goals
+#: the quaternion of yaw 0, which most goals have
 STRAIGHT_AHEAD = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -19,7 +19,10 @@ def normalize_angle(angle):
 
 
 def share_along(begin, end, x, y):
-    """Return how far from ``begin`` to ``end`` (x, y) [m] their straight piece is nearest to (x, y) [m], in 0..1."""
+    """Return the share, 0..1, of the straight piece from ``begin`` to ``end`` at which it is nearest to (x, y).
+
+    ``begin`` and ``end`` are (x, y); all coordinates are in m.
+    """
     dx, dy = end[0] - begin[0], end[1] - begin[1]
     squared = dx * dx + dy * dy
     return min(1.0, max(0.0, ((x - begin[0]) * dx + (y - begin[1]) * dy) / squared)) if squared > 0.0 else 0.0
@@ -48,7 +51,7 @@ class Pose2D:
         _set_yaw(self, yaw if -_PI < yaw <= _PI and type(yaw) is float else normalize_angle(yaw))
 
     def __reduce__(self):
-        """Return what a copy is made of, since nothing can be put into one that is there."""
+        """Return what a copy is made from; it must go through the constructor, since a pose cannot be changed."""
         return Pose2D, (self.x, self.y, self.yaw)
 
     def distance_to(self, other):
@@ -56,23 +59,23 @@ class Pose2D:
         return math.hypot(other.x - self.x, other.y - self.y)
 
     def bearing_to(self, other):
-        """Return the direction in which another pose of the same frame lies [rad]."""
+        """Return the direction from this pose to another pose of the same frame [rad]."""
         return math.atan2(other.y - self.y, other.x - self.x)
 
     def compose(self, local):
-        """Return ``local``, a pose given relative to this one, in this one's frame."""
+        """Return ``local``, a pose relative to this pose, in the frame in which this pose is given."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return Pose2D(self.x + cos * local.x - sin * local.y,
                       self.y + sin * local.x + cos * local.y,
                       self.yaw + local.yaw)
 
     def inverse(self):
-        """Return the pose of the frame in which this one is given, in the frame that stands at this one."""
+        """Return the inverse: the origin of the frame in which this pose is given, relative to this pose."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return Pose2D(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
 
-#: As object.__setattr__ would, past the class being frozen, but in a third of the time: each goal makes a pose.
+#: They set what the frozen class does not let be set, as object.__setattr__ would, but in a third of the time.
 _set_x, _set_y, _set_yaw = Pose2D.x.__set__, Pose2D.y.__set__, Pose2D.yaw.__set__
 
 
@@ -98,10 +101,10 @@ def turned_about_z(quaternion, yaw):
 
 
 def quaternion_fault(quaternion):
-    """Return what keeps ``quaternion`` = (x, y, z, w) from being a goal's orientation, or None.
+    """Return the reason why ``quaternion`` = (x, y, z, w) cannot be the orientation of a goal, or None.
 
-    The three tests, their limits and texts are those of move_base: finite, long enough to be normalised, and a
-    rotation about z only. Any other length is accepted.
+    The three tests, their limits and their texts are those of move_base: the quaternion must be finite, long enough to
+    be normalised, and a rotation about z only. Otherwise any length is accepted.
     """
     if quaternion == STRAIGHT_AHEAD:
         return None

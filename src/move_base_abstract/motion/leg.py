@@ -1,6 +1,6 @@
-"""How a robot travels: a straight leg in closed form, from which any instant's pose is computed exactly.
+"""How a robot travels: a straight leg in closed form, from which the pose at any instant is computed exactly.
 
-Nothing is integrated, so nothing accumulates: :meth:`Leg.pose_at` may be asked for any instant, in any order.
+Nothing is integrated, so no error accumulates: :meth:`Leg.pose_at` may be called for any instants in any order.
 """
 import math
 from dataclasses import dataclass, field
@@ -52,14 +52,14 @@ class Tolerances:
 
 
 def trip(distance, max_speed, acceleration):
-    """Return (highest speed [m/s], how long speeding up takes [s], how long all takes [s]) of a :class:`SpeedProfile`.
+    """Return (highest speed [m/s], time to speed up [s], time of the whole trip [s]) of a :class:`SpeedProfile`.
 
-    A robot that asks for nothing else needs none.
+    If only these numbers are needed, no SpeedProfile has to be made.
     """
     if math.isinf(acceleration):
         return max_speed, 0.0, distance / max_speed if distance > 0.0 and max_speed > 0.0 else 0.0
     product = acceleration * distance
-    # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
+    # The product of two tiny numbers is 0. Then the speed would be 0, and the robot would arrive at once.
     peak = min(max_speed, math.sqrt(product) if product else math.sqrt(acceleration) * math.sqrt(distance))
     ramp = peak / acceleration
     return peak, ramp, 0.0 if distance <= 0.0 or peak <= 0.0 else distance / peak + ramp
@@ -69,8 +69,9 @@ def trip(distance, max_speed, acceleration):
 class SpeedProfile:
     """Travel over ``distance`` [m] from rest to rest: accelerate, cruise, decelerate.
 
-    With acceleration a and top speed v, a trip shorter than v^2/a never reaches v: it peaks at sqrt(a*distance) after
-    half its 2*sqrt(distance/a) seconds. A longer one takes distance/v + v/a. (Uniformly accelerated motion.)
+    The motion is uniformly accelerated, with the acceleration a and the top speed v. A trip shorter than v^2/a never
+    reaches v: it takes 2*sqrt(distance/a) seconds and peaks at sqrt(a*distance) after half of them. A longer trip takes
+    distance/v + v/a seconds.
     """
 
     distance: float
@@ -78,15 +79,15 @@ class SpeedProfile:
     acceleration: float
     #: the highest speed that is reached [m/s]
     peak_speed: float = field(repr=False, compare=False)
-    #: how long speeding up takes, and slowing down [s]
+    #: the time that speeding up takes, and that slowing down takes [s]
     ramp_seconds: float = field(repr=False, compare=False)
-    #: how long the trip takes [s]
+    #: the time that the trip takes [s]
     seconds: float = field(repr=False, compare=False)
 
     def __init__(self, distance, max_speed, acceleration=math.inf):
         peak, ramp, seconds = trip(distance, max_speed, acceleration)
         self.__dict__.update(distance=distance, max_speed=max_speed, acceleration=acceleration, peak_speed=peak,
-                             ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
+                             ramp_seconds=ramp, seconds=seconds)  # by __dict__, since the class is frozen
 
     def covered(self, elapsed):
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
@@ -104,7 +105,10 @@ class SpeedProfile:
         return peak * (elapsed - 0.5 * ramp)
 
     def elapsed(self, covered):
-        """Return when [s after the start] ``covered`` [m] are covered, clamped to the trip: the reverse of covered."""
+        """Return the time [s after the start] at which ``covered`` [m] are covered: the inverse of :meth:`covered`.
+
+        The result is clamped to the trip.
+        """
         if covered <= 0.0 or self.seconds == 0.0:
             return 0.0
         left = self.distance - covered
@@ -118,12 +122,12 @@ class SpeedProfile:
         return covered / self.peak_speed + 0.5 * self.ramp_seconds
 
     def changes(self, pieces):
-        """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""
+        """Return instants [s after the start] that divide each time of changing speed into ``pieces`` equal parts."""
         ramp = [self.ramp_seconds * number / pieces for number in range(1, pieces + 1)]
         return [*ramp, *(self.seconds - seconds for seconds in ramp)]
 
     def smooth(self):
-        """Return [(end [s after the start], acceleration [m/s^2]), ...] of the times of even acceleration, in order."""
+        """Return the spans of constant acceleration in order: [(end [s after the start], its size [m/s^2]), ...]."""
         if self.ramp_seconds == 0.0:
             return [(self.seconds, 0.0)]
         return [(self.ramp_seconds, self.acceleration), (self.seconds - self.ramp_seconds, 0.0),
@@ -144,16 +148,16 @@ class SpeedProfile:
 class Leg:
     """One trip: turn towards the goal, drive straight, turn to the goal's heading. Immutable.
 
-    The robot stops where it first is within the tolerances. ``depart_ns`` and ``arrive_ns`` are simulated time [ns];
+    The robot stops as soon as it is within the tolerances. ``depart_ns`` and ``arrive_ns`` are simulated time [ns];
     each of the three phases lasts a whole number of nanoseconds.
     """
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance',
                  '_limits', '_kept_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns')
 
-    #: none: it is straight, see :class:`.route.Route`
+    #: none, since a leg is straight; see :class:`.route.Route`
     corners = ()
-    #: how it differs from its law, as of :class:`.pace.PacedLeg`: it does not
+    #: how the leg differs from its law, as in :class:`.pace.PacedLeg`: not at all
     manner = ()
 
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
@@ -166,7 +170,7 @@ class Leg:
         self._kept_profile = None
         self.depart_ns = depart_ns
         seconds = trip(distance, limits.max_speed, limits.acceleration)[2]
-        if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # as of most: no turn is ever under way
+        if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # most legs: their turns take no time
             self.end = goal if 0.0 < distance == gap < math.inf else self._end_pose(goal, gap, goal.yaw)
             self._drive_ns = depart_ns
             self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
@@ -189,7 +193,7 @@ class Leg:
 
     @property
     def _profile(self):
-        """How fast it drives: made when somebody asks for what lies between its ends."""
+        """The speed profile of the drive. It is made at the first question about an instant between the ends."""
         if self._kept_profile is None:
             limits = self._limits
             self._kept_profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
@@ -197,12 +201,12 @@ class Leg:
 
     @property
     def duration_ns(self):
-        """How long the trip takes, simulated [ns]."""
+        """The simulated time that the trip takes [ns]."""
         return self.arrive_ns - self.depart_ns
 
     @property
     def way(self):
-        """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
+        """The points ((x, y), ...) [m] of the leg: its start and its end, between which it is straight."""
         return (self.start.x, self.start.y), (self.end.x, self.end.y)
 
     @property
@@ -216,12 +220,12 @@ class Leg:
         return ()
 
     def even_instants_ns(self, ramp_pieces):
-        """As of :meth:`.route.Route.even_instants_ns`."""
+        """Return the same as :meth:`.route.Route.even_instants_ns`."""
         changes = (self._drive_ns + seconds_to_ns(elapsed) for elapsed in self._profile.changes(ramp_pieces))
         return sorted({self.depart_ns, self._drive_ns, *changes, self._last_turn_ns, self.arrive_ns})
 
     def smooth_ns(self):
-        """As of :meth:`.route.Route.smooth_ns`."""
+        """Return the same as :meth:`.route.Route.smooth_ns`."""
         drive = [(self._drive_ns + seconds_to_ns(end), most) for end, most in self._profile.smooth()]
         return [(self._drive_ns, 0.0), *drive, (self._last_turn_ns, 0.0), (self.arrive_ns, 0.0)]
 
@@ -232,7 +236,7 @@ class Leg:
         return self._profile.covered((now_ns - self._drive_ns) / NS_PER_S) if now_ns > self._drive_ns else 0.0
 
     def guess_ns(self, distance):
-        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
         return self._drive_ns + int(self._profile.elapsed(distance) * NS_PER_S)
 
     def pose_at(self, now_ns):
@@ -263,9 +267,10 @@ class Leg:
 
 
 def left_to_drive(gap, tolerance):
-    """Return how far [m] it is until a goal ``gap`` [m] away is within ``tolerance`` [m].
+    """Return the distance [m] that a robot must drive until a goal ``gap`` [m] away is within ``tolerance`` [m].
 
-    A robot that has stopped at the edge of the tolerance is within it, whatever rounding says: 1e-16 m are not driven.
+    A robot that has stopped at the edge of the tolerance is within it, whatever rounding says: it does not drive 1e-16
+    m. So with a tolerance, less than 1e-9 m counts as 0.
     """
     left = gap - tolerance
     return left if left > (_ROUNDING if tolerance else 0.0) else 0.0

@@ -1,4 +1,4 @@
-"""Travel from rest to rest over pieces of which each has a top speed of its own, in closed form."""
+"""Travel from rest to rest over pieces that have different top speeds, in closed form."""
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from .leg import SpeedProfile
 
 
 class _Phase(NamedTuple):
-    """A time of even acceleration: when [s] and where [m] it begins, the speed then [m/s] and the acceleration."""
+    """A span of constant acceleration: when [s] and where [m] it begins, the speed there [m/s], the acceleration."""
 
     begin: float
     covered: float
@@ -18,18 +18,19 @@ class _Phase(NamedTuple):
 
 @dataclass(frozen=True)
 class LimitedProfile:
-    """As fast as the ``pieces`` ((length [m, > 0], top speed [m/s]), ...) and the ``acceleration`` [m/s^2] allow.
+    """Travel as fast as the ``pieces`` ((length [m, > 0], top speed [m/s]), ...) and ``acceleration`` [m/s^2] allow.
 
-    Before a slower piece the robot brakes in time, behind it speeds up again: the speed at each border is the highest
-    from which it can stop at all later limits, and which it can have reached (one pass forwards, one backwards).
-    From the speed u to w over the length l the highest is the root of (u^2 + w^2) / 2 + a l, or the limit.
+    The robot brakes in time before a slower piece and speeds up again behind it. Its speed at each border between
+    pieces is the highest that it can reach by then, and from which it can still keep all later limits and stop at the
+    end (one pass forwards, one backwards). Between the speeds u and w at the ends of a piece of the length l, the
+    highest speed is the root of (u^2 + w^2) / 2 + a l, or the limit if that is lower.
     """
 
     pieces: Tuple[Tuple[float, float], ...]
     acceleration: float = math.inf
-    #: how long the trip takes [s]
+    #: the time that the trip takes [s]
     seconds: float = field(init=False, repr=False, compare=False)
-    #: its length [m]
+    #: the length of the trip [m]
     distance: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
@@ -56,7 +57,7 @@ class LimitedProfile:
         return speeds
 
     def _phases_of(self, length, limit, entry, leave):
-        """Return (begin [m], speed at it, acceleration, how long [s]) of speeding up, of going on and of braking."""
+        """Return (begin [m], speed there, acceleration, duration [s]) for each of speeding up, cruising, braking."""
         rate = self.acceleration
         if math.isinf(rate):
             return [(0.0, limit, 0.0, length / limit)]
@@ -79,7 +80,10 @@ class LimitedProfile:
         return min(most, phase.covered + since * (phase.speed + 0.5 * phase.acceleration * since))
 
     def elapsed(self, covered):
-        """Return when [s after the start] ``covered`` [m] are covered, clamped to the trip: the reverse of covered."""
+        """Return the time [s after the start] at which ``covered`` [m] are covered: the inverse of :meth:`covered`.
+
+        The result is clamped to the trip.
+        """
         if covered <= 0.0:
             return 0.0
         if covered >= self.distance:
@@ -90,14 +94,14 @@ class LimitedProfile:
         return phase.begin + (2.0 * rest / (phase.speed + root) if rest > 0.0 else 0.0)
 
     def changes(self, pieces):
-        """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""
+        """Return instants [s after the start] that divide each time of changing speed into ``pieces`` equal parts."""
         ends = [*self._begins[1:], self.seconds]
         return [instant for phase, end in zip(self._phases, ends) for instant in (
             (phase.begin + (end - phase.begin) * number / pieces for number in range(pieces + 1))
             if phase.acceleration else (phase.begin, end))]
 
     def smooth(self):
-        """As of :meth:`.leg.SpeedProfile.smooth`."""
+        """Return the same as :meth:`.leg.SpeedProfile.smooth`."""
         return [(end, abs(phase.acceleration)) for phase, end in zip(self._phases, [*self._begins[1:], self.seconds])]
 
     def speed(self, elapsed):
@@ -110,7 +114,10 @@ class LimitedProfile:
 
 
 def profile_over(pieces, acceleration):
-    """Return the profile of a drive over ``pieces`` ((length [m], top speed [m/s]), ...), as simple as they allow."""
+    """Return the profile of a drive over ``pieces`` ((length [m], top speed [m/s]), ...).
+
+    If all pieces have the same top speed, that is a SpeedProfile, otherwise a LimitedProfile.
+    """
     groups = []
     for length, limit in pieces:
         if groups and groups[-1][1] == limit:

@@ -1,12 +1,13 @@
-"""The leg times of the original package of this name (TAROS 2023), to replicate studies published with it.
+"""The leg durations of the original package of this name (TAROS 2023), to replicate studies published with it.
 
-Facts from its source, github.com/laurencejbelliott/move_base_abstract: ``main`` at d53d827, ``rasberry`` at bc8e2f7.
+The facts are from its source, github.com/laurencejbelliott/move_base_abstract: ``main`` at d53d827, ``rasberry`` at
+bc8e2f7.
 
 ``main``: a leg of the length d > 0 with top speed v and acceleration a takes d/v + v/(2a), however short it is; without
-an acceleration d/v. The robot is shown where it would be had it stood for v/(2a) and then driven at v. With
-pose_update_freq 0 its loop counts whole seconds, so that the leg takes the next whole number of them.
+an acceleration it takes d/v. The robot is shown as if it stood for v/(2a) and then drove at v. With pose_update_freq 0
+the loop of the original counts whole seconds, so the leg takes the next whole number of seconds.
 
-``rasberry``: d/v; the robot is shown half-way as long as it travels.
+``rasberry``: a leg takes d/v. The robot is shown half-way as long as it travels.
 """
 import math
 
@@ -17,25 +18,25 @@ from .pace import Pace, PacedLeg
 
 MAIN, RASBERRY = 'move_base_abstract', 'move_base_abstract_rasberry'
 PROFILES = (MAIN, RASBERRY)
-#: how often each tells where a robot is, on its way, if nobody says it [Hz, simulated]
+#: the default rate at which each profile reports the pose of a robot on its way [Hz, simulated]
 POSE_RATES = {MAIN: 0.5, RASBERRY: 0.0}
 
 
 def is_rasberry(law):
-    """Return whether ``law`` (OriginalLaw or None) is that of the branch."""
+    """Return whether ``law`` (OriginalLaw or None) is that of the branch ``rasberry``."""
     return law is not None and law.profile == RASBERRY
 
 
 class OriginalLaw:
-    """How long a leg takes, and where its robot is meanwhile, by the original's ``profile``: :data:`PROFILES`."""
+    """How long a leg takes, and where its robot is meanwhile, in the original's ``profile`` (one of PROFILES)."""
 
     def __init__(self, profile=MAIN, pose_update_freq=1.0):
-        """``pose_update_freq`` [Hz, simulated]: 0 makes legs of ``main`` last whole seconds."""
+        """``pose_update_freq`` [Hz, simulated]: if it is 0, legs of ``main`` last whole seconds."""
         self.profile = profile
         self._is_whole = profile == MAIN and pose_update_freq == 0.0
 
     def seconds(self, distance, limits):
-        """Return how long a leg of ``distance`` [m] takes with these MotionLimits [s]."""
+        """Return the time [s] that a leg of ``distance`` [m] takes with these MotionLimits."""
         if distance <= 0.0:
             return 0.0
         seconds = distance / limits.max_speed
@@ -44,7 +45,7 @@ class OriginalLaw:
         return float(math.ceil(seconds)) if self._is_whole else seconds
 
     def leg(self, start, goal, limits, depart_ns):
-        """Return the leg from ``start`` to ``goal`` (Pose2D). Turning takes no time, and there are no tolerances."""
+        """Return the leg from ``start`` to ``goal`` (Pose2D). Turns take no time, and there are no tolerances."""
         straight = Leg(start, goal, MotionLimits(limits.max_speed), Tolerances(), depart_ns)
         total_ns = seconds_to_ns(self.seconds(straight.distance, limits))
         if self.profile == RASBERRY:
@@ -52,7 +53,7 @@ class OriginalLaw:
         return PacedLeg(straight, Pace(total_ns - straight.duration_ns, 1.0))
 
     def compare(self, distance, limits):
-        """Return in words how long ``distance`` [m] takes by this law and by the exact one."""
+        """Return a text that compares the time for ``distance`` [m] by this law with that by the exact one."""
         exact = trip(distance, limits.max_speed, limits.acceleration)[2]
         return "{:.1f} m at {:g} m/s{}: {:.1f} s by the original's formula, {:.1f} s exact".format(
             distance, limits.max_speed, '' if limits.acceleration == math.inf else
@@ -60,13 +61,13 @@ class OriginalLaw:
 
 
 class HalfwayLeg(PacedLeg):
-    """A :class:`.Leg` whose robot is shown half-way, heading along x, from the departure to the arrival."""
+    """A :class:`.Leg` whose robot is shown half-way, with the heading 0, from the departure to the arrival."""
 
     __slots__ = ()
-    manner = ()  # its poses are on no way
+    manner = ()  # its poses do not move along a way
 
     def pose_at(self, now_ns):
-        """Return the pose at ``now_ns`` [ns]: half-way from the departure on, the end from the arrival on."""
+        """Return the pose at ``now_ns`` [ns]: half-way after the departure, at the end after the arrival."""
         if now_ns < self.depart_ns:
             return self.start
         if now_ns >= self.arrive_ns:
@@ -74,5 +75,5 @@ class HalfwayLeg(PacedLeg):
         return Pose2D((self.start.x + self.end.x) / 2.0, (self.start.y + self.end.y) / 2.0, 0.0)
 
     def velocity_at(self, _now_ns):
-        """Return (0, 0) [m/s, rad/s]: it stands there."""
+        """Return (0, 0) [m/s, rad/s], since the robot is shown standing."""
         return 0.0, 0.0

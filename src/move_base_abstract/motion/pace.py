@@ -1,15 +1,15 @@
-"""Legs and routes at another pace than their law's. The pose at any instant is still computed exactly."""
+"""Legs and routes at a pace that differs from their law. The pose at any instant is still computed exactly."""
 from typing import NamedTuple
 
 
 class Pace(NamedTuple):
-    """How a leg differs from its law: ``delay_ns`` [ns] at rest first, then all takes ``factor`` times as long."""
+    """How a leg differs from its law: first ``delay_ns`` [ns] at rest, then all takes ``factor`` times as long."""
 
     delay_ns: int
     factor: float
 
 
-#: as of PhasedRoute.tail, of a leg without one
+#: PhasedRoute.tail of a leg that has no tail
 _NO_TAIL = (0.0, 1.0, 0.0, 0.0)
 
 
@@ -20,12 +20,12 @@ class PacedLeg:
 
     @property
     def manner(self):
-        """How it differs from its law: the rest at first [ns], the travel [ns], and the leg's own ``tail``."""
+        """How it differs from its law: the delay at the start [ns], the travel time [ns], and the leg's ``tail``."""
         return (self._begin_ns - self.depart_ns, self._ns, *self.tail)
 
     @property
     def tail(self):
-        """As of :attr:`.phased_route.PhasedRoute.tail`."""
+        """The same as :attr:`.phased_route.PhasedRoute.tail`."""
         return getattr(self._leg, 'tail', _NO_TAIL)
 
     def __init__(self, leg, pace):
@@ -38,23 +38,24 @@ class PacedLeg:
 
     @property
     def duration_ns(self):
-        """How long the trip takes, the delay included, simulated [ns]."""
+        """The simulated time that the trip takes, including the delay [ns]."""
         return self.arrive_ns - self.depart_ns
 
     @property
     def way(self):
-        """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
+        """The points ((x, y), ...) [m] between which the leg is straight, from its start to its end."""
         return self._leg.way
 
     def even_instants_ns(self, ramp_pieces):
-        """As of :meth:`.route.Route.even_instants_ns`; it stands at first."""
+        """Return the same as :meth:`.route.Route.even_instants_ns`; the delay at the start is one piece."""
         of_law = self._leg.duration_ns
         inner = [instant - self.depart_ns for instant in self._leg.even_instants_ns(ramp_pieces)] if of_law else []
-        paced = (self._begin_ns + -(-elapsed * self._ns // of_law) for elapsed in inner)  # rounded up, as _leg_ns down
+        # Rounded up, since _leg_ns rounds down.
+        paced = (self._begin_ns + -(-elapsed * self._ns // of_law) for elapsed in inner)
         return sorted({self.depart_ns, self._begin_ns, *paced, self.arrive_ns})
 
     def smooth_ns(self):
-        """As of :meth:`.route.Route.smooth_ns`; it stands at first."""
+        """Return the same as :meth:`.route.Route.smooth_ns`; the delay at the start is one span."""
         of_law = self._leg.duration_ns
         if not of_law or not self._ns:
             return [(self.arrive_ns, 0.0)]
@@ -67,7 +68,7 @@ class PacedLeg:
         return self._leg.distance_at(self._leg_ns(now_ns))
 
     def guess_ns(self, distance):
-        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
         whole_ns = self._leg.duration_ns
         elapsed_ns = self._leg.guess_ns(distance) - self._leg.depart_ns
         return self._begin_ns + (elapsed_ns * self._ns // whole_ns if whole_ns else self._ns)
@@ -75,7 +76,7 @@ class PacedLeg:
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start until the delay is over, the end from the arrival on."""
         if now_ns < self._begin_ns:
-            return self.start  # a leg whose turns take no time has its first heading at its departure
+            return self.start  # the leg itself would already have its first heading if its turns take no time
         return self._leg.pose_at(self._leg_ns(now_ns))
 
     def velocity_at(self, now_ns):
@@ -87,11 +88,11 @@ class PacedLeg:
         return forward * share, turning * share
 
     def corners_ahead(self, now_ns):
-        """Return those of the ``corners`` that are not reached at ``now_ns`` [ns]."""
+        """Return the ``corners`` that the robot has not reached at ``now_ns`` [ns]."""
         return self._leg.corners_ahead(self._leg_ns(now_ns))
 
     def _leg_ns(self, now_ns):
-        """Return the instant of the leg's own law [ns] that is the one of ``now_ns`` [ns] at this pace."""
+        """Return the instant [ns] of the leg's own law that corresponds to ``now_ns`` [ns] at this pace."""
         if now_ns >= self.arrive_ns:
             return max(now_ns, self._leg.arrive_ns)
         elapsed_ns = max(0, now_ns - self._begin_ns)

@@ -1,4 +1,4 @@
-"""A route in the phases of a real robot: see :class:`.approach.MotionPhases`. Still any instant follows exactly."""
+"""A route in the phases of a real robot (:class:`.approach.MotionPhases`). Any instant is still computed exactly."""
 import math
 
 from ..common.units import NS_PER_S
@@ -9,10 +9,11 @@ from .route import CornerLaw, Route, Turn
 
 
 class PhasedRoute(Route):
-    """A :class:`Route`, with corners or without any, of a robot that begins and ends it by ``phases`` (MotionPhases).
+    """A :class:`Route`, with or without corners, of a robot that begins and ends it by ``phases`` (MotionPhases).
 
-    ``start_turn`` [rad]: by how much it turns at the start. ``backwards`` ([m], [m/s]): how much of its first drive is
-    driven backwards first, before it turns; ``spin`` ([s], [rad/s]): how long it turns to and fro before its last turn.
+    ``start_turn`` [rad]: the angle by which the robot turns at the start. ``backwards`` (length [m], speed [m/s]): the
+    first part of its first drive, which it drives backwards before it turns. ``spin`` (time [s], rate [rad/s]): the
+    turning to and fro at the goal, before its last turn.
     """
 
     __slots__ = ('start_turn', '_phases', '_backwards', '_spin', '_made_of', '_first_length')
@@ -26,20 +27,20 @@ class PhasedRoute(Route):
 
     @property
     def tail(self):
-        """What it does that is no part of its law: (backwards [m], [m/s], spin [s], [rad/s])."""
+        """The motion that is not in its law: (backwards [m], backwards [m/s], spin [s], spin [rad/s])."""
         return (*self._backwards, *self._spin)
 
     def going_backwards(self, extra, speed):
-        """Return the route that takes ``extra`` [s] longer, as it begins backwards at ``speed`` [m/s].
+        """Return the route that takes ``extra`` [s] longer because it begins backwards at ``speed`` [m/s].
 
-        If all of its first drive does not take so long, then all of it.
+        If the whole first drive backwards does not take that much longer, all of it is driven backwards.
         """
         limits = self._made_of[3]
         length = length_backwards(extra, self._first_length, speed, lambda rest: self._profile(rest, limits).seconds)
         return PhasedRoute(*self._made_of, backwards=(length, speed)) if length > 0.0 else self
 
     def spinning(self, extra, speed):
-        """Return the route that takes ``extra`` [s] longer, as the robot turns to and fro at ``speed`` at its goal."""
+        """Return the route that takes ``extra`` [s] longer, by turning to and fro at ``speed`` [rad/s] at the goal."""
         return PhasedRoute(*self._made_of, spin=(extra, speed))
 
     def _drive(self, pieces, yaw, limits, driven):
@@ -81,7 +82,7 @@ class PhasedRoute(Route):
 
 
 class _EasedTurn:
-    """A turn in place by ``turn`` [rad] from the pose ``begin``, which slows down as ``profile`` does, to its end."""
+    """A turn in place by ``turn`` [rad] from the pose ``begin``; it slows down towards its end as ``profile`` does."""
 
     __slots__ = ('_begin', '_turn', '_profile', '_driven')
 
@@ -90,7 +91,7 @@ class _EasedTurn:
 
     @staticmethod
     def guess(_distance):
-        """Return when [s after its begin] a distance is driven: None, it drives nowhere."""
+        """Return None: the robot drives no distance during a turn."""
 
     def even_instants(self, ramp_pieces):
         return self._profile.changes(ramp_pieces)
@@ -99,7 +100,7 @@ class _EasedTurn:
         return [(self._profile.seconds, 0.0)]
 
     def _of_profile(self, value):
-        """Return the part of the turn [rad, rad/s] that a part of the profile's own angle stands for."""
+        """Return the angle of the turn [rad], or its rate [rad/s], that corresponds to one of the profile."""
         return self._turn * value / self._profile.distance if self._profile.distance else 0.0
 
     def pose_at(self, elapsed_ns):

@@ -1,17 +1,17 @@
-"""The way that a planner finds: its corners and, if it has them, the limits of its pieces and its duration."""
+"""The way that a planner finds: its corners and, if there are any, the limits of its pieces and its duration."""
 import math
 from typing import NamedTuple, Optional
 
 
 class PieceLimit(NamedTuple):
-    """How a straight piece of a way is driven: at most at ``speed`` [m/s], and ``share`` times as fast as that.
+    """The limit of a straight piece of a way: the robot's top speed, at most ``speed`` [m/s], times ``share``.
 
-    A piece whose ``share`` is 0.5 takes as long as one of twice its length.
+    A piece whose ``share`` is 0.5 takes as long as a piece of twice its length.
     """
 
     speed: float = math.inf
     share: float = 1.0
-    #: whether it is driven into without a stop, whatever happens at corners: only the limit changes there
+    #: whether the robot drives into it without a stop, whatever it does at corners: only the limit changes there
     goes_on: bool = False
 
     def of(self, max_speed):
@@ -20,12 +20,13 @@ class PieceLimit(NamedTuple):
 
 
 class PlannedWay(tuple):
-    """The corners ((x, y), ...) [m] of a way, and what more is to be said of it. Immutable as the tuple that it is.
+    """The corners ((x, y), ...) [m] of a way, and more about it. It is an immutable tuple.
 
-    ``limits`` (PieceLimit, ...) and ``lanes`` (what each piece runs on, or None) have one entry for each straight
-    piece, one more than there are corners, or none at all; ``seconds``: how long the whole way takes, whatever the
-    robot's limits, None: as long as these say. ``known``: None, or (start, goal, the route's Segments between them), of
-    who knows them; ``routes``: what routes along it share, kept by :func:`.route.route_along`.
+    ``limits`` (PieceLimit, ...) and ``lanes`` (the lane on which each piece runs, or None) have one entry for each
+    straight piece, one more than there are corners, or they are empty. ``seconds``: the time that the whole way takes,
+    whatever the robot's limits, None: the time by these limits. ``known``: (start, goal, the route's Segments between
+    them) if the planner knows them already, otherwise None. ``routes``: the routes that have been made along this way,
+    kept by :func:`.route.route_along`.
     """
 
     limits = ()
@@ -36,7 +37,7 @@ class PlannedWay(tuple):
     ends_on_lane = False
 
     def __new__(cls, corners=(), limits=(), lanes=(), seconds=None, ends_on_lane=False, known=None):
-        """Return the way by ``corners``."""
+        """Return the way along ``corners``."""
         way = super().__new__(cls, corners)
         way.limits, way.lanes, way.seconds = tuple(limits), tuple(lanes), seconds
         way.ends_on_lane, way.known, way.routes = ends_on_lane, known, {}

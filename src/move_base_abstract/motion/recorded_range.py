@@ -1,4 +1,4 @@
-"""The range of the legs to which a calibration was fitted, and which goals lie outside of it."""
+"""The ranges of the legs to which a calibration was fitted, and which goals lie outside them."""
 from __future__ import annotations
 
 import math
@@ -7,23 +7,24 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple, U
 
 from ..common.parameter_table import Parameter, number, numbers, read_table
 
-#: from the lowest to the highest
+#: (lowest value, highest value)
 Range = Tuple[float, float]
 Points = Sequence[Tuple[float, float]]
 
 HELD = 'held by the prior'
-#: said once by a fleet, and by a node, of the first goal: (robot, Recorded.words)
-WARNING = '{}: a goal lies outside of what its calibration was fitted to ({}); this is said once, event logs have a ' \
-          'row beyond for each'
+#: logged once by a fleet or a node, for the first such goal; formatted with (robot, Recorded.words)
+WARNING = '{}: a goal lies outside the ranges to which its calibration was fitted ({}); this warning comes once, but ' \
+          'event logs have a row beyond for each such goal'
 _NAME = re.compile(r'[a-z][a-z0-9_]*')
-_DEGREE = math.radians(1.0)  # by which a turn is as large as the largest: of turns up to 180 none is just that
-_SLACK = 1e-9  # by which a leg that was recorded may lie outside: digits of its length
+_DEGREE = math.radians(1.0)  # a turn may be larger than the largest recorded one by this: none was exactly 180 degrees
+_SLACK = 1e-9  # a recorded leg may lie outside by this: rounding of its length
 
 
 class Recorded(NamedTuple):
-    """The ranges of what was recorded; ``tolerance`` [m]: how far before its goal a leg ends.
+    """The ranges of the recorded legs.
 
-    ``length`` [m] of ways, ``start_turn`` [rad], ``clearance`` [m] of ways to what is occupied; None: nobody says.
+    ``length`` [m] of their ways; ``start_turn`` [rad]: their first turns; ``clearance`` [m]: the distance of their ways
+    from occupied cells, None: unknown; ``tolerance`` [m]: the distance before its goal at which a leg ends.
     """
 
     length: Range
@@ -32,10 +33,10 @@ class Recorded(NamedTuple):
     tolerance: float = 0.0
 
     def beyond(self, leg: Any, clearance_of: Callable[[Points], Optional[float]]) -> Tuple[Union[str, float], ...]:
-        """Return in what ``leg`` (PhasedRoute) lies outside: 'longer', 'shorter', 'turn', 'narrow', each with a value.
+        """Return the ways in which ``leg`` (PhasedRoute) lies outside the ranges: kind, value, kind, value, ...
 
-        Lengths in m, the turn in rad. ``clearance_of(points)`` is that of a way of straight pieces [m], None: there is
-        no map.
+        The kinds are 'longer', 'shorter', 'turn' and 'narrow'; lengths are in m, the turn in rad.
+        ``clearance_of(points)`` returns the clearance [m] of a way of straight pieces, None: there is no map.
         """
         length = leg.distance + self.tolerance if leg.distance > 0.0 else 0.0
         turn = abs(leg.start_turn)
@@ -52,18 +53,18 @@ class Recorded(NamedTuple):
         return found
 
     def row(self) -> Tuple[Union[str, float], ...]:
-        """Return the ranges as an event log has them: name, low, high, one after the other."""
+        """Return the ranges as in an event log: name, low, high, name, low, high, ..."""
         named = ('length', self.length), ('start_turn', self.start_turn), ('clearance', self.clearance)
         return tuple(value for name, both in named if both is not None for value in (name, *both))
 
     def words(self, found: Tuple[Union[str, float], ...]) -> str:
-        """Return what :meth:`beyond` has found, in words."""
+        """Return a text for ``found``, a result of :meth:`beyond`."""
         texts: Dict[Any, Tuple[str, float, Range]] = {
             'longer': ('a way of {:.2f} m, recorded: {:.2f} to {:.2f} m', 1.0, self.length),
             'shorter': ('a way of {:.2f} m, recorded: {:.2f} to {:.2f} m', 1.0, self.length),
             'turn': ('a turn of {:.0f} degrees at the start, recorded: {:.0f} to {:.0f}', 180.0 / math.pi,
                      self.start_turn),
-            'narrow': ('{:.2f} m to what is occupied, recorded: {:.2f} to {:.2f} m', 1.0,
+            'narrow': ('{:.2f} m to an occupied cell, recorded: {:.2f} to {:.2f} m', 1.0,
                        self.clearance or (0.0, 0.0))}
         return '; '.join(texts[kind][0].format(*(scale * part for part in (value, *texts[kind][2])))
                          for kind, value in zip(found[::2], found[1::2]) for scale in [texts[kind][1]])
@@ -88,14 +89,20 @@ _TABLE = (
 
 
 def read_recorded(value: Any) -> Recorded:
-    """Return the :class:`Recorded` of a calibration's section, a converter of a Parameter."""
+    """Return the :class:`Recorded` in a section of a calibration; this is the converter of a Parameter.
+
+    :raises ValueError: if ``value`` is not a mapping with the right keys.
+    """
     if not isinstance(value, dict) or not {'length', 'start_turn'} <= set(value) <= {one.name for one in _TABLE}:
         raise ValueError
     return Recorded(**read_table(value, _TABLE, 'recorded'))
 
 
 def read_intervals(value: Any) -> Dict[str, Union[str, Range]]:
-    """Return {parameter: (low, high), or HELD} of a calibration's section, a converter of a Parameter."""
+    """Return {parameter: (low, high) or HELD} of a section of a calibration; this is the converter of a Parameter.
+
+    :raises ValueError: if ``value`` is not a mapping of names to ranges or HELD.
+    """
     if not isinstance(value, dict):
         raise ValueError
     found: Dict[str, Union[str, Range]] = {}

@@ -1,4 +1,4 @@
-"""One robot: where it is at any instant, and the leg or route it travels. It decides nothing about goals."""
+"""One robot: its pose at any instant, and the leg or route that it travels. It decides nothing about goals."""
 from collections import deque
 
 from ..common.errors import TimeError
@@ -15,10 +15,11 @@ from .telling import Telling
 class Robot:
     """A robot that stands or travels one leg or route at a time in the plane of the global frame.
 
-    Other limits and tolerances (:meth:`set_motion`) take effect on the next one. ``corner_law`` (CornerLaw): what the
-    robot does at the corners of a route; ``phases`` (MotionPhases): how it begins and ends, None: as of a Leg;
-    ``original`` (OriginalLaw): legs take as long as in the package of that name, without corners, phases, tolerances;
-    ``remembered_legs``: of how many legs and stands, the present one included, poses can be asked for.
+    New limits and tolerances (:meth:`set_motion`) take effect on the next leg. ``corner_law`` (CornerLaw): what the
+    robot does at the corners of a route. ``phases`` (MotionPhases): how it begins and ends its legs, None: as a Leg
+    does. ``original`` (OriginalLaw): legs take as long as in the original package, without corners, phases and
+    tolerances. ``remembered_legs``: the number of legs and stands, including the present one, whose poses can be asked
+    for.
     """
 
     def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0,
@@ -36,11 +37,11 @@ class Robot:
         self._past = deque([self._motion], maxlen=remembered_legs)
         self._driven = 0.0
         self._followers = []
-        #: what it tells of where it is (Telling)
+        #: the pose that it reports (Telling)
         self.telling = Telling(self)
 
     def follow(self, follower):
-        """Call ``follower(now_ns)`` whenever the robot begins another leg or another stand, as it has begun."""
+        """Call ``follower(now_ns)`` [ns] whenever the robot has begun another leg, or has begun to stand."""
         self._followers.append(follower)
 
     @property
@@ -55,7 +56,7 @@ class Robot:
 
     @property
     def keeps_piece_limits(self):
-        """Whether pieces of a way may have speeds of their own: its law of motion is not a recorded or a copied one."""
+        """Whether its law allows speed limits of pieces of a way: it is neither calibrated nor the original's."""
         return self._phases is None and self._original is None
 
     @property
@@ -64,17 +65,17 @@ class Robot:
         return self._tolerances
 
     def set_motion(self, limits, tolerances):
-        """Travel with these MotionLimits and Tolerances from the next leg on."""
+        """Use these MotionLimits and Tolerances from the next leg on."""
         self._limits = limits
         self._tolerances = tolerances
 
     def pose_at(self, now_ns):
-        """Return the pose at ``now_ns`` [ns], the present or some of the past.
+        """Return the pose at ``now_ns`` [ns], which is the present or not too long ago.
 
-        :raises TimeError: if that lies further back than the robot remembers.
+        :raises TimeError: if that is further back than the robot remembers.
         """
         motion = self._motion
-        if now_ns >= motion.depart_ns:  # as nearly always
+        if now_ns >= motion.depart_ns:  # the usual case
             return motion.pose if self.leg is None else motion.pose_at(now_ns)
         for motion in reversed(self._past):
             if now_ns >= motion.depart_ns:
@@ -87,16 +88,16 @@ class Robot:
         return self._motion.velocity_at(now_ns)
 
     def distance_at(self, now_ns):
-        """Return the distance [m] driven since the beginning, at ``now_ns`` [ns], not before the present leg."""
+        """Return the distance [m] driven up to ``now_ns`` [ns], which is not before the present leg."""
         return self._driven + self._motion.distance_at(now_ns)
 
     def depart(self, goal, now_ns, corners=(), paced=None):
-        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest, by ``corners`` [(x, y), m].
+        """Start for ``goal`` (Pose2D) from rest, from the robot's pose at ``now_ns`` [ns], along ``corners``.
 
-        ``corners`` may be a :class:`.PlannedWay`, which says more.
+        ``corners`` is [(x, y), ...] [m] or a :class:`.PlannedWay`, which may have limits and a duration. If there is
+        ``paced``, the robot travels ``paced(leg)`` instead of the leg that follows from its law.
 
-        Return the :class:`Leg`, or where there are corners or phases the :class:`Route`; ``paced(leg)`` makes of it
-        the one to travel.
+        Return the :class:`Leg` that it travels; with corners or phases it is a :class:`Route`.
 
         :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
             would arrive after the end of simulated time.
@@ -116,7 +117,7 @@ class Robot:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
         if way is not None and way.seconds is not None:
             leg = TimedLeg(leg, seconds_to_ns(way.seconds))
-        check_reachable(leg.arrive_ns, 'the arrival would be')  # before its time is multiplied
+        check_reachable(leg.arrive_ns, 'the arrival would be')  # before ``paced`` multiplies the duration
         if paced is not None:
             leg = paced(leg)
             check_reachable(leg.arrive_ns, 'the arrival would be')
@@ -124,13 +125,16 @@ class Robot:
         return leg
 
     def stop(self, now_ns):
-        """Stand still from ``now_ns`` [ns] on; return the pose of that instant, exactly."""
+        """Stand still from ``now_ns`` [ns] on; return the exact pose at that instant."""
         pose = self.pose_at(now_ns)
         self._begin(_Stand(pose, now_ns), None, now_ns)
         return pose
 
     def halt(self, now_ns):
-        """As :meth:`stop`, whatever is wrong with the leg: where that cannot be said, at its start."""
+        """Stop as :meth:`stop` does, even if the leg is faulty: if it has no pose now, stand at its start.
+
+        The error of the leg is raised afterwards.
+        """
         try:
             self.stop(now_ns)
         except Exception:
@@ -139,23 +143,26 @@ class Robot:
             raise
 
     def place(self, pose, now_ns):
-        """Be at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
+        """Stand at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
         self._begin(_Stand(pose, now_ns), None, now_ns)
 
     def reset(self, pose, now_ns):
-        """Be at ``pose`` as if nothing had happened before ``now_ns`` [ns]."""
+        """Stand at ``pose`` as if nothing had happened before ``now_ns`` [ns]."""
         self._past.clear()
         self._driven = 0.0
         self._begin(_Stand(pose, now_ns), None)
 
     def restart(self, before_ns, now_ns):
-        """Stand where the robot was at ``before_ns`` [ns] of a clock that has started anew, since ``now_ns`` [ns]."""
+        """Stand from ``now_ns`` [ns] on, after a restart of the clock, where the robot was at ``before_ns`` [ns].
+
+        ``before_ns`` is an instant of the clock before its restart.
+        """
         pose = self.pose_at(before_ns)
         self._past.clear()
         self._begin(_Stand(pose, now_ns), None, before_ns)
 
     def _begin(self, motion, leg, driven_ns=None):
-        """Go on with ``motion``, which is the ``leg`` or a stand; what has been driven counts up to ``driven_ns``."""
+        """Go on with ``motion``, which is ``leg`` or a stand; the distance driven counts up to ``driven_ns`` [ns]."""
         if driven_ns is not None and self.leg is not None:
             self._driven += self.leg.distance_at(driven_ns)
         self._motion, self.leg = motion, leg
@@ -165,7 +172,7 @@ class Robot:
 
     def _tell_followers(self, motion):
         fault = None
-        for follower in self._followers:  # each is told, whatever goes wrong with another
+        for follower in self._followers:  # call each of them, whatever goes wrong in another one
             try:
                 follower(motion.depart_ns)
             except Exception as error:
@@ -175,7 +182,7 @@ class Robot:
 
 
 class _Stand:
-    """Standing at one ``pose``; answers as a leg does."""
+    """Standing at ``pose``, with the interface of a leg."""
 
     __slots__ = ('depart_ns', 'pose')
 

@@ -1,6 +1,6 @@
-"""How a robot travels along corners: a polyline in closed form. A :class:`Leg` is the route without any.
+"""How a robot travels along corners: a polyline in closed form. A :class:`Leg` is a route without corners.
 
-As of a leg, any instant's pose is computed exactly, in any order; nothing is integrated.
+As for a leg, the pose at any instant is computed exactly, in any order; nothing is integrated.
 """
 import math
 from bisect import bisect_right
@@ -14,11 +14,11 @@ from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
 from .planned_way import PieceLimit, PlannedWay
 
-_KEPT_ROUTES = 16  # of a way
+_KEPT_ROUTES = 16  # per way
 
 
 class CornerLaw(Enum):
-    """What a robot does at a corner: it keeps its speed and heads on at once, or it stops, turns and starts again."""
+    """What a robot does at a corner: it keeps its speed and turns in no time, or it stops, turns and starts again."""
 
     KEEP = 'keep'
     STOP = 'stop'
@@ -34,12 +34,12 @@ class Segment(NamedTuple):
     limit: Optional[PieceLimit] = None
 
     def at(self, covered):
-        """Return the pose ``covered`` [m] behind the beginning, heading along it."""
+        """Return the pose ``covered`` [m] after its beginning, with the heading along it."""
         return Pose2D(self.x + covered * math.cos(self.course), self.y + covered * math.sin(self.course), self.course)
 
 
 def segments_along(points, limit):
-    """Return the pieces (:class:`Segment`, ...) along ``points`` ((x, y), ...) [m]; no two in a row are one."""
+    """Return the pieces (:class:`Segment`, ...) along ``points`` ((x, y), ...) [m]; points in a row must differ."""
     return tuple(Segment(a, b, math.atan2(y - b, x - a), math.hypot(x - a, y - b), limit)
                  for (a, b), (x, y) in zip(points, points[1:]))
 
@@ -49,15 +49,15 @@ class Route:
 
     ``corners`` may be a :class:`.PlannedWay`, whose pieces have speed limits of their own.
 
-    With ``CornerLaw.KEEP`` one speed profile runs over the whole length, and headings change at once; with
-    ``CornerLaw.STOP`` each straight piece is driven from rest to rest, after a turn at the turn rate. The robot stops
-    where it first is within the tolerances. Each turn and each drive lasts a whole number of nanoseconds; ``depart_ns``
-    and ``arrive_ns`` are simulated time [ns].
+    With ``CornerLaw.KEEP`` one speed profile runs over the whole length, and headings change in no time. With
+    ``CornerLaw.STOP`` the robot drives each straight piece from rest to rest, after a turn at the turn rate. The robot
+    stops as soon as it is within the tolerances. Each turn and each drive lasts a whole number of nanoseconds;
+    ``depart_ns`` and ``arrive_ns`` are simulated time [ns].
     """
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
 
-    #: as of :class:`.leg.Leg`
+    #: as in :class:`.leg.Leg`
     manner = ()
 
     def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
@@ -65,7 +65,7 @@ class Route:
         drives = [segments] if law is CornerLaw.KEEP and segments else _drives(segments)
         self.start = start
         self.corners = corners if isinstance(corners, PlannedWay) else tuple(corners)
-        #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
+        #: the points ((x, y), ...) [m] between which the route is straight, from its start to its end
         self.way = (*[(segment.x, segment.y) for segment in segments or [start]], place)
         self.distance = math.fsum([segment.length for segment in segments])
         self.depart_ns = self.arrive_ns = depart_ns
@@ -80,13 +80,13 @@ class Route:
         self.end = Pose2D(*place, goal.yaw if tolerances.yaw == 0.0 else yaw + turn)
 
     def _drive(self, pieces, yaw, limits, driven):
-        """Add the drive over ``pieces``, and the turn before it; return the distance [m] driven behind it."""
+        """Add the drive over ``pieces``, and the turn before it; return the distance [m] driven after it."""
         first = pieces[0]
         self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
         return self._drive_on(pieces, limits, driven)
 
     def _drive_on(self, pieces, limits, driven):
-        """Add the drive over ``pieces``, if there are any; return the distance [m] driven behind it."""
+        """Add the drive over ``pieces``, if there are any; return the distance [m] driven after it."""
         if not pieces:
             return driven
         drive = _Drive(pieces, self._profile_along(pieces, limits), driven)
@@ -107,11 +107,11 @@ class Route:
         self._turn(begin, begin.yaw, turn, limits.turn_rate, self.distance)
 
     def _turn(self, place, yaw, turn, rate, driven):
-        if rate != math.inf:  # else it is never under way
+        if rate != math.inf:  # otherwise the turn takes no time
             self._add(Turn(place.x, place.y, yaw, turn, rate, driven), abs(turn) / rate)
 
     def again(self, start, goal, depart_ns):
-        """Return this route with another departure; ``start`` and ``goal`` (Pose2D) are equal to its ends."""
+        """Return this route with another departure [ns]; ``start`` and ``goal`` (Pose2D) are equal to its ends."""
         route = Route.__new__(Route)
         by_ns = depart_ns - self.depart_ns
         route.depart_ns, route.arrive_ns, route.start, route.end = depart_ns, self.arrive_ns + by_ns, start, goal
@@ -123,7 +123,7 @@ class Route:
         """Return the profile of a drive over ``pieces`` (Segment, ...)."""
         if pieces[0].limit is None:
             return self._profile(list(accumulate(piece.length for piece in pieces))[-1], limits)
-        same = [piece.limit for piece in pieces].count(pieces[0].limit) == len(pieces)  # as of most
+        same = [piece.limit for piece in pieces].count(pieces[0].limit) == len(pieces)  # the usual case
         if same:
             whole = list(accumulate([piece.length for piece in pieces]))[-1]
             return profile_over([(whole, pieces[0].limit.of(limits.max_speed))], limits.acceleration)
@@ -136,20 +136,20 @@ class Route:
 
     @property
     def duration_ns(self):
-        """How long the trip takes, simulated [ns]."""
+        """The simulated time that the trip takes [ns]."""
         return self.arrive_ns - self.depart_ns
 
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         if now_ns < self.depart_ns:
             return 0.0
-        if now_ns >= self.arrive_ns:  # also at the departure, where all of it takes less than a nanosecond
+        if now_ns >= self.arrive_ns:  # also at the departure, if the whole route takes less than a nanosecond
             return self.distance
         part, elapsed_ns = self._part(now_ns)
         return part.distance_at(elapsed_ns)
 
     def guess_ns(self, distance):
-        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
         for begin_ns, part in zip(self._begins_ns, self._parts):
             elapsed = part.guess(distance)
             if elapsed is not None:
@@ -173,7 +173,7 @@ class Route:
         return part.velocity_at(elapsed_ns)
 
     def corners_ahead(self, now_ns):
-        """Return those of the ``corners`` that are not reached at ``now_ns`` [ns]."""
+        """Return the ``corners`` that the robot has not reached at ``now_ns`` [ns]."""
         if now_ns >= self.arrive_ns:
             return ()
         passed = self.distance_at(now_ns)
@@ -182,9 +182,9 @@ class Route:
         return tuple(corner for corner, length in zip(self.corners, lengths) if length > passed)
 
     def even_instants_ns(self, ramp_pieces):
-        """Return the instants [ns] between which the robot turns in place, or drives straight at nearly one speed.
+        """Return instants [ns] between which the robot turns in place, or drives straight at a nearly constant speed.
 
-        While it changes its speed that is so in ``ramp_pieces`` equal times.
+        Each time in which it changes its speed is divided into ``ramp_pieces`` equal parts.
         """
         instants = {self.depart_ns, self.arrive_ns, *self._begins_ns}
         for begin_ns, part in zip(self._begins_ns, self._parts):
@@ -192,21 +192,24 @@ class Route:
         return sorted(instants)
 
     def smooth_ns(self):
-        """Return [(end [ns], most [m/s^2]), ...]: times, one behind the other from the departure to the arrival.
+        """Return [(end [ns], most [m/s^2]), ...]: successive spans of time from the departure to the arrival.
 
-        In each of them it stands, or drives straight on, and its acceleration is no more than ``most``.
+        In each span the robot stands, turns in place, or drives straight with an acceleration of at most ``most``.
         """
         return [(begin_ns + seconds_to_ns(end), most) for begin_ns, part in zip(self._begins_ns, self._parts)
                 for end, most in part.smooth()]
 
     def _part(self, now_ns):
-        """Return the turn or drive of ``now_ns`` [ns] and how long it has been going on [ns]."""
+        """Return (the turn or drive that is under way at ``now_ns`` [ns], the time since its start [ns])."""
         index = bisect_right(self._begins_ns, now_ns) - 1
         return self._parts[index], now_ns - self._begins_ns[index]
 
 
 def route_along(start, goal, way, limits, tolerances, depart_ns, law):
-    """Return the :class:`Route` along the :class:`.PlannedWay`; of a robot that has been that way before, the same."""
+    """Return the :class:`Route` along the :class:`.PlannedWay` ``way``.
+
+    It is kept with the way, so that a robot with the same ends and limits need not compute it again.
+    """
     if tolerances.xy or tolerances.yaw:
         return Route(start, goal, way, limits, tolerances, depart_ns, law)
     key = (start.x, start.y, start.yaw, goal.x, goal.y, goal.yaw, limits.max_speed, limits.acceleration,
@@ -230,19 +233,19 @@ class Turn:
 
     @staticmethod
     def even_instants(_ramp_pieces):
-        """Return the instants [s after its begin] between which it is even enough: none."""
+        """Return no instants, since the rate of the turn is constant."""
         return ()
 
     def smooth(self):
-        """As of :meth:`.leg.SpeedProfile.smooth`: it drives nowhere."""
+        """Return the same as :meth:`.leg.SpeedProfile.smooth`; the acceleration is 0 during a turn."""
         return [(abs(self._turn) / self._rate, 0.0)]
 
     @staticmethod
     def guess(_distance):
-        """Return when [s after its begin] a distance is driven: None, it drives nowhere."""
+        """Return None: the robot drives no distance during a turn."""
 
     def pose_at(self, elapsed_ns):
-        """Return the pose ``elapsed_ns`` [ns] after its begin."""
+        """Return the pose ``elapsed_ns`` [ns] after its start."""
         turned = math.copysign(self._rate * elapsed_ns / NS_PER_S, self._turn)
         return Pose2D(self._x, self._y, self._yaw + turned)
 
@@ -256,7 +259,7 @@ class Turn:
 
 
 class _Drive:
-    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure, by ``profile``."""
+    """Straight pieces driven from rest to rest by ``profile``; they begin ``driven`` [m] after the departure."""
 
     __slots__ = ('profile', '_pieces', '_begins', '_driven')
 
@@ -268,11 +271,11 @@ class _Drive:
         self._driven = driven
 
     def even_instants(self, ramp_pieces):
-        """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
+        """Return the times [s] at which corners are passed, and the ends of the parts in which the speed changes."""
         return [*(self.profile.elapsed(begin) for begin in self._begins), *self.profile.changes(ramp_pieces)]
 
     def smooth(self):
-        """As of :meth:`.leg.SpeedProfile.smooth`; at a corner a time ends."""
+        """Return the same as :meth:`.leg.SpeedProfile.smooth`; a span also ends at each corner."""
         corners = [self.profile.elapsed(begin) for begin in self._begins[1:]]
         found, begin = [], 0.0
         for end, most in self.profile.smooth():
@@ -282,7 +285,7 @@ class _Drive:
         return found
 
     def guess(self, distance):
-        """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""
+        """Return when [s after its start] the robot has driven ``distance`` [m] on its leg, None: after its end."""
         covered = distance - self._driven
         return self.profile.elapsed(covered) if covered <= self.profile.distance else None
 
@@ -299,7 +302,7 @@ class _Drive:
 
 
 def _drives(segments):
-    """Return the segments [[Segment, ...], ...] that are driven from rest to rest where each corner is a stop."""
+    """Return the groups of segments [[Segment, ...], ...] that are driven from rest to rest, with a stop at corners."""
     drives = []
     for segment in segments:
         if drives and segment.limit is not None and segment.limit.goes_on:
@@ -310,7 +313,10 @@ def _drives(segments):
 
 
 def _segments(start, goal, corners, tolerance):
-    """Return the pieces [:class:`Segment`] up to where ``tolerance`` [m] is first met, and that place (x, y) [m]."""
+    """Return (the pieces [:class:`Segment`, ...] of the way, the point (x, y) [m] at which it ends).
+
+    The way ends where it first comes within ``tolerance`` [m] of the goal.
+    """
     ends = (start.x, start.y), (goal.x, goal.y)
     known = getattr(corners, 'known', None)
     if known is not None and known[:2] == ends and tolerance == 0.0:
@@ -334,9 +340,9 @@ def _segments(start, goal, corners, tolerance):
 
 
 def _first_within(begin, end, length, goal, tolerance):
-    """Return how far from ``begin`` [m] the way to ``end`` comes within ``tolerance`` [m] of ``goal``, or None.
+    """Return the distance [m] from ``begin`` at which the way to ``end`` comes within ``tolerance`` [m] of ``goal``.
 
-    Where a line enters a circle: the root of a quadratic equation.
+    The result is None if it does not. It is where a line enters a circle: the root of a quadratic equation.
     """
     if end is goal:
         return left_to_drive(length, tolerance)

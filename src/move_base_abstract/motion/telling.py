@@ -1,4 +1,4 @@
-"""The pose that a robot reports: the true pose, except during lapses. Its motion knows nothing of lapses."""
+"""The pose that a robot reports: the true pose, except during lapses. Lapses do not change the robot's motion."""
 from __future__ import annotations
 
 from typing import Any, Optional
@@ -7,10 +7,10 @@ from .geometry import Pose2D
 
 
 class Telling:
-    """Of ``robot`` (Robot).
+    """The pose that ``robot`` (Robot) reports.
 
-    ``shift``: where the robot takes the origin of its odometry to be, in the global frame, though it is at that
-    frame's own; None: it is right. ``is_mute``: it says nothing of where it is.
+    ``shift``: the pose that the robot takes for the origin of its odometry, in the global frame, while the true one is
+    the origin of the global frame; None: there is no error. ``is_mute``: whether the robot reports no pose.
     """
 
     __slots__ = ('is_mute', 'robot', 'shift')
@@ -21,14 +21,18 @@ class Telling:
         self.is_mute = False
 
     def jump(self, now_ns: int, x: float, y: float, yaw: float) -> None:
-        """Say from ``now_ns`` [ns] on that it is ``x``, ``y`` [m] and ``yaw`` [rad] beside where it is then.
+        """Move the reported pose, at ``now_ns`` [ns], to ``x``, ``y`` [m] and ``yaw`` [rad] beside the true pose.
 
-        As amcl's do, the step turns the odometry about the robot; what is driven from then on goes the wrong way.
+        As a jump of amcl does, this turns the odometry about the robot, so later motion is reported in a wrong
+        direction.
         """
         pose: Pose2D = self.robot.pose_at(now_ns)
         self.shift = Pose2D(pose.x + x, pose.y + y, pose.yaw + yaw).compose(pose.inverse())
 
     def pose_at(self, now_ns: int) -> Pose2D:
-        """Return where it says that it is at ``now_ns`` [ns]: as of Robot.pose_at, in the global frame."""
+        """Return the reported pose at ``now_ns`` [ns] in the global frame.
+
+        :raises TimeError: as Robot.pose_at does.
+        """
         pose: Pose2D = self.robot.pose_at(now_ns)
         return pose if self.shift is None else self.shift.compose(pose)

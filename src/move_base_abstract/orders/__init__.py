@@ -1,4 +1,4 @@
-"""Orders of several stops: how they arrive, who gets which, and when robots charge. No robots are moved here."""
+"""Orders with several stops: how they arrive, which robot gets which one, and when robots charge."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

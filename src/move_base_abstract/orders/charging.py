@@ -1,9 +1,10 @@
-"""When robots charge and where: thresholds, chargers with room for some, a queue, charging while idle.
+"""When and where robots charge: thresholds, chargers with limited room, a queue, and charging while idle.
 
-Who is below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
-``charge_until``. Of chargers with room the nearest one counts, of equally near ones the first of the scenario. Who
-finds none waits where it stands; first come, first served, at one instant by lower index. Who is charged enough and
-has no order leaves its charger, for where it started, when somebody waits for one.
+A robot below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
+``charge_until``. It goes to the nearest charger with room; of equally near ones, to the first in the scenario. If there
+is none, the robot waits where it stands. Robots are served in the order in which they began to wait, at one instant by
+lower index. A robot that is charged enough and has no order leaves its charger if another robot waits for one; it
+drives to where it started.
 """
 from __future__ import annotations
 
@@ -17,20 +18,23 @@ from .settings import DispatchSettings
 
 
 class Charger(NamedTuple):
-    """A charger: where robots stand in it, for how many there is room (None: any number)."""
+    """A charger: the pose at which robots stand, and the number of robots that have room (None: any number)."""
 
     name: str
     pose: Pose2D
     capacity: Optional[int] = None
 
 
-#: sends a robot somewhere: (robot, pose, what the goal is called)
+#: sends a robot somewhere: (robot, pose, id of the goal)
 Send = Callable[[RobotState, Pose2D, str], object]
 Tell = Callable[..., object]
 
 
 class Charging:
-    """Decides for all robots; ``send`` and ``tell(robot, kind, *values)`` are the dispatcher's."""
+    """Decides when and where each robot charges.
+
+    ``send`` and ``tell(robot, kind, values...)`` are methods of the dispatcher.
+    """
 
     def __init__(self, settings: DispatchSettings, chargers: Sequence[Charger], distance: Distance, send: Send,
                  tell: Tell) -> None:
@@ -42,14 +46,14 @@ class Charging:
         self._number = 0
 
     def look(self, robots: Sequence[RobotState]) -> None:
-        """Note who has to charge, and who has charged enough."""
+        """Note which robots must charge, and which have charged enough."""
         if not self._chargers:
             return
         for robot in robots:
-            if robot.phase == AT_CHARGER and not robot.is_charging:  # somebody has put it elsewhere
+            if robot.phase == AT_CHARGER and not robot.is_charging:  # it was placed elsewhere
                 self.leave(robot)
                 robot.phase = FREE
-            if robot.is_charging and robot.phase == FREE and not robot.goal_id:  # it has got as far as a charger
+            if robot.is_charging and robot.phase == FREE and not robot.goal_id:  # it has come to stand in a charger
                 robot.phase, robot.charger, robot.awaits_charger_since = AT_CHARGER, robot.stands_in, None
             if robot.must_charge and not robot.is_below(self._settings.charge_until):
                 robot.must_charge, robot.awaits_charger_since = False, None
@@ -57,7 +61,7 @@ class Charging:
                 robot.must_charge = True
 
     def ended(self, robot: RobotState, succeeded: bool, now_ns: int) -> None:
-        """The way to a charger, or home from one, has ended."""
+        """Note that the robot's way to a charger, or home from one, has ended."""
         if robot.phase == TO_CHARGER and succeeded and robot.is_charging:
             robot.phase = AT_CHARGER
             return
@@ -67,19 +71,19 @@ class Charging:
         robot.phase = FREE
 
     def leave(self, robot: RobotState) -> None:
-        """The robot sets out for something else: there is room at its charger."""
+        """Note that the robot leaves its charger, which then has room again."""
         if robot.charger:
             if robot.phase == AT_CHARGER:
                 self._tell(robot.name, 'charge_over', robot.charger)
             robot.charger = ''
 
     def send(self, robots: Sequence[RobotState], now_ns: int) -> None:
-        """Send robots to charge, when orders have been given away: who gets one makes room."""
+        """Send robots to charge. Call it after orders have been assigned, since a robot that gets one makes room."""
         self._send_low(robots, now_ns)
         self._send_idle(robots, now_ns)
 
     def _send_low(self, robots: Sequence[RobotState], now_ns: int) -> None:
-        """Send those who have to charge, as long as there is room."""
+        """Send the robots that must charge, as long as there is room."""
         waiting = []
         for robot in robots:
             if robot.must_charge and robot.phase == FREE and not robot.works_not:
@@ -97,7 +101,7 @@ class Charging:
                 self._tell(robot.name, 'charge_awaited', rows.LOW)
 
     def _send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
-        """Make room for who waits; send who has nothing to do and could charge."""
+        """Make room for waiting robots; send idle robots to charge if the settings say so."""
         waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
                    and not robot.works_not]
         for robot in robots:

@@ -1,7 +1,7 @@
 """The decisions of a dispatcher: rows of robots and orders come in, goals for robots come out. No ROS, no fleet.
 
-All that happens at one instant is taken in first; then :meth:`Dispatcher.decide` says what is to be done. So the order
-in which messages of one instant arrive changes nothing.
+The dispatcher first takes in everything that happens at one instant; then :meth:`Dispatcher.decide` returns what is to
+be done. So the order in which messages of one instant arrive changes nothing.
 """
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from .settings import RESTART, DispatchSettings
 
 
 class PolicyError(SimulatorError):
-    """What a policy has chosen cannot be done; the text says why."""
+    """A policy has failed, or has chosen something that cannot be done; the text says why."""
 
 
 class Drive(NamedTuple):
-    """Send the robot a goal; ``priority``: that of the robot from before on, None: the one that it has."""
+    """Send the robot a goal; ``priority``: the robot's new priority, to be set before that, None: it keeps its own."""
 
     robot: str
     goal_id: str
@@ -45,7 +45,7 @@ class Drive(NamedTuple):
 
 
 class WorkOn(NamedTuple):
-    """Have the robot work where it stands."""
+    """Let the robot work where it stands."""
 
     robot: str
     goal_id: str
@@ -53,7 +53,7 @@ class WorkOn(NamedTuple):
 
 
 class GiveUp(NamedTuple):
-    """Cancel what the robot does: its goal, or its work."""
+    """Cancel what the robot does: its work if ``is_work``, otherwise its goal."""
 
     robot: str
     goal_id: str
@@ -64,10 +64,10 @@ Command = Union[Drive, WorkOn, GiveUp]
 
 
 class Dispatcher:
-    """Who does which order, and who charges.
+    """Decides which robot does which order, and which robots charge.
 
-    ``places``: {name: Place}; ``distance``: as of :mod:`.policies`; ``tell(row)`` gets (robot, kind, values...), see
-    :mod:`.rows`.
+    ``places``: {name: Place}; ``distance``: as in :mod:`.policies`; ``tell(row)`` is called with each row (robot, kind,
+    values...) for the event log, see :mod:`.rows`.
     """
 
     def __init__(self, starts: Sequence[RobotStart], chargers: Sequence[Charger], places: Mapping[str, Place],
@@ -76,7 +76,7 @@ class Dispatcher:
         levels = (FULL_CHARGE, *settings.levels) if FULL_CHARGE in (
             settings.charge_until, settings.charge_when_idle) else settings.levels
         self._states = make_states(starts, levels)
-        #: what is known of the robots, by their indices
+        #: the states of the robots (RobotState), by their indices
         self.robots = list(self._states.values())
         self._places = places
         self._settings = settings
@@ -85,35 +85,36 @@ class Dispatcher:
         self._take_row = tell
         self._charging = Charging(settings, chargers, distance, self._send, self._tell)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
-        self._in_turn: Optional[List[OpenOrder]] = None  # the same by priority, then arrival; None: they have changed
-        self._seen: Dict[str, int] = {}  # {id: how often it was given to a robot}
+        self._in_turn: Optional[List[OpenOrder]] = None  # the same by priority, then arrival; None: must be made again
+        self._seen: Dict[str, int] = {}  # {id: number of times that the order was assigned to a robot}
         self._commands: Dict[str, Command] = {}
         self._cancels: List[Command] = []
 
     @property
     def open_orders(self) -> List[str]:
-        """The ids of the orders that nobody does, in the order of their arrival."""
+        """The ids of the orders that no robot does, in the order of their arrival."""
         return list(self._open)
 
     @property
     def waits_for_charge(self) -> bool:
-        """Whether somebody is being charged for whom, or for whose charger, others wait."""
+        """Whether a robot that must charge is charging while orders, or robots without a charger, wait."""
         return any(robot.must_charge and robot.is_charging for robot in self.robots) and (
             bool(self._open) or any(robot.awaits_charger_since is not None for robot in self.robots))
 
     def hears(self, robot: str, kind: str) -> bool:
-        """Return whether a row is looked at."""
+        """Return whether the dispatcher needs rows of this kind of this robot."""
         return kind in HEARD and robot in self._states
 
     def happened(self, robot: str, kind: str, values: Sequence[Any]) -> None:
-        """Take in a row of a robot, of those that :meth:`hears` names."""
+        """Take in a row of a robot for which :meth:`hears` is true."""
         self._states[robot].hear(kind, values)
 
     def arrived(self, order: Order, now_ns: int) -> None:
-        """Take in an order; one that cannot be done is refused."""
+        """Take in an order at ``now_ns`` [ns]. An order that cannot be done is refused: a row says why."""
         fault = fault_of(order, self._places)
         if fault is None and order.order_id in self._seen:
-            fault = 'id: {} was given to an order before; allowed: another one for each'.format(shown(order.order_id))
+            fault = 'id: {} was given to an order before; allowed: an id of its own for each order'.format(
+                shown(order.order_id))
         if fault is not None:
             order_id = order.order_id if isinstance(order.order_id, str) else shown(order.order_id)
             self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
@@ -126,9 +127,11 @@ class Dispatcher:
         self._tell(rows.DISPATCHER, 'order_arrived', order.order_id, order.priority, deadline_ns or 0, *stops)
 
     def decide(self, now_ns: int) -> List[Command]:
-        """Return what is to be done now, by the robots' indices; what is given up comes first.
+        """Return the commands for ``now_ns`` [ns], by the robots' indices; cancellations come first.
 
-        Where the policy fails, or chooses what cannot be done, a row says so, and nobody is given an order now.
+        If the policy fails, or chooses something that cannot be done, a row says so, and no robot gets an order now.
+
+        :raises ConfigurationError: if the policy raises it.
         """
         for robot in self.robots:
             self._go_on(robot, now_ns)
@@ -147,7 +150,7 @@ class Dispatcher:
     # --- one robot ---------------------------------------------------------------------------------------------------
 
     def _go_on(self, robot: RobotState, now_ns: int) -> None:
-        """Act on what has come of the robot."""
+        """Act on the end of what the robot did, on its failure, or on a goal from elsewhere."""
         ending, robot.ending = robot.ending, None
         if ending is None and robot.goal_id and robot.is_lost:
             self._cancels.append(GiveUp(robot.name, robot.goal_id, robot.phase == WORKING))
@@ -191,7 +194,7 @@ class Dispatcher:
         self._tell(robot.name, 'order_done', one.order.order_id, code, now_ns - one.arrived_ns, *late)
 
     def _give_back(self, robot: RobotState, why: str, now_ns: int, phase: str = FREE) -> None:
-        """The robot does not do its order: somebody else does, or nobody, after too many attempts."""
+        """Take the order back from the robot: another robot may do it, unless there were too many attempts."""
         self._charging.leave(robot)
         one, robot.order, robot.phase = robot.order, None, phase
         if one is None:
@@ -214,7 +217,7 @@ class Dispatcher:
         self._send(robot, one.order.stops[robot.stop].pose, self._goal_id(robot))
 
     def _goal_id(self, robot: RobotState) -> str:
-        """Return what a goal of a robot's order is called; no other goal is called so."""
+        """Return the id of a goal for the present stop of the robot's order; it is unique."""
         one: Any = robot.order
         return '{}.{}.{}'.format(one.order.order_id, robot.assigned, robot.stop + 1)
 
@@ -227,7 +230,7 @@ class Dispatcher:
     # --- all of them -------------------------------------------------------------------------------------------------
 
     def _assign(self, now_ns: int) -> None:
-        """Have the policy say who begins with what."""
+        """Ask the policy which robots begin with which orders."""
         free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER) and not robot.works_not
                 and not robot.must_charge and not robot.goal_id]
         if not free or not self._open:
@@ -252,7 +255,10 @@ class Dispatcher:
         self._drive(robot)
 
     def _checked(self, question: Question, free: Sequence[RobotState]) -> List[Tuple[RobotState, OpenOrder]]:
-        """Return what the policy chooses, by the robots' indices, if it can be done."""
+        """Return what the policy chooses, by the robots' indices.
+
+        :raises PolicyError: if the policy fails, or chooses something that cannot be done.
+        """
         known, orders, found = {robot.name: robot for robot in free}, dict(self._open), []
         try:
             pairs = [(str(robot), str(order)) for robot, order in self._policy.choose(question)]

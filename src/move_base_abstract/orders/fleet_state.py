@@ -1,4 +1,4 @@
-"""What a dispatcher knows of each robot: where it stands, what it is about, how it is, by the rows that it tells."""
+"""What a dispatcher knows about each robot from its rows: where it stands, what it does, and its condition."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -9,18 +9,18 @@ from ..motion.geometry import Pose2D
 from .policies import FreeRobot, OpenOrder
 
 FULL_CHARGE = 1.0
-#: the kind of a failure that ends the goal by itself, after a while
+#: the kind of failure that ends the goal by itself, after a while
 STUCK = 'stuck'
-#: what a robot is about. OTHERS: somebody else has sent it a goal
+#: what a robot does (its phase). OTHERS: it has a goal that the dispatcher did not send
 FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, OTHERS = (
     'free', 'driving', 'working', 'to charger', 'at charger', 'homing', 'taken')
-#: the rows that are looked at
+#: the kinds of rows that a dispatcher needs
 HEARD = ('stands', 'departed', 'ended', 'task_ended', 'battery', 'failed', 'repaired', 'charging_began',
          'charging_ended')
 
 
 class RobotStart(NamedTuple):
-    """A robot when all begins: where it stands, and its state of charge (None: it has no battery)."""
+    """A robot at the beginning: where it stands, and its state of charge, 0..1 (None: it has no battery)."""
 
     name: str
     pose: Pose2D
@@ -29,7 +29,7 @@ class RobotStart(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """How what the robot was about has ended."""
+    """How the robot's goal or work has ended; ``was_taken``: it was replaced by another goal, or cancelled."""
 
     succeeded: bool
     text: str
@@ -38,7 +38,7 @@ class Ending(NamedTuple):
 
 @dataclass
 class RobotState:
-    """One robot; ``index``: its place in the scenario."""
+    """The state of one robot; ``index``: its number in the scenario."""
 
     index: int
     name: str
@@ -48,35 +48,35 @@ class RobotState:
     phase: str = FREE
     goal_id: str = ''
     order: Optional[OpenOrder] = None
-    stop: int = 0  # index
-    assigned: int = 0  # how often its order was given to a robot
+    stop: int = 0  # index of the present stop of its order
+    assigned: int = 0  # the number of times that its order was assigned to a robot, including this one
     carries: int = 0
     ending: Optional[Ending] = None
     charger: str = ''
     is_charging: bool = False
-    stands_in: str = ''  # the charger that charges it, or did last
+    stands_in: str = ''  # the charger that charges it, or that charged it last
     must_charge: bool = False
-    awaits_charger_since: Optional[int] = None  # number
+    awaits_charger_since: Optional[int] = None  # its number in the queue, None: it does not wait
     is_told_to_wait: bool = False
-    own_priority: int = 0  # without an order
-    priority: int = 0  # as it has been told
+    own_priority: int = 0  # while it has no order
+    priority: int = 0  # the priority that was last sent to it
     has_failed: bool = False
-    is_lost: bool = False  # has failed so that its goal may go on for ever
+    is_lost: bool = False  # it has failed in such a way that its goal may never end
     is_empty: bool = False
-    below: Dict[float, bool] = field(default_factory=dict)  # of each level
-    tried_now: Dict[str, int] = field(default_factory=dict)  # {order or charger: ns}, at which it ended in failure
+    below: Dict[float, bool] = field(default_factory=dict)  # {level: whether its charge is below it}
+    tried_now: Dict[str, int] = field(default_factory=dict)  # {charger: instant [ns] at which the way to it failed}
 
     @property
     def works_not(self) -> bool:
-        """Whether it can do nothing now."""
+        """Whether it can do nothing now: it has failed, or its battery is empty."""
         return self.has_failed or self.is_empty
 
     def is_below(self, level: float) -> bool:
-        """Return whether the charge has fallen below one of the levels; a robot without a battery never has."""
+        """Return whether the charge is below ``level``, one of the levels; that of a robot without battery never is."""
         return self.below.get(level, False)
 
     def hear(self, kind: str, values: Sequence[Any]) -> None:
-        """Take a row of the robot in (one of :data:`HEARD`)."""
+        """Take in a row of the robot; its ``kind`` is one of :data:`HEARD`."""
         if kind == 'stands':
             self.at = float(values[0]), float(values[1])
         elif kind in ('ended', 'task_ended'):
@@ -117,7 +117,7 @@ class RobotState:
                 self.below[known] = True
 
     def as_free(self) -> FreeRobot:
-        """Return what a policy is told of it: where it is, or will be when it is done."""
+        """Return what a policy gets to know: where the robot is, or will be when its order is done."""
         if self.order is None:
             return FreeRobot(self.name, *self.at)
         pose = self.order.order.stops[-1].pose
@@ -125,7 +125,7 @@ class RobotState:
 
 
 def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[str, RobotState]:
-    """Return {name: state} of robots as they start; ``levels``: the states of charge that decide something."""
+    """Return {name: RobotState} of robots at the start; ``levels``: the states of charge on which decisions depend."""
     states = {}
     for index, one in enumerate(starts):
         state = RobotState(index, one.name, one.pose, one.charge is not None, (one.pose.x, one.pose.y))
@@ -138,5 +138,5 @@ def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[s
 
 
 def _is_below(charge: float, level: float) -> bool:
-    """Return whether a charge is not above a level, as a battery tells; below that of a full one if it is not full."""
+    """Return whether ``charge`` is at or below ``level``, as a battery reports; for FULL_CHARGE, whether below it."""
     return charge < level if level == FULL_CHARGE else charge <= level

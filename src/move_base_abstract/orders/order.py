@@ -1,4 +1,4 @@
-"""Orders as values: several stops in a row, a release, a deadline, a priority.
+"""Orders as values: several stops in a row, an arrival, a deadline and a priority.
 
 {stops: [{place: bay_1_2, action: load}, {place: station_1, action: unload, duration: 8.0}], deadline: 600.0}
 """
@@ -16,7 +16,7 @@ from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task, find_place
 from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
 
-#: what is done at a stop; after a load the goods are with the robot
+#: what the robot does at a stop; after a load it carries goods
 WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
 ACTIONS = (WORK, LOAD, UNLOAD)
 MAX_STOPS = 100
@@ -29,9 +29,11 @@ STOP_TABLE = (_PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
 
 @dataclass(frozen=True)
 class Stop:
-    """One stop: where, what is done there, for how long [ns] (0: nothing, the robot goes on at once), what that draws.
+    """One stop of an order: where it is, and the work there.
 
-    ``place`` '': any number of robots may work at ``pose`` (Pose2D, global frame).
+    ``pose`` (Pose2D, global frame); ``place``: the name of the place, '': none, so any number of robots may work there;
+    ``action``: one of ACTIONS; ``duration_ns`` [ns] of the work, 0: the robot goes on at once; ``power`` [W] and
+    ``energy`` [J] that the work draws.
     """
 
     pose: Pose2D
@@ -42,15 +44,15 @@ class Stop:
     energy: float = 0.0
 
     def task(self, task_id: str, priority: int) -> Task:
-        """Return the Task that is done here."""
+        """Return the Task of the work at this stop."""
         return Task(task_id, 0, self.place, self.pose, self.duration_ns, self.power, self.energy, priority)
 
 
 @dataclass(frozen=True)
 class Order:
-    """Stops in a row, for one robot. It arrives ``arrival_ns`` [ns] after the beginning.
+    """Stops in a row, for one robot. The order arrives ``arrival_ns`` [ns] after the beginning.
 
-    ``deadline_ns`` [ns]: counted from the arrival, None: there is none. A higher ``priority`` comes first.
+    ``deadline_ns`` [ns]: counted from the arrival, None: there is none. Orders with a higher ``priority`` come first.
     """
 
     order_id: str
@@ -60,7 +62,7 @@ class Order:
     priority: int = 0
 
 
-_ORDER_KINDS = (('order_id', (str,), 'a text'), ('stops', (tuple, list), 'stops in a row'),
+_ORDER_KINDS = (('order_id', (str,), 'a text'), ('stops', (tuple, list), 'a list of stops'),
                 ('deadline_ns', (Integral, type(None)), 'a whole number [ns], or None'),
                 ('priority', (Integral,), 'a whole number'))
 _STOP_KINDS = (('pose', (Pose2D,), 'a Pose2D'), ('place', (str,), 'a text'), ('action', (str,), 'a text'),
@@ -70,12 +72,12 @@ _SHOWN_AS = {'order_id': 'id', 'deadline_ns': 'deadline', 'duration_ns': 'durati
 
 
 def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
-    """Return what is wrong with an order that somebody has sent, as a text, or None. It may be of any values."""
+    """Return a text that says what is wrong with an order that was sent, or None. It may contain values of any kind."""
     fault = _fault_of_kinds(order, _ORDER_KINDS)
     if fault is not None:
         return fault
     if not order.order_id:
-        return 'id: got none; allowed: another one for each order'
+        return 'id: got none; allowed: an id of its own for each order'
     if not 1 <= len(order.stops) <= MAX_STOPS:
         return 'stops: got {}; allowed: 1 to {}'.format(len(order.stops), MAX_STOPS)
     if order.deadline_ns is not None and order.deadline_ns < 0:
@@ -112,16 +114,16 @@ def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
 
 @dataclass(frozen=True)
 class ListedStop:
-    """A stop of a file: all but how long it takes, and the distribution of that (None: it takes no time)."""
+    """A stop of a file without its duration, and the distribution of the duration [s] (None: it takes no time)."""
 
     stop: Stop
     seconds: Any
 
 
 def read_stop(raw: Any, places: Dict[str, Place], where: str) -> ListedStop:
-    """Return the stop in a mapping of :data:`STOP_TABLE`: at a place or a pose.
+    """Return the stop in a mapping with the keys of :data:`STOP_TABLE`; it is at a place or at a pose.
 
-    :raises ConfigurationError: naming ``where`` and what is allowed.
+    :raises ConfigurationError: if it is not allowed; the text names ``where`` and what is allowed.
     """
     values = read_entry(raw, STOP_TABLE, where)
     has_place, own = raw.get('place') is not None, [key for key in ('x', 'y', 'yaw') if key in raw]
@@ -133,14 +135,14 @@ def read_stop(raw: Any, places: Dict[str, Place], where: str) -> ListedStop:
 
 
 def stop_at(place: Optional[Place], pose: Pose2D, action: str, work: Work) -> ListedStop:
-    """Return the stop at a ``place``, or without one at ``pose``, where ``work`` is done."""
+    """Return the stop at ``place``, or at ``pose`` if there is none, with the ``action`` and ``work`` there."""
     return ListedStop(Stop(pose, place.name if place else '', action, 0, work.power, work.energy), work.seconds)
 
 
 def read_stops(raw: Any, where: str) -> List[Any]:
-    """Return the list of a key ``stops``.
+    """Return ``raw``, the value of a key ``stops``.
 
-    :raises ConfigurationError: if it is none.
+    :raises ConfigurationError: if it is not a list, or is too long or empty.
     """
     if not isinstance(raw, list) or not 1 <= len(raw) <= MAX_STOPS:
         raise ConfigurationError('{}: stops: got {}; allowed: a list of 1 to {} stops'.format(

@@ -1,4 +1,4 @@
-"""Orders that arrive: at random instants, regularly, or as a file says; the same ones for the same seed.
+"""Orders that arrive: at random instants, regularly, or as listed in a file; the same orders for the same seed.
 
     orders:
       - {name: picks, rate_per_hour: 60.0, count: 100, deadline: 600.0,
@@ -6,7 +6,7 @@
       - {name: rounds, every: 900.0, stops: [{place: gate}]}
       - {name: listed, file: my_orders.yaml}
 
-Instants count from a beginning that whoever publishes the orders chooses.
+Instants count from a beginning that the publisher of the orders chooses.
 """
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ ORDER_TABLE = (
     _STOPS, DEADLINE, PRIORITY,
     Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
 )
-#: of a stop of a template, besides those of a stop of a file
+#: the keys of a stop of a template, in addition to those of a stop of a file
 DRAWN_STOP_TABLE = (
     Parameter('places', None, _texts, "a list of names of places, or of patterns: 'bay_*'"), _AREA, ACTION,
     *WORK_TABLE)
@@ -65,7 +65,7 @@ _ROW = (_TIME, _STOPS, DEADLINE, PRIORITY)
 
 @dataclass(frozen=True)
 class DrawnStop:
-    """A stop of a template: drawn evenly from ``choices``, or from an ``area``."""
+    """A stop of a template: drawn evenly from ``choices``, or from ``area`` (x_min, y_min, x_max, y_max) [m]."""
 
     choices: Tuple[ListedStop, ...]
     area: Optional[Tuple[float, float, float, float]] = None
@@ -82,7 +82,7 @@ class DrawnStop:
 
 
 def with_duration(stop: Stop, seconds: Any, chance: Chance, number_: int) -> Stop:
-    """Return ``stop`` with a duration drawn for the ``number_``-th order; ``seconds`` None: it takes none."""
+    """Return ``stop`` with a duration drawn from ``seconds`` for the ``number_``-th order; None: it takes no time."""
     if seconds is None:
         return stop
     return replace(stop, duration_ns=drawn_ns(seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)))
@@ -90,9 +90,10 @@ def with_duration(stop: Stop, seconds: Any, chance: Chance, number_: int) -> Sto
 
 @dataclass(frozen=True)
 class Template:
-    """Orders with gaps that are exponential of a ``rate`` [1/s], or, None, all ``every_ns`` [ns].
+    """Orders with exponential gaps, at a ``rate`` [1/s], or with the constant gap ``every_ns`` [ns] if it is None.
 
-    At most ``count`` (None: endless), none after ``until_ns`` [ns].
+    There are at most ``count`` orders (None: endless), and none after ``until_ns`` [ns]. ``deadline_ns`` [ns] counts
+    from the arrival of each order, None: there is none.
     """
 
     name: str
@@ -105,7 +106,7 @@ class Template:
     priority: int = 0
 
     def orders(self, seed: int) -> Iterator[Order]:
-        """Yield the orders of a ``seed``, in the order of their arrival."""
+        """Yield the orders for ``seed``, in the order of their arrival."""
         chance = Chance(seed, 'orders {}'.format(self.name))
         of_stops = _chances(seed, self.name, len(self.stops))
         arrival_ns, number_ = 0, 0
@@ -126,13 +127,13 @@ class Template:
 
 @dataclass(frozen=True)
 class ListedOrders:
-    """Orders of a file, in the order of their arrival: (number in the file, Order without stops, its stops)."""
+    """Orders of a file; ``rows``: (number in the file, Order without stops, its stops), in the order of arrival."""
 
     name: str
     rows: Tuple[Tuple[int, Order, Tuple[ListedStop, ...]], ...]
 
     def orders(self, seed: int) -> Iterator[Order]:
-        """Yield the orders; what differs from seed to seed are durations that are drawn."""
+        """Yield the orders; only the durations that are drawn depend on the seed."""
         most = max(len(stops) for _, _, stops in self.rows)
         of_stops = _chances(seed, self.name, most)
         for number_, order, stops in self.rows:
@@ -148,14 +149,14 @@ OrderSource = Union[Template, ListedOrders]
 
 
 def merged(sources: Sequence[OrderSource], seed: int) -> Iterable[Order]:
-    """Return an iterator of all orders by their instants; at one instant, of the entry that comes first."""
+    """Return an iterator over all orders by their instants; at one instant, in the order of the sources."""
     return heapq.merge(*(source.orders(seed) for source in sources), key=lambda order: order.arrival_ns)
 
 
 def read_orders(raw: Any, places: Dict[str, Place], where: str) -> Tuple[OrderSource, ...]:
-    """Return what arrives, of the list ``raw``; ``places``: {name: Place}.
+    """Return the sources of orders in the list ``raw``; ``places``: {name: Place}.
 
-    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
     if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
         raise ConfigurationError('{}: orders: got {}; allowed: a list of at most {} entries'.format(
@@ -181,7 +182,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
         others = [key for key in ('rate', 'rate_per_hour', 'every', 'count', 'until', 'deadline')
                   if values[key] is not None] + (['priority'] if values['priority'] else [])
         if others:
-            raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
+            raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
                 where, others[0], shown(values[others[0]])))
         return _read_file(name, values['file'], places, where)
     given = [key for key in ('rate', 'rate_per_hour', 'every') if values[key] is not None]
@@ -201,7 +202,7 @@ def _ns(seconds: Optional[float]) -> Optional[int]:
 
 
 def _drawn(raw: Any, places: Dict[str, Place], where: str) -> DrawnStop:
-    """Return a stop of a template: at one place or pose, or drawn from places or an area."""
+    """Return the stop of a template in ``raw``: at one place or pose, or drawn from places or an area."""
     groups = [key for key in ('places', 'area') if isinstance(raw, dict) and raw.get(key) is not None]
     if not groups:
         known = raw if not isinstance(raw, dict) else {key: value for key, value in raw.items()
@@ -223,10 +224,10 @@ def _drawn(raw: Any, places: Dict[str, Place], where: str) -> DrawnStop:
 
 
 def _named(patterns: List[str], places: Dict[str, Place], where: str) -> List[str]:
-    """Return the names of the places that go by the ``patterns``, each once, in the order of the scenario."""
+    """Return the names of the places that match one of the ``patterns``, each once, in the order of the scenario."""
     for pattern in patterns:
         if not fnmatch.filter(places, pattern):
-            raise ConfigurationError('{}: places: got {}, by which no place goes; allowed: {}'.format(
+            raise ConfigurationError('{}: places: got {}, which matches no place; allowed: {}'.format(
                 where, shown(pattern), ', '.join(list(places)[:10]) or 'none: there are no places'))
     return [name for name in places if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)]
 
@@ -247,7 +248,7 @@ def _read_file(name: str, path: str, places: Dict[str, Place], where: str) -> Li
 
 
 def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
-    """Yield (where a row is, mapping) of a file of orders, a table or YAML."""
+    """Yield (location for messages, mapping) of each row of a file of orders, CSV or YAML."""
     if path.endswith('.csv'):
         with open_csv(path) as stream:
             for index, (here, row) in enumerate(rows_of(stream, path)):
@@ -259,13 +260,14 @@ def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
         raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ORDER_TABLE[-1].allowed))
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['orders'] or not isinstance(raw['orders'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of orders alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, orders, a list'.format(
+            path, shown(raw)))
     for index, row in enumerate(raw['orders']):
         yield '{}: orders[{}]'.format(path, index), row
 
 
 def _cell(key: str, cell: str) -> Any:
-    """Return what a cell says; stops are places, 'load bay_1' or 'bay_1', between semicolons."""
+    """Return the value of a cell. Stops are separated by semicolons; each is 'load bay_1', or a place alone."""
     if key == 'stops':
         return [_stop_words(part.split()) for part in cell.split(';') if part.strip()]
     try:

@@ -1,7 +1,7 @@
-"""Who gets which order: the policies that ship, and what a user's own is asked.
+"""Which robot gets which order: the policies of this package, and the interface of a user's own policy.
 
-A policy is an object with ``choose(question)``, which returns pairs (robot's name, order's id) that begin now. All
-ties are broken in one order: higher priority, earlier arrival, lower robot index.
+A policy is an object with ``choose(question)``, which returns the pairs (robot's name, order's id) that begin now. All
+ties are broken by higher priority, then by earlier arrival, then by lower index of the robot.
 """
 from __future__ import annotations
 
@@ -13,27 +13,33 @@ from .order import Order
 
 Point = Tuple[float, float]
 Pair = Tuple[str, str]
-#: mm, of a robot by name from point to point; None: there is no way
+#: (robot's name, point, point) -> the robot's distance between the points [mm], None: there is no way
 Distance = Callable[[str, Point, Point], Optional[int]]
 
 
 class OpenOrder(NamedTuple):
-    """An order that nobody does. ``deadline_ns`` [ns]: an instant, None: none; ``tried``: how often it came back."""
+    """An order that no robot does.
+
+    ``deadline_ns``: an instant [ns], None: there is none; ``tried``: the number of failed attempts.
+    """
 
     order: Order
     arrived_ns: int
     deadline_ns: Optional[int]
     tried: int
-    next_stop: int  # index of the first stop that is to be done
+    next_stop: int  # index of the first stop that is still to be done
 
     @property
     def points(self) -> List[Point]:
-        """Where its stops are that are to be done [m]."""
+        """The positions of the stops that are still to be done [m]."""
         return [(stop.pose.x, stop.pose.y) for stop in self.order.stops[self.next_stop:]]
 
 
 class FreeRobot(NamedTuple):
-    """A robot that could begin with an order now, or, in ``Question.busy``, some day: where it is, or will be [m]."""
+    """A robot that could begin with an order now, and where it is [m].
+
+    In ``Question.busy`` it is a robot that could begin later, and where it will be then.
+    """
 
     name: str
     x: float
@@ -41,10 +47,11 @@ class FreeRobot(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What a policy is asked.
+    """The question to a policy.
 
-    ``orders``: by priority, then by arrival; ``robots``: who is free, ``busy``: who has an order, where it will be;
-    both by index. ``distance(robot, begin, end)``: mm, None: there is no way.
+    ``orders``: the open orders by priority, then by arrival. ``robots``: the free robots; ``busy``: robots that have an
+    order, with their position after it; both by index. ``distance(robot, begin, end)`` returns mm, None: there is no
+    way. ``now_ns``: the present instant [ns].
     """
 
     orders: Sequence[OpenOrder]
@@ -54,37 +61,37 @@ class Question(NamedTuple):
     distance: Distance
 
     def away(self, robot: FreeRobot, one: OpenOrder) -> Optional[int]:
-        """Return how far a robot is from an order's next stop [mm], None: there is no way."""
+        """Return the distance of a robot from an order's next stop [mm], None: there is no way."""
         return self.distance(robot.name, (robot.x, robot.y), one.points[0])
 
 
 class Policy(Protocol):
-    """Who gets which order."""
+    """Decides which robot gets which order."""
 
     def choose(self, question: Question) -> Iterable[Pair]:
-        """Return (robot's name, order's id) of all that begin now; each robot and each order at most once."""
+        """Return all pairs (robot's name, order's id) that begin now; each robot and each order at most once."""
         ...
 
 
 class Nearest:
-    """Each order, in the stated order, goes to the free robot that is nearest to its first stop."""
+    """Each order goes to the free robot that is nearest to its next stop; orders by priority, then by arrival."""
 
     def choose(self, question: Question) -> List[Pair]:
-        """Return who begins with what."""
+        """Return the pairs (robot's name, order's id) that begin now."""
         return nearest_for(question, question.orders)
 
 
 class EarliestDeadline:
-    """As :class:`Nearest`, but of one priority the order with the earliest deadline comes first."""
+    """As :class:`Nearest`, but among orders of one priority the order with the earliest deadline comes first."""
 
     def choose(self, question: Question) -> List[Pair]:
-        """Return who begins with what."""
+        """Return the pairs (robot's name, order's id) that begin now."""
         return nearest_for(question, sorted(question.orders, key=lambda one: (
             -one.order.priority, one.deadline_ns is None, one.deadline_ns or 0)))
 
 
 def nearest_for(question: Question, orders: Iterable[OpenOrder]) -> List[Pair]:
-    """Return each of the ``orders`` in turn with the nearest robot that is left."""
+    """Return (robot's name, order's id) for each of ``orders`` in turn, with the nearest robot that is left."""
     left, pairs = list(question.robots), []
     for one in orders:
         if not left:
@@ -97,17 +104,17 @@ def nearest_for(question: Question, orders: Iterable[OpenOrder]) -> List[Pair]:
 
 
 class Auction:
-    """Each order is sold, as it comes, to the robot whose whole tour is the shortest with it; busy robots bid, too.
+    """Each order is sold, as it arrives, to the robot whose whole tour with it is the shortest; busy robots bid, too.
 
-    A tour is in the order of priorities; among equal ones an order goes where it costs least. What was sold to a robot
-    that has gone to charge or has failed is sold again.
+    A tour is in the order of priorities; among orders of one priority, a new one goes where it adds the least length.
+    Orders that were sold to a robot that has gone to charge or has failed are sold again.
     """
 
     def __init__(self) -> None:
         self._tours: Dict[str, List[str]] = {}
 
     def choose(self, question: Question) -> List[Pair]:
-        """Return who begins with what."""
+        """Return the pairs (robot's name, order's id) that begin now."""
         bidders = {robot.name: robot for robot in (*question.robots, *question.busy)}
         orders = {one.order.order_id: one for one in question.orders}
         self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders] for name in bidders}
@@ -130,7 +137,7 @@ class Auction:
 
 
 def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Question) -> Optional[Tuple[int, int]]:
-    """Return (length of the tour with ``one`` [mm], where in the tour it is best), None: there is no way."""
+    """Return (length of the tour with ``one`` [mm], its best index in the tour), or None if there is no way."""
     def along(*points: Point) -> Optional[int]:
         parts = [question.distance(robot.name, *pair) for pair in zip(points, points[1:])]
         return None if None in parts else sum(part for part in parts if part is not None)
@@ -148,9 +155,11 @@ def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Ques
 
 
 class Batch:
-    """All open orders of a priority and all free robots at once: the least sum of the ways to first stops.
+    """Assigns all open orders of a priority to free robots at once, with the least sum of the ways to their next stops.
 
-    Needs scipy. Of equally good ones it is the one that scipy.optimize.linear_sum_assignment finds.
+    It needs scipy. Of equally good assignments it takes the one that scipy.optimize.linear_sum_assignment finds.
+
+    :raises ConfigurationError: if scipy is not installed.
     """
 
     _NO_WAY = 10 ** 12  # mm
@@ -164,7 +173,7 @@ class Batch:
         self._assign = linear_sum_assignment
 
     def choose(self, question: Question) -> List[Pair]:
-        """Return who begins with what."""
+        """Return the pairs (robot's name, order's id) that begin now."""
         left, pairs = list(question.robots), []
         for priority in sorted({one.order.priority for one in question.orders}, reverse=True):
             orders = [one for one in question.orders if one.order.priority == priority]
@@ -185,9 +194,10 @@ POLICIES: Dict[str, Callable[[], Policy]] = {
 
 
 def make_policy(name: str, where: str) -> Policy:
-    """Return a new policy: one of :data:`POLICIES`, or of a user's class 'module:Class'.
+    """Return a new policy: one of :data:`POLICIES`, or an instance of a user's class 'module:Class'.
 
-    :raises ConfigurationError: if there is no such class, or it has no ``choose``.
+    :raises ConfigurationError: if there is no such class, it cannot be made, or it has no ``choose``; the text of these
+        begins with ``where``.
     """
     if name in POLICIES:
         return POLICIES[name]()

@@ -1,4 +1,4 @@
-"""How a dispatcher works, as parameters: who gets which order, when robots charge, what becomes of what fails.
+"""The settings of a dispatcher: which robot gets which order, when robots charge, and what happens after a failure.
 
     dispatcher: {policy: batch, charge_below: 0.3, charge_until: 0.9, charge_when_idle: 0.7}
 
@@ -43,7 +43,7 @@ DISPATCHER_TABLE = (
 
 @dataclass(frozen=True)
 class DispatchSettings:
-    """What :data:`DISPATCHER_TABLE` says. ``levels``: the states of charge of which a robot has to tell."""
+    """The values of :data:`DISPATCHER_TABLE`. ``levels``: the states of charge whose crossing a robot must report."""
 
     policy: str = 'nearest'
     distances: str = 'ways'
@@ -55,15 +55,15 @@ class DispatchSettings:
 
     @property
     def levels(self) -> Tuple[float, ...]:
-        """The states of charge between 0 and 1, falling, whose passing decides something."""
+        """The states of charge between 0 and 1 on which decisions depend, highest first."""
         given = {self.charge_below, self.charge_until, self.charge_when_idle}
         return tuple(sorted((level for level in given if 0.0 < level < 1.0), reverse=True))
 
 
 def read_dispatcher(raw: Any, where: str) -> DispatchSettings:
-    """Return the :class:`DispatchSettings` in a mapping.
+    """Return the :class:`DispatchSettings` in the mapping ``raw``.
 
-    :raises ConfigurationError: naming ``where``, the key and what is allowed.
+    :raises ConfigurationError: if a value is not allowed; the text names ``where``, the key and what is allowed.
     """
     here = '{}: dispatcher'.format(where)
     if not isinstance(raw, dict):
@@ -75,7 +75,7 @@ def read_dispatcher(raw: Any, where: str) -> DispatchSettings:
 def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
     """Return the settings in ``values`` of :data:`DISPATCHER_TABLE`.
 
-    :raises ConfigurationError: if two of them cannot go together.
+    :raises ConfigurationError: if ``charge_until`` is not above ``charge_below``.
     """
     settings = DispatchSettings(**{one.name: values[one.name] for one in DISPATCHER_TABLE})
     if not settings.charge_below < settings.charge_until:
@@ -85,7 +85,10 @@ def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
 
 
 def with_levels(parameters: Dict[str, Any], levels: Tuple[float, ...], default: Tuple[float, ...]) -> Dict[str, Any]:
-    """Return a robot's ``parameters`` with ``levels`` among its thresholds; without a battery they stay as they are."""
+    """Return a robot's ``parameters`` with ``levels`` added to its battery's thresholds.
+
+    ``default``: the thresholds if the parameters have none. Without a battery the parameters stay as they are.
+    """
     given = parameters.get('battery_thresholds', list(default))
     if not levels or not parameters.get('battery_capacity') or not isinstance(given, (list, tuple)):
         return parameters

@@ -1,4 +1,4 @@
-"""Properties of a run: statements of nodes and what holds in every good run, and which of them a run has broken.
+"""Properties of a run: statements of nodes, properties of every good run, and which of them a run has broken.
 
 For nodes: ``from move_base_abstract.properties import always, never_again, sometimes``.
 """

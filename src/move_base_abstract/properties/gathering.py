@@ -1,4 +1,4 @@
-"""The broken properties of many runs: each in how many runs, and where first."""
+"""The broken properties of many runs: the number of runs that broke each one, and the first of them."""
 from __future__ import annotations
 
 from typing import Any, Dict, Iterator, List, Tuple
@@ -8,11 +8,11 @@ from .statements import HELD
 
 
 class Gathering:
-    """Takes what runs have broken, one after the other. ``runs``: how many there were.
+    """Collects the broken properties of runs, one run after the other. ``runs``: the number of runs.
 
-    ``rows``: of each property that is broken in some run: property, node, text and details (of the first break), runs
-    (how many have broken it), first_run, first_seed, first_instant_ns. ``sometimes``: of each of these statements,
-    by (node, text), in how many runs it was made, and in how many of these it held.
+    ``rows``: a mapping for each property that some run has broken, with property, node, text and details (of the first
+    break), runs (the number of runs that broke it), first_run, first_seed and first_instant_ns [ns]. ``sometimes``:
+    {(node, text): (number of runs that made this statement, number of these in which it held)}.
     """
 
     def __init__(self) -> None:
@@ -21,7 +21,7 @@ class Gathering:
         self.sometimes: Dict[Tuple[str, str], Tuple[int, int]] = {}
 
     def take(self, name: str, seed: int, told: Dict[str, Any]) -> None:
-        """Take the next run: its name, its seed, and what ``Judgement.told()`` says of it."""
+        """Take the next run: its name, its seed, and the result of ``Judgement.told()``."""
         self.runs += 1
         seen = set()
         for one in told['broken']:
@@ -38,15 +38,15 @@ class Gathering:
 
     @property
     def rows(self) -> List[Dict[str, Any]]:
-        """Those that are broken, in the order in which they were first."""
+        """The rows of all broken properties, in the order of their first breaks."""
         return list(self._rows.values())
 
     def never_held(self) -> List[Tuple[str, str]]:
-        """Return (node, text) of each ``sometimes`` that has held in no run."""
+        """Return (node, text) of each ``sometimes`` that held in no run."""
         return [key for key, (_, held) in self.sometimes.items() if not held]
 
     def lines(self) -> Iterator[str]:
-        """Yield all of it in lines."""
+        """Yield the lines of a report."""
         for row in self.rows:
             at = '' if row['first_instant_ns'] is None else ' at {:.9f} s'.format(row['first_instant_ns'] * 1e-9)
             yield 'broken in {} of {} runs, first in {} (seed {}){}: {}: {}: {}'.format(

@@ -1,8 +1,8 @@
-"""Which properties a run has broken, as its event log and the ends of its processes say.
+"""Which properties a run has broken, by its event log and the ends of its processes.
 
-Those that are built in hold in every good run, whatever it is about: see BUILT_IN of
-:mod:`..lockstep.property_names`. Those of the nodes are their
-:mod:`.statements`. What a log cannot show breaks nothing: a run that was ended at an instant may have goals open.
+The built-in properties hold in every good run of any system: see BUILT_IN of :mod:`..lockstep.property_names`. The
+properties of nodes are their :mod:`.statements`. A property is broken only if the log shows it: for example, a run that
+was ended at an instant may have open goals.
 """
 from __future__ import annotations
 
@@ -16,49 +16,53 @@ from . import statements
 from .robots import Robots
 
 _STANDSTILLS = {'deadlock': 'no_standstill', 'zero_delay_loop': 'no_zero_delay_loop'}
-_QUIET = ('idle', 'deadlock')  # ended_by: nothing was left that could have ended a goal
+_QUIET = ('idle', 'deadlock')  # values of ended_by after which nothing could have ended a goal any more
 _OF_THE_RUN = 'the run'
 
 
 class Broken(NamedTuple):
-    """A property that a run has broken: of BUILT_IN, or 'always' or 'never_again', a statement of a node."""
+    """A property that a run has broken: one of BUILT_IN, or 'always' or 'never_again' for a statement of a node."""
 
     property: str
-    instant_ns: Optional[int]  # simulated; None: it is not known
-    node: str  # or robot
+    instant_ns: Optional[int]  # ns, simulated; None: unknown
+    node: str  # or the robot
     text: str
     details: Tuple[str, ...] = ()
 
     def words(self) -> str:
-        """Return all of it in a line."""
+        """Return a line of text with all fields."""
         when = '' if self.instant_ns is None else 'at {:.9f} s, '.format(self.instant_ns * 1e-9)
         more = ' ({})'.format(', '.join(self.details)) if self.details else ''
         return '{}: {}{}: {}{}'.format(self.property, when, self.node, self.text, more)
 
     def told(self) -> Dict[str, Any]:
-        """Return all of it as plain values, for files."""
+        """Return everything as plain values, for files."""
         return {**self._asdict(), 'details': list(self.details), 'words': self.words()}
 
     def key(self) -> Tuple[str, ...]:
-        """Return what it is about: a built-in property in itself, a statement by its node and text."""
+        """Return the key of the property: the name of a built-in one; for a statement its node and text, too."""
         return (self.property,) if self.property in BUILT_IN else (self.property, self.node, self.text)
 
 
 class Run(NamedTuple):
-    """A run that is over: the path of its event log, and how its processes ended, as far as that is known."""
+    """A run that is over: the path of its event log, and the ends of its processes, if they are known."""
 
     log: str
     processes: Sequence[ends.End] = ()
 
 
 class Judgement(NamedTuple):
-    """``broken``: in the order of their instants. ``statements``: {(node, kind, text): what came of it}."""
+    """The result for a run.
+
+    ``broken``: the broken properties in the order of their instants; ``statements``: {(node, kind, text): STATED,
+    BROKEN or HELD}.
+    """
 
     broken: Tuple[Broken, ...]
     statements: Dict[Tuple[str, str, str], str]
 
     def chosen(self, names: Sequence[str]) -> Tuple[Broken, ...]:
-        """Return what is broken of the properties of these ``names``: of NAMES of lockstep.property_names."""
+        """Return the broken properties with these ``names``, which are of NAMES in lockstep.property_names."""
         return self.broken if ALL in names else tuple(one for one in self.broken if one.property in names)
 
     def never_held(self) -> List[Tuple[str, str]]:
@@ -67,13 +71,13 @@ class Judgement(NamedTuple):
                 if kind == statements.SOMETIMES and outcome != statements.HELD]
 
     def told(self) -> Dict[str, Any]:
-        """Return all of it as plain values, for files."""
+        """Return everything as plain values, for files."""
         return {'broken': [one.told() for one in self.broken],
                 'statements': [[*key, outcome] for key, outcome in self.statements.items()]}
 
 
 def judge(run: Run) -> List[Broken]:
-    """Return what a run has broken, in the order of its instants. :raises EventLogError: if its log is none."""
+    """Return the properties that a run has broken, by their instants. :raises EventLogError: if its log is none."""
     return list(judgement_on(run).broken)
 
 
@@ -84,7 +88,7 @@ def judgement_on(run: Run) -> Judgement:
 
 
 def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
-    """Return the Judgement on a run by its EventLog, which is read to its end, and the ends of its processes."""
+    """Return the Judgement on a run by its EventLog, which is read to the end, and the ends of its processes."""
     robots, told, found = Robots(), ends.Log(), []
     stated: Dict[Tuple[str, str, str], str] = {}
     for event in log:
@@ -101,11 +105,11 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
     end = log.end or {}
     found += [Broken(*one) for one in robots.broken]
     found += _open_goals(end) if end.get('ended_by') in _QUIET else []
-    named = tuple(one.text for one in found if one.property == 'every_goal_ends')  # a robot's goal is told once
+    named = tuple(one.text for one in found if one.property == 'every_goal_ends')  # report a robot's goal only once
     found += [one for one in (Broken(*each) for each in robots.left_open(end.get('ended_by') in _QUIET))
               if one.details or one.property != 'every_goal_ends' or not any(one.node in text for text in named)]
     found += _of_the_end(end)
-    if not processes:  # nobody has looked at them: the log knows who died
+    if not processes:  # they were not looked at, but the log names those that died
         told.end(end)
         processes = ends.judge((), told)
     found += _of_processes(processes, told)
@@ -115,17 +119,17 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
 
 
 def _open_goals(end: Dict[str, Any]) -> List[Broken]:
-    """Return the goals that clients still wait for, whoever was to do them."""
+    """Return the goals for which clients still wait, whichever node was to do them."""
     return [Broken('every_goal_ends', end.get('at_ns'), str(one['client']), '{} of its goals never {} on {}'.format(
         one['count'], 'ends' if one['count'] == 1 else 'end', one['action'])) for one in end.get('open_goals', [])]
 
 
 def _of_processes(processes: Iterable[ends.End], log: ends.Log) -> Iterable[Broken]:
-    """An exception that nobody caught is told once: as what it is, and not as the crash that it also is."""
+    """Yield exceptions that were not caught, and crashes. Such an exception is not reported as a crash, too."""
     for node, told in log.uncaught.items():
         yield Broken('no_exception', told[0][0], node, told[0][1])
     for one in processes:
-        is_told = one.node in log.uncaught and one.code in (None, 0, 1)  # 1: so Python ends by it
+        is_told = one.node in log.uncaught and one.code in (None, 0, 1)  # 1: Python's exit code after an exception
         if one.crash is not None and not is_told:
             yield Broken('no_crash', one.time_ns, one.node, one.crash)
 

@@ -1,4 +1,4 @@
-"""Which properties the rows of robots in an event log break: goals, places and batteries."""
+"""Which properties are broken by the rows of robots in an event log: those of goals, places and batteries."""
 from __future__ import annotations
 
 import json
@@ -6,22 +6,22 @@ from typing import Any, Callable, Dict, Iterator, List, Set, Tuple
 
 from ..runs.event_log import Event
 
-_EMPTY = 'empty'  # of a row ``battery``
-Found = Tuple[str, int, str, str, Tuple[str, ...]]  # fields of Broken
+_EMPTY = 'empty'  # in a row ``battery``
+Found = Tuple[str, int, str, str, Tuple[str, ...]]  # the fields of Broken
 
 
 class Robots:
-    """Takes the events of a log in their order. ``broken``: what they have broken so far."""
+    """Takes the events of a log in their order. ``broken``: the properties that they have broken so far."""
 
     def __init__(self) -> None:
         self.broken: List[Found] = []
-        self._goals: Dict[str, int] = {}  # by robot: when it departed to a goal that has not ended
-        self._tasks: Dict[Tuple[str, str], int] = {}  # by robot and goal id: since when it is there
-        self._room: Dict[str, int] = {}  # by area: for how many
-        self._inside: Dict[str, List[str]] = {}  # robots by area
-        self._working: Dict[str, List[Tuple[str, str]]] = {}  # robots and goal ids by place
+        self._goals: Dict[str, int] = {}  # {robot: instant at which it departed to a goal that has not ended}
+        self._tasks: Dict[Tuple[str, str], int] = {}  # {(robot, goal id): instant since which the task exists}
+        self._room: Dict[str, int] = {}  # {area: number of robots that have room}
+        self._inside: Dict[str, List[str]] = {}  # {area: robots in it}
+        self._working: Dict[str, List[Tuple[str, str]]] = {}  # {place: (robot, goal id) of the tasks there}
         self._charging: Set[str] = set()
-        self._circles: List[Tuple[int, str, List[str]]] = []  # (when, who closed it, robot, area, ...)
+        self._circles: List[Tuple[int, str, List[str]]] = []  # (instant, robot that closed it, [robot, area, ...])
         self._takers: Dict[str, Callable[[Event, Any], None]] = {
             'departed': self._departed, 'ended': self._ended, 'waiting_began': self._task, 'task_began': self._task,
             'works_at': self._works_at, 'task_ended': self._task_ended,
@@ -30,7 +30,7 @@ class Robots:
             'deadlock': self._deadlock}
 
     def take(self, event: Event) -> None:
-        """Take the next event; what a user's node writes under the name of one of these kinds counts for nothing."""
+        """Take the next event. Rows of users' nodes that have the name of one of these kinds are ignored."""
         taker = self._takers.get(event.kind)
         if taker is not None:
             try:
@@ -39,15 +39,15 @@ class Robots:
                 pass
 
     def left_open(self, is_quiet: bool) -> Iterator[Found]:
-        """Return what is broken at the end of the run; ``is_quiet``: nothing was left that could have happened."""
+        """Yield the properties that the end of the run breaks; ``is_quiet``: nothing more could have happened."""
         for since_ns, robot, circle in self._circles:
             pairs = ', '.join('{} for {}'.format(*pair) for pair in zip(circle[::2], circle[1::2]))
-            yield 'no_standstill', since_ns, robot, 'robots wait for each other, and did so to the end', (pairs,)
+            yield 'no_standstill', since_ns, robot, 'robots wait for each other, to the end of the run', (pairs,)
         if is_quiet:
             for robot, since_ns in self._goals.items():
                 yield 'every_goal_ends', since_ns, robot, 'the goal to which it departed then never ends', ()
             for (robot, goal_id), since_ns in self._tasks.items():
-                yield 'every_goal_ends', since_ns, robot, 'its task of then never ends', (goal_id,)
+                yield 'every_goal_ends', since_ns, robot, 'the task that it got then never ends', (goal_id,)
 
     def _departed(self, event: Event, _values: Any) -> None:
         self._goals.setdefault(event.robot, event.time_ns)

@@ -1,11 +1,11 @@
-"""What nodes state about a run (always, sometimes, never again), and rows of the event log that say what came of it.
+"""Statements of nodes about a run (always, sometimes, never again), and the rows of the event log with their outcomes.
 
-A row is an event of kind ROW of the node: kind of statement, text, what came of it, then details as 'key=value':
+A row is an event of kind ROW of the node: kind of statement, text, outcome, then details as 'key=value':
 
     {"time_ns":41300000000,"robot":"/coordinator","kind":"property","values":["always","one owner","broken","task=7"]}
 
-A statement has at most two rows: STATED when it is made for the first time, then BROKEN or HELD for the first time.
-The C++ header include/move_base_abstract/properties.h keeps to the same rules.
+A statement has at most two rows: STATED when it is made for the first time, and BROKEN or HELD when that is first true.
+The C++ header include/move_base_abstract/properties.h follows the same rules.
 """
 from __future__ import annotations
 
@@ -14,21 +14,25 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 from ..common.errors import SimulatorError
 from ..lockstep.property_names import ALWAYS, NEVER_AGAIN, SOMETIMES
 
-ROW = 'property'  # kind of the events
+ROW = 'property'  # the kind of the events
 KINDS = (ALWAYS, SOMETIMES, NEVER_AGAIN)
 STATED, BROKEN, HELD = 'stated', 'broken', 'held'
 LONGEST_TEXT = 200
 MOST_DETAILS = 16
-MOST_STATEMENTS = 1000  # of one node, by text
+MOST_STATEMENTS = 1000  # of one node, with different kinds or texts
 TOO_MANY = 'a node states at most {} things; what differs each time belongs into the details'.format(MOST_STATEMENTS)
 
 
 class StatementError(SimulatorError):
-    """A statement that cannot be one; the text says whose, what was got, and what is allowed."""
+    """A statement that is not allowed; the text says what was got, and what is allowed."""
 
 
 class _Statement(NamedTuple):
-    """How far a statement has come. ``was_true``: how often it has become true; ``is_true``: at the last look."""
+    """The state of a statement.
+
+    ``is_over``: whether the outcome is known; ``was_true``: the number of times that the condition has become true;
+    ``is_true``: the condition in the last call.
+    """
 
     is_over: bool
     was_true: int
@@ -42,12 +46,12 @@ class Statements:
         self._made: Dict[Tuple[str, str], _Statement] = {}
 
     def take(self, kind: str, condition: object, text: str, details: Mapping[str, Any]) -> Sequence[List[str]]:
-        """Return the values of the rows that are news, in order; mostly none.
+        """Return the values of the new rows for the event log, in order; there are usually none.
 
-        ``kind``: of KINDS. ALWAYS is broken when it does not hold, SOMETIMES is held when it does, NEVER_AGAIN is
-        broken when it becomes true for the second time.
+        ``kind``: one of KINDS. An ALWAYS is broken if ``condition`` is false. A SOMETIMES holds if it is true. A
+        NEVER_AGAIN is broken if it becomes true for the second time.
 
-        :raises StatementError: for another kind, or a text that is none or empty.
+        :raises StatementError: for another kind, or if ``text`` is no text, or is empty.
         """
         holds = bool(condition)
         made = self._made.get((kind, text))
@@ -67,7 +71,7 @@ class Statements:
         return rows
 
     def _too_many(self, text: str) -> Sequence[List[str]]:
-        """Return the row that says so, once."""
+        """Return the row that says that there are too many statements, once."""
         if (ALWAYS, TOO_MANY) in self._made:
             return ()
         self._made[ALWAYS, TOO_MANY] = _Statement(True, 0, False)
@@ -82,13 +86,13 @@ def _check(kind: str, text: object) -> None:
 
 
 def short(value: object) -> str:
-    """Return a value as a text that is not too long, in one line."""
+    """Return a value as one line of text, with at most LONGEST_TEXT characters."""
     text = ' '.join(str(value).split())
     return text if len(text) <= LONGEST_TEXT else text[:LONGEST_TEXT - 3] + '...'
 
 
 class Row(NamedTuple):
-    """A row's values. ``outcome``: STATED, BROKEN or HELD."""
+    """The values of a row. ``outcome``: STATED, BROKEN or HELD."""
 
     kind: str
     text: str
@@ -97,7 +101,7 @@ class Row(NamedTuple):
 
 
 def read_row(values: Any) -> Optional[Row]:
-    """Return the Row of an event's values; None if they are no such row."""
+    """Return the Row of an event's values, or None if they are not those of a statement."""
     if not isinstance(values, list) or len(values) < 3 or not all(isinstance(value, str) for value in values):
         return None
     kind, text, outcome = values[:3]

@@ -4,8 +4,8 @@
     sometimes(battery < 0.2, 'a battery gets low')
     never_again(goal.done, 'a goal is done once', goal=goal.id)
 
-Where the node takes part in lockstep, what is news becomes a row of the run's event log. Elsewhere the first break of a
-statement is a warning in the node's log, and nothing else happens.
+If the node takes part in lockstep, each new outcome becomes a row of the run's event log. Otherwise the first break of
+a statement is a warning in the node's log, and nothing else happens.
 """
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ..lockstep.property_names import ALWAYS, NEVER_AGAIN, SOMETIMES
 from .statements import BROKEN, Statements
 
 _made = Statements()
-_state = SimpleNamespace(tell=None)  # takes the values of a row
+_state = SimpleNamespace(tell=None)  # tell: a function that takes the values of a row
 
 
 def always(condition: object, text: str, /, **details: Any) -> None:
-    """State that ``condition`` is true whenever this is called; the first time that it is not breaks it.
+    """State that ``condition`` is true in each call; the first call in which it is false breaks the statement.
 
-    ``text`` says what is stated, and is the same each time; ``details`` are shown where it breaks.
+    ``text`` says what is stated; it must be the same in each call. ``details`` are shown if the statement breaks.
 
     :raises StatementError: if ``text`` is no text, or empty.
     """
@@ -31,17 +31,17 @@ def always(condition: object, text: str, /, **details: Any) -> None:
 
 
 def sometimes(condition: object, text: str, /, **details: Any) -> None:
-    """State that ``condition`` is true at least once when this is called, in some run: see :func:`always`."""
+    """State that ``condition`` is true in at least one call, in some run; arguments as for :func:`always`."""
     _take(SOMETIMES, condition, text, details)
 
 
 def never_again(condition: object, text: str, /, **details: Any) -> None:
-    """State that ``condition``, once it has been true and then false, is never true again: see :func:`always`."""
+    """State that ``condition``, after it was true and then false, is never true again; see :func:`always`."""
     _take(NEVER_AGAIN, condition, text, details)
 
 
 def tell_to(tell: Optional[Callable[[List[str]], object]]) -> None:
-    """Have ``tell`` get the values of each row from now on; None: nobody."""
+    """Call ``tell`` with the values of each row from now on; None: write breaks to the node's log."""
     _state.tell = tell
 
 
@@ -49,5 +49,5 @@ def _take(kind: str, condition: object, text: str, details: Any) -> None:
     for row in _made.take(kind, condition, text, details):
         if _state.tell is not None:
             _state.tell(row)
-        elif row[2] == BROKEN:  # rospy's own logger, which Python's default one stands in for where there is no rospy
+        elif row[2] == BROKEN:  # by rospy's logger; without rospy, Python's default one handles it
             logging.getLogger('rosout').warning('broken: %s: %s', kind, ', '.join([row[1], *row[3:]]))

@@ -1,4 +1,4 @@
-"""The radio between hosts as files describe it, and robots' motions as they are sent to the time master."""
+"""The radio between hosts, from its description in a file, and robots' motions in the form for the time master."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

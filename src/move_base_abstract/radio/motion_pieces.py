@@ -1,12 +1,12 @@
-"""A robot's motion as it is sent to the time master: pieces with place, speed and acceleration."""
+"""A robot's motion in the form that is sent to the time master: pieces with position, speed and acceleration."""
 from __future__ import annotations
 
 import struct
 from typing import Any, Iterator, List, Tuple
 
-_PIECE = struct.Struct('<q6d')  # begin [ns, simulated], x y [m], their speeds [m/s] and accelerations [m/s^2]
+_PIECE = struct.Struct('<q6d')  # begin [ns, simulated], x, y [m], their speeds [m/s] and accelerations [m/s^2]
 _NS_PER_S = 1_000_000_000
-#: into so many pieces a time is cut in which the speed changes otherwise than evenly
+#: the number of pieces for a span of time in which the speed does not change evenly
 RAMP_PIECES = 8
 
 Numbers = Tuple[float, float, float]
@@ -15,8 +15,9 @@ Numbers = Tuple[float, float, float]
 def pieces_of(robot: Any, now_ns: int) -> bytes:
     """Return the pieces of a :class:`.motion.robot.Robot` from ``now_ns`` [ns] on, the last one at rest.
 
-    Each is the quadratic through the places at its begin, middle and end: where acceleration is constant, the motion
-    itself but for rounding; where a robot brakes in proportion to what is left, RAMP_PIECES of them to each ramp.
+    Each piece is the quadratic through the positions at its begin, middle and end. If the acceleration is constant,
+    that is the motion itself, except for rounding. If the robot brakes in proportion to the distance left, there are
+    RAMP_PIECES pieces for each ramp.
     """
     leg = robot.leg
     if leg is None or leg.arrive_ns <= now_ns:
@@ -31,7 +32,7 @@ def pieces_of(robot: Any, now_ns: int) -> bytes:
 def _numbers(leg: Any, begin: int, end: int) -> Iterator[float]:
     """Return x, y, their speeds and accelerations of the piece from ``begin`` to ``end`` [ns]."""
     half_ns = (end - begin) // 2
-    if not half_ns:  # a nanosecond
+    if not half_ns:  # the piece lasts a nanosecond
         pose = leg.pose_at(begin)
         return iter((pose.x, pose.y, 0.0, 0.0, 0.0, 0.0))
     poses = [leg.pose_at(instant) for instant in (begin, begin + half_ns, end)]
@@ -41,7 +42,7 @@ def _numbers(leg: Any, begin: int, end: int) -> Iterator[float]:
 
 
 def _through(places: List[float], half: float, whole: float) -> Numbers:
-    """Return place, speed and acceleration at 0 of the quadratic through places at 0, ``half`` and ``whole`` [s]."""
+    """Return position, speed, acceleration at 0 of the quadratic through ``places`` at 0, ``half``, ``whole`` [s]."""
     middle, last = places[1] - places[0], places[2] - places[0]
     acceleration = 2.0 * (last / whole - middle / half) / (whole - half)
     return places[0], middle / half - 0.5 * acceleration * half, acceleration

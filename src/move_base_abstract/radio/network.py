@@ -1,6 +1,6 @@
-"""A network's file: hosts, links and wired topics; how it is read, checked and sent to the time master.
+"""The file of a network: hosts, links and wired topics; reads it, checks it, and converts it for the time master.
 
-The page docs/radio.md says what each key means. An error names the file, the key, what was got, what is allowed.
+The page docs/radio.md explains each key. An error names the file, the key, what was got and what is allowed.
 """
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..common.errors import ConfigurationError
 from ..common.kinds import Kind, either, error, list_of, map_of, mapping_of, number, one_of, option, pattern, read, text
 from ..common.units import seconds_to_ns
 
-PARAMETER = 'network'  # of the time master
-_LOOKAHEAD = 'lookahead'  # the same
+PARAMETER = 'network'  # a parameter of the time master
+_LOOKAHEAD = 'lookahead'  # another one
 _LEAST_LOOKAHEAD = 1e-6  # s, simulated
 _FAR = 1e12
 _MOST_STARS = 4
@@ -54,17 +54,17 @@ _PLACE = Kind(_place, {'anyOf': [{'enum': [_ROBOT]}, {'type': 'array', 'minItems
 
 @dataclass(frozen=True)
 class Host:
-    """Where some nodes run. ``at``: None where the robot of its name is."""
+    """A host: the ``nodes`` that run on it, and its position ``at`` (x, y) [m], None: that of the robot of its name."""
 
     nodes: Tuple[str, ...] = option(list_of(_PATTERN, 'a list of names of nodes', least=1), None,
-                                    'its nodes: names, `*` for a part of one, `**` for any text', is_required=True)
+                                    'its nodes: names, where `*` matches a part, `**` any text', is_required=True)
     at: Optional[Tuple[float, float]] = option(_PLACE, None, "`robot`: where the robot of the host's name is; "
                                                "or `[x, y]` [m]", is_required=True)
 
 
 @dataclass(frozen=True)
 class Uniform:
-    """Delays that are evenly spread."""
+    """Delays that are distributed uniformly."""
 
     uniform: Tuple[float, ...] = option(list_of(_SECONDS, 'two numbers [s], the smaller one first', 2, most=2), None,
                                         '`[least, most]` [s]', is_required=True)
@@ -74,21 +74,21 @@ class Uniform:
 class PathLoss:
     """Log-distance path loss with log-normal shadowing: T. S. Rappaport, Wireless Communications, 2nd ed., 4.9."""
 
-    power: float = option(_DECIBELS, None, 'dBm, sent, gains of both antennas with it', is_required=True)
-    sensitivity: float = option(_DECIBELS, None, 'dBm: what is less is lost', is_required=True)
-    exponent: float = option(number(0, 100), 2, 'how fast it fades: 2 in free space, 3 to 5 among obstacles')
+    power: float = option(_DECIBELS, None, 'dBm: the power sent, with the gains of both antennas', is_required=True)
+    sensitivity: float = option(_DECIBELS, None, 'dBm: a message with less power is lost', is_required=True)
+    exponent: float = option(number(0, 100), 2, 'rate of fading: 2 in free space, 3 to 5 among obstacles')
     reference: float = option(number(1e-6, _FAR, unit='m'), 1, 'm: the distance of `loss_at_reference`')
-    loss_at_reference: float = option(_DECIBELS, 40, 'dB; 40 is that of 2.4 GHz at 1 m')
-    shadowing: float = option(number(0, 1000, unit='dB'), 0, 'dB: standard deviation, of each message anew')
+    loss_at_reference: float = option(_DECIBELS, 40, 'dB; 40 is the loss of 2.4 GHz at 1 m')
+    shadowing: float = option(number(0, 1000, unit='dB'), 0, 'dB: standard deviation, drawn for each message')
 
 
 @dataclass(frozen=True)
 class ByPlace:
-    """Loss that depends on where both are: one of the two."""
+    """Loss that depends on the positions of both hosts; exactly one of the two keys is given."""
 
     distance: Dict[float, float] = option(
-        map_of(_PROBABILITY, _METRES), {}, '`{M: PROBABILITY}`: straight between them, level outside')
-    path_loss: Optional[PathLoss] = option(mapping_of(PathLoss), None, 'of what arrives, [below](#path-loss)',
+        map_of(_PROBABILITY, _METRES), {}, '`{M: PROBABILITY}`: interpolated linearly, constant outside')
+    path_loss: Optional[PathLoss] = option(mapping_of(PathLoss), None, 'by the received power, [below](#path-loss)',
                                            absent=None)
 
 
@@ -97,49 +97,52 @@ _LOST = one_of('drop', 'retry', 'queue')
 
 @dataclass(frozen=True)
 class Link:
-    """A link between two hosts. ``lost``, ``retry``, ``attempts``, ``buffer``: None means the file's default."""
+    """A link between two hosts. ``lost`` None: as the key of the file says."""
 
     between: Tuple[str, ...] = option(list_of(_HOST, 'two names of hosts, or patterns', 2, most=2), None,
                                       'two hosts, or patterns of hosts', is_required=True)
-    delay: Any = option(either(_SECONDS, (dict, lambda one: one, mapping_of(Uniform))), 0, 's, after it has been sent; '
-                        'or `{uniform: [least, most]}`')
+    delay: Any = option(either(_SECONDS, (dict, lambda one: one, mapping_of(Uniform))), 0, 's after the message has '
+                        'been sent; or `{uniform: [least, most]}`')
     loss: Any = option(either(_PROBABILITY, (dict, lambda one: one, mapping_of(ByPlace))), 0, 'a probability; or '
                        '`{distance: {M: PROBABILITY, ...}}`; or `{path_loss: {...}}`')
     rate: int = option(number(1, 10**12, whole=True, or_zero=True, unit='bit/s'), 0, 'bit/s, in each direction; '
-                       '0: any')
-    range: Optional[float] = option(_METRES, None, 'm: what is farther away hears nothing', absent=None)
-    walls: float = option(number(0, _FAR), 0, 'what each wall between both costs: m that it seems to be farther, with '
-                          'a `path_loss` dB')
+                       '0: unlimited')
+    range: Optional[float] = option(_METRES, None, 'm: a host that is farther away hears nothing', absent=None)
+    walls: float = option(number(0, _FAR), 0, 'the cost of each wall between both: additional distance [m], or '
+                          'additional loss [dB] with a `path_loss`')
     buffer: int = option(number(1, 10**12, whole=True, or_zero=True, unit='bytes'), 0, 'bytes that may wait to be '
-                         'sent in a direction; 0: any')
+                         'sent in a direction; 0: unlimited')
     lost: Optional[str] = option(_LOST, None, 'as the key of the file, for this link', absent=None)
-    retry: float = option(number(1e-6, 1000, unit='s'), 0.2, 's from a loss to the next try')
-    attempts: int = option(number(1, 64, whole=True), 8, 'how often `retry` tries')
+    retry: float = option(number(1e-6, 1000, unit='s'), 0.2, 's from a loss to the next attempt')
+    attempts: int = option(number(1, 64, whole=True), 8, 'number of attempts with `retry`')
 
 
 @dataclass(frozen=True)
 class Network:
-    """A network's file, checked."""
+    """The checked content of a network's file."""
 
-    hosts: Dict[str, Host] = option(map_of(mapping_of(Host), _HOST), None, '`{NAME: {nodes, at}}`: the first one that '
-                                    'has a node is its host; a `*` in the name is what the first `*` of its '
-                                    'pattern stands for', is_required=True)
-    links: Tuple[Link, ...] = option(list_of(mapping_of(Link), 'a list of links'), None, 'between hosts: the first '
-                                     'that fits; hosts without any hear nothing of each other', is_required=True)
-    seed: int = option(number(0, 2**53, whole=True), 0, 'of all that chance decides')
+    hosts: Dict[str, Host] = option(map_of(mapping_of(Host), _HOST), None, '`{NAME: {nodes, at}}`: a node is on the '
+                                    'first host that matches; a `*` in the name stands for the text that the first '
+                                    '`*` of the pattern matches', is_required=True)
+    links: Tuple[Link, ...] = option(list_of(mapping_of(Link), 'a list of links'), None, 'links between hosts: the '
+                                     'first that matches counts; hosts without a link do not hear each other',
+                                     is_required=True)
+    seed: int = option(number(0, 2**53, whole=True), 0, 'seed of all random decisions')
     wired: Tuple[str, ...] = option(
         list_of(_PATTERN, 'a list of names of topics and services'),
         ['/clock', '/tf', '/tf_static', '/map', '/rosout', '/rosout_agg'], 'topics and services that are not on the '
-        'air, as names of nodes are written')
-    lost: str = option(_LOST, 'drop', 'what becomes of a message that does not arrive: nothing more; `retry`, as TCP '
-                       'does; `queue`, until it arrives')
-    map: str = option(text(), None, "a map's YAML file, whose walls `walls` counts; from the folder of this file")
+        'air; patterns as for nodes')
+    lost: str = option(_LOST, 'drop', 'what happens to a message that does not arrive: `drop`, nothing more; `retry`, '
+                       'it is sent again as by TCP; `queue`, it is sent again until it arrives')
+    map: str = option(text(), None, "a map's YAML file with the walls for `walls`, relative to the folder of this file")
 
 
 def read_network(path: str, arguments: Optional[Dict[str, str]] = None) -> Network:
-    """Return the Network in a YAML file, alone or below the key ``network``; ``arguments``: of its ``$(arg NAME)``.
+    """Return the Network in a YAML file, by itself or below the key ``network``.
 
-    :raises ConfigurationError: naming the file, the place, what is allowed.
+    ``arguments``: {NAME: value} for each ``$(arg NAME)`` in the file.
+
+    :raises ConfigurationError: if it is not allowed; the text names the file, the key and what is allowed.
     """
     document = load_yaml_file(path)
     try:
@@ -147,7 +150,7 @@ def read_network(path: str, arguments: Optional[Dict[str, str]] = None) -> Netwo
         document = _filled(document, arguments or {}, used)
         for name in arguments or {}:
             if name not in used:
-                raise ConfigurationError(f'nothing in it is $(arg {name}), which is given')
+                raise ConfigurationError(f'{name}:= is given, but the file has no $(arg {name})')
         whole = document.get('network', document) if isinstance(document, dict) and len(document) == 1 else document
         found = read(Network, '', whole)
         _check(found)
@@ -157,7 +160,7 @@ def read_network(path: str, arguments: Optional[Dict[str, str]] = None) -> Netwo
 
 
 def _filled(value: Any, arguments: Dict[str, str], used: Dict[str, str]) -> Any:
-    """Return a document with the arguments' values in place of texts $(arg NAME)."""
+    """Return a document in which the values of the arguments replace the texts $(arg NAME)."""
     if isinstance(value, dict):
         return {key: _filled(one, arguments, used) for key, one in value.items()}
     if isinstance(value, list):
@@ -167,18 +170,20 @@ def _filled(value: Any, arguments: Dict[str, str], used: Dict[str, str]) -> Any:
         return value
     name = found.group(1)
     if name not in arguments:
-        raise ConfigurationError(f'$(arg {name}) is not given: {name}:=VALUE behind the name of the file')
+        raise ConfigurationError(f'$(arg {name}) is not given; allowed: {name}:=VALUE after the name of the file')
     used[name] = arguments[name]
     return load_yaml_text(arguments[name], f'{name}:=')
 
 
 def _check(network: Network) -> None:
-    """Complain of what depends on several keys."""
+    """Check the conditions that depend on several keys.
+
+    :raises ConfigurationError: if one is not met.
+    """
     for name, host in network.hosts.items():
         for place, one in enumerate(host.nodes):
             if '*' in name and not re.search(r'(?<!\*)\*(?!\*)', one):
-                raise error(f'hosts.{name}.nodes[{place}]', one, 'a name with a *, which the one of the host stands '
-                            'for')
+                raise error(f'hosts.{name}.nodes[{place}]', one, "a name with one *, since the host's name has one")
     for place, link in enumerate(network.links):
         where = f'links[{place}]'
         if isinstance(link.delay, Uniform) and link.delay.uniform[0] > link.delay.uniform[1]:
@@ -186,11 +191,13 @@ def _check(network: Network) -> None:
         if isinstance(link.loss, ByPlace) and bool(link.loss.distance) == (link.loss.path_loss is not None):
             raise error(f'{where}.loss', '{...}', "one of 'distance' and 'path_loss'")
         if link.walls and not network.map:
-            raise ConfigurationError(f"{where}.walls: there is no 'map' that has walls")
+            raise ConfigurationError(f"{where}.walls: got {link.walls:g}, but there is no 'map' with walls")
 
 
 def lines_of(network: Network, folder: str) -> List[str]:
-    """Return the network as the time master takes it (src/lockstep/radio/network.h). folder: of its file.
+    """Return the network as the time master reads it (src/lockstep/radio/network.h).
+
+    ``folder``: that of the network's file, in which the path of the map begins.
 
     :raises ConfigurationError: if its map cannot be read.
     """
@@ -227,9 +234,9 @@ def _loss(loss: Any) -> List[str]:
 
 
 def least_delay_s(network: Network) -> float:
-    """Return what each message between hosts takes at least [s, simulated].
+    """Return the least delay of all messages between hosts [s, simulated].
 
-    :raises ConfigurationError: if that is too little for a lookahead.
+    :raises ConfigurationError: if that is too short for a lookahead.
     """
     delays = [link.delay.uniform[0] if isinstance(link.delay, Uniform) else link.delay for link in network.links]
     least: float = min(delays, default=0.0)
@@ -240,7 +247,7 @@ def least_delay_s(network: Network) -> float:
 
 
 def _network_of(given: str, folder: str) -> Tuple[Network, str]:
-    """Return the Network of 'FILE [NAME:=VALUE ...]' and its folder. folder: where a relative path starts."""
+    """Return (the Network of 'FILE [NAME:=VALUE ...]', its folder); a relative path starts at ``folder``."""
     path, *words = given.split()
     arguments = dict(word.split(':=', 1) for word in words if ':=' in word)
     if len(arguments) < len(words):
@@ -250,7 +257,7 @@ def _network_of(given: str, folder: str) -> Tuple[Network, str]:
 
 
 def files_of(given: str, folder: str) -> List[str]:
-    """Return the paths of the files of 'FILE [NAME:=VALUE ...]': its own, and those of its map; as far as they say."""
+    """Return the paths of the files of 'FILE [NAME:=VALUE ...]': its own, and those of its map if they can be read."""
     found = [os.path.join(folder, name) for name in given.split()[:1]]
     try:
         document = load_yaml_file(found[0]) if found else {}
@@ -260,20 +267,20 @@ def files_of(given: str, folder: str) -> List[str]:
             from ..maps.map_files import read_description
             found.append(read_description(found[1]).image)
     except (ConfigurationError, AttributeError):
-        pass  # who reads it for a run complains
+        pass  # the error is reported when the network is read for a run
     return found
 
 
 def resolve(parameters: Dict[str, Any], folder: str = '') -> Dict[str, Any]:
-    """Return the time master's parameters with what a network's file says in place of its name.
+    """Return the time master's parameters, in which the content of a network's file replaces its name.
 
-    :raises ConfigurationError: if there is no such file, it is none of a network, or a lookahead is to be that of a
-        network which gives none.
+    :raises ConfigurationError: if there is no such file, it is not the file of a network, or the lookahead should be
+        that of the network but the network gives none.
     """
     given = parameters.get(PARAMETER)
     if given is None:
         if parameters.get(_LOOKAHEAD) == PARAMETER:
-            raise ConfigurationError("lookahead: got 'network'; allowed: a number [s] where no network is given")
+            raise ConfigurationError("lookahead: got 'network'; allowed: a number [s] if no network is given")
         return parameters
     network, where = _network_of(given, folder)
     found = {**parameters, PARAMETER: lines_of(network, where)}

@@ -51,10 +51,10 @@ TABLE = (
 
 @dataclass(frozen=True)
 class LaserSettings:
-    """A laser scanner: ``rate`` [Hz, simulated], 0 = it tells nothing by itself.
+    """A laser scanner; ``rate`` [Hz, simulated], 0 = it publishes nothing by itself.
 
-    Angles [rad] are those of the first and the last beam, ranges are in m. ``noise``: the standard deviation of a
-    range [m]; ``mount``: where it is in the robot's base frame.
+    ``angle_min`` and ``angle_max`` [rad] are the directions of the first and the last beam; ranges are in m.
+    ``noise``: the standard deviation of a range [m]; ``mount``: the pose of the laser in the robot's base frame.
     """
 
     rate: float = 0.0
@@ -68,14 +68,14 @@ class LaserSettings:
 
     @property
     def angle_increment(self) -> float:
-        """The angle between two beams [rad]; 0 of a single one."""
+        """The angle between two beams [rad]; 0 if there is only one."""
         return (self.angle_max - self.angle_min) / (self.beams - 1) if self.beams > 1 else 0.0
 
 
 def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
-    """Return the :class:`LaserSettings` in ``values``, which are those of :data:`TABLE`.
+    """Return the :class:`LaserSettings` in ``values`` (of :data:`TABLE`).
 
-    :raises ConfigurationError: if a range ends before it begins.
+    :raises ConfigurationError: if an angle or a range ends before it begins; ``where`` is the parameters' name space.
     """
     for what, unit in (('angle', 'rad'), ('range', 'm')):
         low, high = values['scan_{}_min'.format(what)], values['scan_{}_max'.format(what)]
@@ -88,10 +88,10 @@ def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
 
 
 class Scan(NamedTuple):
-    """Ranges [m] at ``stamp_ns`` [ns]: a float32 array, from the first beam to the last.
+    """A scan at ``stamp_ns`` [ns]; ``ranges`` [m] is a float32 array, from the first beam to the last.
 
-    As REP 117 has it, inf is a beam that ends nowhere within ``range_max``, -inf one that ends nearer than
-    ``range_min``. ``pose`` (Pose2D): where the laser was, in the global frame; ``settings``: its LaserSettings.
+    As in REP 117, inf stands for a beam that ends nowhere within ``range_max``, and -inf for one that ends nearer than
+    ``range_min``. ``pose`` (Pose2D): the pose of the laser in the global frame; ``settings``: its LaserSettings.
     """
 
     stamp_ns: int
@@ -101,13 +101,13 @@ class Scan(NamedTuple):
 
 
 class Laser:
-    """The laser of the robot ``robot_name`` in a run with ``seed``; it needs numpy."""
+    """The laser of the robot ``robot_name`` in a run with ``seed``. It needs numpy."""
 
     def __init__(self, settings: LaserSettings, seed: int = 0, robot_name: str = '') -> None:
-        import numpy as np  # only who scans pays for it
+        import numpy as np  # imported here, since only robots with a laser need it
         self.settings = settings
         angles = [settings.angle_min + number * settings.angle_increment for number in range(settings.beams)]
-        # The C library's, whose bits do not depend on what the processor can do at once, as those of numpy's may.
+        # The functions of the C library: their results do not depend on the processor's vector units, as numpy's may.
         self._cos, self._sin = (np.array([function(angle) for angle in angles]) for function in (math.cos, math.sin))
         self._noise = None
         if settings.noise > 0.0:
@@ -118,7 +118,7 @@ class Laser:
              bodies: Sequence[Body], stamp_ns: int) -> Scan:
         """Return the :class:`Scan` of a robot at ``base`` (Pose2D, global frame) at ``stamp_ns`` [ns].
 
-        ``occupancy`` is the map in the global frame, None: there is none; ``bodies``: what else stands there.
+        ``occupancy`` is the map in the global frame, None: there is none; ``bodies``: the outlines of other robots.
         """
         import numpy as np
 

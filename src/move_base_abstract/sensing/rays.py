@@ -1,8 +1,8 @@
-"""Where rays end: in the cells of a map, exactly, all rays of a scan at once; and at straight pieces.
+"""Where rays end: in the cells of a map, exactly, for all rays of a scan at once; and at straight pieces.
 
-A ray begins at one place and goes in a direction (dx, dy) of length 1. In a map it goes from cell to cell as in
-Amanatides and Woo: A fast voxel traversal algorithm for ray tracing (Eurographics 1987), but that the crossings of many
-rays with lines between columns, and then with those between rows, are looked at in one step.
+A ray begins at a point and goes in a direction (dx, dy) of length 1. In a map it goes from cell to cell as in
+Amanatides and Woo: A fast voxel traversal algorithm for ray tracing (Eurographics 1987). But the crossings of many rays
+with the lines between columns are handled in one step, and then those with the lines between rows.
 """
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from ..maps.occupancy import OCCUPIED, UNKNOWN, OccupancyMap
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_CROSSINGS = 64  # of each ray that are looked at in one step
-_UNIFORMS = 12  # whose sum has the variance 1
-#: {map: (its occupied cells within a border that is free, the same with rows for columns)}
+_CROSSINGS = 64  # the number of crossings of each ray that are handled in one step
+_UNIFORMS = 12  # the sum of so many uniform numbers has the variance 1
+#: {map: (its occupied cells within a free border, the same transposed)}
 _blocked: WeakKeyDictionary[OccupancyMap, Tuple[NDArray[Any], NDArray[Any]]] = WeakKeyDictionary()
 
 
@@ -35,9 +35,10 @@ class Body(NamedTuple):
 
 def of_map(occupancy: OccupancyMap, x: float, y: float, dx: NDArray[Any], dy: NDArray[Any],
            most: float) -> NDArray[Any]:
-    """Return how far it is [m] from (x, y) [m, map frame] to the first occupied cell on each ray, inf: beyond ``most``.
+    """Return the distance [m] on each ray from (x, y) [m, map frame] to the first occupied cell, inf: beyond ``most``.
 
-    Unknown cells stop no ray, nor is there anything off the map. Rays that begin in an occupied cell end at once.
+    ``dx``, ``dy``: the directions of the rays; ``most`` [m]. Unknown cells stop no ray, and outside the map nothing
+    does. Rays that begin in an occupied cell end at once.
     """
     column, row = occupancy.to_cells(x, y)
     cos, sin = occupancy.axes
@@ -67,22 +68,22 @@ def _cells(occupancy: OccupancyMap) -> Tuple[NDArray[Any], NDArray[Any]]:
 
 
 def _to_the_edge(place: float, speed: NDArray[Any], size: int) -> NDArray[Any]:
-    """Return how far it is [cells] on each ray until ``place``, which grows by ``speed``, is no longer in [0, size]."""
+    """Return the distance [cells] on each ray until ``place``, which grows by ``speed``, leaves [0, size]."""
     with np.errstate(divide='ignore', over='ignore', invalid='ignore'):
         return np.where(speed == 0.0, math.inf, np.where(speed > 0.0, size - place, place) / np.abs(speed))
 
 
 def _entered(blocked: NDArray[Any], column: float, row: float, across: NDArray[Any], along: NDArray[Any],
              limit: NDArray[Any], is_inside: bool) -> NDArray[Any]:
-    """Return how far it is [cells] to the first blocked cell that each ray enters over a line between columns, or inf.
+    """Return the distance [cells] to the first blocked cell that each ray enters across a line between columns, or inf.
 
-    ``across`` is how fast the column grows, ``along`` the row; what lies beyond ``limit`` [cells] need not be found.
-    ``is_inside``: no ray leaves the map within its limit.
+    ``across`` is the growth of the column along a ray, ``along`` that of the row; cells beyond ``limit`` [cells] need
+    not be found. ``is_inside``: whether no ray leaves the map within its limit.
     """
     found = np.full(len(across), math.inf)
     rows, columns = blocked.shape
     east = across > 0.0
-    # The line of column n is its western edge: who goes east enters n there, who goes west n - 1.
+    # The line of column n is its western edge: there a ray to the east enters n, a ray to the west n - 1.
     first = np.where(east, max(math.floor(column) + 1, 0), min(math.floor(column), columns - 2))
     gap = np.abs(first - column)  # columns to the first line
     step = np.where(east, 1, -1)
@@ -101,7 +102,7 @@ def _entered(blocked: NDArray[Any], column: float, row: float, across: NDArray[A
         index = entered.astype(np.intp)
         index *= columns
         index += (first[rays] + east[rays])[:, None] + step[rays, None] * lines
-        hits = blocked.ravel().take(index, mode='clip')  # of lines behind the last one, whatever is there
+        hits = blocked.ravel().take(index, mode='clip')  # beyond the last line the values do not matter
         place = hits.argmax(axis=1)
         is_hit = hits[np.arange(len(rays)), place]
         place += begin
@@ -113,7 +114,7 @@ def _entered(blocked: NDArray[Any], column: float, row: float, across: NDArray[A
 
 
 def shorten(found: NDArray[Any], x: float, y: float, dx: NDArray[Any], dy: NDArray[Any], body: Body) -> None:
-    """Shorten ``found`` [m], how far it is from (x, y) on each ray, to where the ray meets the outline of a body."""
+    """Shorten the distances ``found`` [m] on rays from (x, y) to where each ray meets the outline of ``body``."""
     ahead = (body.x - x) * dx + (body.y - y) * dy
     aside = np.abs((body.x - x) * dy - (body.y - y) * dx)
     rays = np.flatnonzero((aside <= body.radius) & (ahead >= -body.radius) & (found > ahead - body.radius))
@@ -126,15 +127,14 @@ def shorten(found: NDArray[Any], x: float, y: float, dx: NDArray[Any], dy: NDArr
         turn = dx * sides[:, 1] - dy * sides[:, 0]
         far = (points[:, 0] * sides[:, 1] - points[:, 1] * sides[:, 0]) / turn
         share = (points[:, 0] * dy - points[:, 1] * dx) / turn
-    # A ray along a side meets the sides that end there.
+    # A ray that runs along a side meets the adjacent sides instead.
     far[~((far >= 0.0) & (share >= 0.0) & (share <= 1.0))] = math.inf
     found[rays] = np.minimum(found[rays], far.min(axis=1))
 
 
 def normals(chance: Chance, count: int, number: int) -> NDArray[Any]:
-    """Return the ``number``-th row of ``count`` numbers of mean 0 and variance 1: sums of twelve uniform ones, less 6.
+    """Return the ``number``-th row of ``count`` numbers with mean 0 and variance 1: sums of 12 uniform ones, minus 6.
 
-    They are normally distributed for all that can be seen of them (none lies beyond 6), and of sums the bits are the
-    same on every computer.
+    In practice they are normally distributed (none is beyond 6), and sums have the same bits on every computer.
     """
     return chance.uniforms(number, Purpose.SCAN, count * _UNIFORMS).reshape(count, _UNIFORMS).sum(axis=1) - 6.0

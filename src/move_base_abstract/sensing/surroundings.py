@@ -1,4 +1,4 @@
-"""The robots that lasers of one process see, besides the map."""
+"""The robots that the lasers of one process see, in addition to the map."""
 from __future__ import annotations
 
 import math
@@ -16,27 +16,30 @@ _ROUNDING = 1e-9
 
 
 class Surroundings:
-    """Robots with their outlines; those with another global frame are in another world."""
+    """Robots with their outlines; robots with different global frames are in different worlds."""
 
     def __init__(self) -> None:
         self._bodies: Dict[Robot, Tuple[str, Footprint, float]] = {}
 
     def add(self, robot: Robot, global_frame: str, footprint: Footprint) -> None:
-        """Have lasers of others see a robot; ``footprint``: its outline in its base frame."""
+        """Let the lasers of other robots see ``robot``; ``footprint``: its outline in its base frame."""
         self._bodies[robot] = global_frame, footprint, (
             1.0 + _ROUNDING) * max(math.hypot(x, y) for x, y in footprint.points)
 
     def remove(self, robot: Robot) -> None:
-        """Have it seen no more."""
+        """Remove ``robot``, so that no laser sees it."""
         del self._bodies[robot]
 
     def scan(self, robot: Robot, laser: Laser, occupancy: OccupancyMap | None, stamp_ns: int) -> Scan:
-        """Return the :class:`.Scan` of a robot's laser at ``stamp_ns`` [ns], of which all remember their poses."""
+        """Return the :class:`.Scan` of a robot's laser at ``stamp_ns`` [ns].
+
+        :raises TimeError: if a robot no longer remembers its pose at that instant.
+        """
         base = robot.pose_at(stamp_ns)
         return laser.scan(base, occupancy, self._bodies_near(robot, base, laser, stamp_ns), stamp_ns)
 
     def _bodies_near(self, robot: Robot, base: Pose2D, laser: Laser, stamp_ns: int) -> List[Body]:
-        from .rays import Body  # which needs numpy
+        from .rays import Body  # imported here, since it needs numpy
         settings, world = laser.settings, self._bodies[robot][0]
         reach = settings.range_max + math.hypot(settings.mount.x, settings.mount.y)
         found = []

@@ -1,4 +1,4 @@
-"""Whether clocks and other simulators follow, and are still there."""
+"""Checks whether clocks and other simulators follow the run, and whether they still run."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

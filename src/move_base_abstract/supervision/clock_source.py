@@ -1,4 +1,4 @@
-"""Whose time counts: distinguishing a restarted clock from two clocks that disturb each other."""
+"""Which clock counts: distinguishes a clock that has restarted from two clocks that disturb each other."""
 from __future__ import annotations
 
 from enum import Enum
@@ -6,7 +6,7 @@ from typing import Optional
 
 
 class Step(Enum):
-    """What one message of a clock means: time moves on, it does not, it is of another clock, it starts anew."""
+    """The meaning of a message of a clock: time goes on, stays, is that of another clock (BEHIND), or restarts."""
 
     ON = 'on'
     SAME = 'same'
@@ -15,11 +15,11 @@ class Step(Enum):
 
 
 class ClockSource:
-    """Judges messages that each tell a time and who says so.
+    """Judges messages that contain a time and the name of its source.
 
-    Time that goes back has started anew if the one says so who told the latest time, or if that one has been silent
-    for more than ``patience`` [s, wall]. Else two clocks are running, and the one that is behind does not count.
-    Wall times are arguments [s, of one clock that never goes back].
+    If time goes back, the clock has restarted if the message is from the source of the latest time, or if that source
+    has been silent for more than ``patience`` [s, wall]. Otherwise two clocks are running, and the one that is behind
+    does not count. Wall times are arguments [s, of one clock that never goes back].
     """
 
     def __init__(self, patience: float = 3.0) -> None:
@@ -35,11 +35,11 @@ class ClockSource:
 
     @property
     def leader(self) -> Optional[str]:
-        """Who told the time that counts, or None."""
+        """The source of the time that counts, or None."""
         return self._leader
 
     def judge(self, time_ns: int, source: str, wall: float) -> Step:
-        """Return the :class:`Step` that the message ``time_ns`` [ns] of ``source`` is, which came at ``wall``."""
+        """Return the :class:`Step` of the message ``time_ns`` [ns] from ``source``, which came at ``wall`` [s]."""
         if time_ns == self._latest_ns:
             if source == self._leader:
                 self._heard = wall

@@ -1,4 +1,4 @@
-"""Whether another simulator follows: placed poses compared with reported poses."""
+"""Whether another simulator follows: compares the poses at which robots were placed with reported poses."""
 from __future__ import annotations
 
 from collections import deque
@@ -6,17 +6,17 @@ from typing import Any, Deque, Optional, Protocol, Tuple
 
 
 class Placed(Protocol):
-    """Where something is: a Pose2D, say."""
+    """A position, for example a Pose2D."""
 
     def distance_to(self, other: Any) -> float:
-        """Return the distance [m] to another one."""
+        """Return the distance [m] to another position."""
         ...
 
 
 class FollowCheck:
-    """Compares where a robot was placed with where it is reported, within ``tolerance`` [m].
+    """Compares the poses at which a robot was placed with those that are reported, within ``tolerance`` [m].
 
-    A report may lag behind: it is right where any pose of the last ``patience`` [s, wall] was. Only reports that are
+    A report may lag behind: it is right if it fits any pose of the last ``patience`` [s, wall]. Only reports that are
     wrong for that long count as a lapse. Wall times are arguments [s, of one clock that never goes back].
     """
 
@@ -30,11 +30,11 @@ class FollowCheck:
         self._told = False
 
     def placed(self, pose: Placed, wall: float) -> None:
-        """Note that the robot was put at ``pose``."""
+        """Note that the robot was placed at ``pose`` at ``wall`` [s]."""
         self._placed.append((wall, pose))
 
     def reported(self, pose: Placed, wall: float) -> Optional[float]:
-        """Take the report in; return the distance [m] to where the robot should be, once for each lapse, else None."""
+        """Take in a report; return the distance [m] to where the robot should be, once per lapse, otherwise None."""
         if not self._placed:
             return None
         while len(self._placed) > 1 and self._placed[1][0] < wall - self._patience:

@@ -1,17 +1,17 @@
 """A cap on a rate, with some tolerance for events that come slightly early."""
 from __future__ import annotations
 
-#: the part of a period by which one may come early
+#: the part of a period by which an event may come early
 _EARLY = 0.5
 
 
 class RateCap:
-    """Says yes at most ``rate`` times a second [Hz] on the average.
+    """Lets events pass at most ``rate`` times a second [Hz] on average.
 
-    Ticks of the very rate come now a little early, now a little late; a cap on the time since the last yes would turn
-    every early one away, which is half of them. So a yes may come up to half a period early, and the next one is
-    counted from where this one belonged. (The generic cell rate algorithm of ITU-T I.371 with half a period of
-    tolerance: in any time T there are at most T * rate + 1.5 yeses.)
+    If events come at exactly this rate, some are a little early and others a little late. A cap on the time since the
+    last event that passed would reject every early one, about half of them. So an event may come up to half a period
+    early, and the next one is counted from the instant at which this one was due. This is the generic cell rate
+    algorithm of ITU-T I.371 with a tolerance of half a period: in any time T at most T x rate + 1.5 events pass.
     """
 
     def __init__(self, rate: float) -> None:
@@ -20,7 +20,7 @@ class RateCap:
         self._opens = float('-inf')
 
     def ready(self, now: float, shortest_period: float = 0.0) -> bool:
-        """Return whether it is time at ``now`` [s]; ``shortest_period`` [s] is the period if it is the longer one."""
+        """Return whether an event may pass at ``now`` [s]; the period is at least ``shortest_period`` [s]."""
         if now < self._opens:
             return False
         period = max(self._period, shortest_period)
@@ -29,5 +29,5 @@ class RateCap:
         return True
 
     def remaining(self, now: float) -> float:
-        """Return for how long after ``now`` the answers will be no [s]."""
+        """Return the time [s] after ``now`` for which no event may pass."""
         return max(0.0, self._opens - now)

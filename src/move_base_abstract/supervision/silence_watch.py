@@ -1,4 +1,4 @@
-"""Whether another simulator is still there: which sources have been silent, and for how long."""
+"""Whether another simulator still runs: finds sources that have been silent for too long."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Dict, List, Tuple
 
 @dataclass(frozen=True)
 class Silence:
-    """What there is to tell: sources that were never heard, that have fallen silent, and that are heard again."""
+    """News about sources: those that were never heard, that have fallen silent, and that are heard again."""
 
     unheard: Tuple[str, ...] = ()
     silent: Tuple[str, ...] = ()
@@ -15,7 +15,7 @@ class Silence:
 
 
 class SilenceWatch:
-    """Names sources that were silent for ``limit`` [s, wall], and again every ``repeat`` [s, wall] while they are.
+    """Reports sources that were silent for ``limit`` [s, wall], and again every ``repeat`` [s, wall] while they are.
 
     Wall times are arguments [s, of one clock that never goes back]. Not thread-safe.
     """
@@ -26,15 +26,15 @@ class SilenceWatch:
         self._sources: Dict[str, _Source] = {}
 
     def add(self, name: str, wall: float) -> None:
-        """Watch ``name`` from now on."""
+        """Watch the source ``name`` from ``wall`` [s] on."""
         self._sources[name] = _Source(wall + self.limit)
 
     def remove(self, name: str) -> None:
-        """Watch ``name`` no more."""
+        """Stop watching the source ``name``."""
         self._sources.pop(name, None)
 
     def heard(self, name: str, wall: float) -> None:
-        """Note that ``name`` has said something."""
+        """Note that the source ``name`` was heard at ``wall`` [s]."""
         source = self._sources.get(name)
         if source is not None:
             source.due = wall + self.limit
@@ -43,7 +43,7 @@ class SilenceWatch:
             source.is_told = False
 
     def check(self, wall: float) -> Silence:
-        """Return the :class:`Silence` that has not been told yet, names in the order in which they were added."""
+        """Return the :class:`Silence` that was not reported yet, at ``wall`` [s], in the order of the calls of add."""
         unheard: List[str] = []
         silent: List[str] = []
         back: List[str] = []
@@ -59,7 +59,7 @@ class SilenceWatch:
 
 
 class _Source:
-    """``due``: when its silence is told [s, wall]."""
+    """One source; ``due``: the time at which its silence is reported [s, wall]."""
 
     __slots__ = ('due', 'was_heard', 'is_told', 'is_back')
 

@@ -1,19 +1,19 @@
-"""Whether another simulator uses the same clock: its stamps compared with the present."""
+"""Whether another simulator uses the same clock: compares its stamps with the present."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
 
 from ..common.units import NS_PER_S
 
-_SPEED_SECONDS = 0.5  # wall; over which the speed of time is measured
+_SPEED_SECONDS = 0.5  # s, wall: the time over which the speed of simulated time is measured
 
 
 class StampCheck:
-    """Compares stamps with the present, within ``tolerance``: s of simulated time, or of the wall's where that is more.
+    """Compares stamps with the present, within ``tolerance`` [s] of simulated or wall time, whichever is longer.
 
-    Messages are late by some of the wall's time, which is the more simulated time the faster that runs. Only stamps
-    that are off for ``patience`` [s, wall] count as a lapse. Wall times are arguments [s, of one clock that never goes
-    back].
+    Messages are late by some wall time. The faster simulated time runs, the more simulated time that is. Only stamps
+    that are wrong for ``patience`` [s, wall] count as a lapse. Wall times are arguments [s, of one clock that never
+    goes back].
     """
 
     def __init__(self, tolerance: float = 1.0, patience: float = 2.0) -> None:
@@ -26,11 +26,11 @@ class StampCheck:
 
     @property
     def is_alike(self) -> bool:
-        """Whether the latest stamp was of the present."""
+        """Whether the latest stamp was within the tolerance."""
         return self._off_since is None
 
     def reported(self, stamp_ns: int, now_ns: int, wall: float) -> Optional[float]:
-        """Take a stamp in; return by how much it lies in the past [s], once for each lapse, else None."""
+        """Take in a stamp; return how far it is in the past [s], once per lapse, otherwise None."""
         self._measure_speed(stamp_ns, now_ns, wall)
         gap = (now_ns - stamp_ns) / NS_PER_S
         if abs(gap) <= self._tolerance * self._speed:
@@ -44,7 +44,7 @@ class StampCheck:
         return gap
 
     def _measure_speed(self, stamp_ns: int, now_ns: int, wall: float) -> None:
-        """Find the speed of the faster one of the two clocks, at least 1."""
+        """Measure the speed of the faster of the two clocks, relative to wall time; it is at least 1."""
         if self._mark is None:
             self._mark = (stamp_ns, now_ns, wall)
         mark_stamp_ns, mark_now_ns, mark_wall = self._mark

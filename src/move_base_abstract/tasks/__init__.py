@@ -1,4 +1,4 @@
-"""Places where robots work, tasks that arrive, and who works where."""
+"""Places where robots work, tasks that arrive, and which robot works where."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -1,11 +1,11 @@
-"""Tasks that arrive at random instants or at those of a file: the same for the same seed, whoever does them.
+"""Tasks that arrive at random instants or at those of a file: the same for the same seed, whichever robots do them.
 
     arrivals:
       - {place: dock, rate_per_hour: 20.0}
       - {name: field, area: [0.0, 0.0, 40.0, 40.0], rate: 0.05, count: 50, duration: 10.0}
       - {name: orders, file: orders.csv}
 
-Instants count from a beginning that whoever publishes the tasks chooses.
+Instants count from a beginning that the publisher of the tasks chooses.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ from .places import (
 if TYPE_CHECKING:
     from ..engine.factors import Lognormal
 
-MAX_TASKS = 1_000_000  # of a file
+MAX_TASKS = 1_000_000  # in a file
 MAX_ENTRIES = 10_000
 _PLACE = Parameter('place', None, place_name, 'the name of one of the places')
 ARRIVAL_TABLE = (
@@ -77,9 +77,11 @@ _ROW = (_TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
 
 @dataclass(frozen=True)
 class Task:
-    """Something to be done: where ``place`` ('': anywhere) and ``pose`` (Pose2D, global frame) say.
+    """Work at a place or a pose.
 
-    It arrives ``arrival_ns`` [ns] after the beginning. ``duration_ns`` [ns] 0: as long as at the place.
+    ``place``: the name of the place, '': none; ``pose`` (Pose2D, global frame): where the robot stands. The task
+    arrives ``arrival_ns`` [ns] after the beginning. ``duration_ns`` [ns], 0: the duration of work at the place;
+    ``power`` [W] and ``energy`` [J] that the work draws.
     """
 
     task_id: str
@@ -93,9 +95,9 @@ class Task:
 
 
 def check_task(task: Task) -> None:
-    """Check that ``task`` is a :class:`Task`, and that its values are of their kinds.
+    """Check that ``task`` is a :class:`Task` and that its values have the right types.
 
-    :raises ConfigurationError: if not, naming the value.
+    :raises ConfigurationError: if not; the text names the value.
     """
     check_kind(task, Task, 'task')
     for name, kind in (('task_id', str), ('place', str), ('pose', Pose2D)):
@@ -109,9 +111,10 @@ def check_task(task: Task) -> None:
 
 @dataclass(frozen=True)
 class Poisson:
-    """Tasks at ``place``, or evenly over ``area`` (x_min, y_min, x_max, y_max) [m], with gaps exponential of a rate.
+    """Tasks at ``place``, or evenly over ``area`` (x_min, y_min, x_max, y_max) [m], with exponential gaps.
 
-    ``rate`` [1/s]; at most ``count`` (None: endless), none after ``until_ns`` [ns].
+    ``rate`` [1/s]: the mean number of tasks per second. There are at most ``count`` tasks (None: endless), and none
+    after ``until_ns`` [ns].
     """
 
     name: str
@@ -124,7 +127,7 @@ class Poisson:
     priority: int = 0
 
     def tasks(self, seed: int) -> Iterator[Task]:
-        """Yield the :class:`Task` objects of a ``seed``, in the order of their arrival."""
+        """Yield the :class:`Task` objects for ``seed``, in the order of their arrival."""
         chance = Chance(seed, 'arrivals {}'.format(self.name))
         arrival_ns, number_ = 0, 0
         while self.count is None or number_ < self.count:
@@ -150,13 +153,13 @@ class Poisson:
 
 @dataclass(frozen=True)
 class Listed:
-    """Tasks of a file, in the order of their arrival: (number in the file, Task, distribution of its duration)."""
+    """Tasks of a file; ``rows``: (number in the file, Task, distribution of its duration), in the order of arrival."""
 
     name: str
     rows: Tuple[Tuple[int, Task, Any], ...] = ()
 
     def tasks(self, seed: int) -> Iterator[Task]:
-        """Yield the tasks; what differs from seed to seed are durations that are drawn."""
+        """Yield the tasks; only the durations that are drawn depend on the seed."""
         chance = Chance(seed, 'arrivals {}'.format(self.name))
         for number_, task, seconds in self.rows:
             yield replace(task, duration_ns=drawn_ns(
@@ -164,19 +167,19 @@ class Listed:
 
 
 def drawn_ns(seconds: Any, uniform: Callable[[int], float]) -> int:
-    """Return a duration [ns] of the distribution ``seconds``, at least 1 ns, by ``uniform(place)`` in (0, 1)."""
+    """Return a duration [ns], at least 1, drawn from the distribution ``seconds`` by ``uniform(place)`` in (0, 1)."""
     return max(1, seconds_to_ns(min(seconds.draw(uniform), MAX_SECONDS)))
 
 
 def merged(arrivals: Sequence[Union[Listed, Poisson]], seed: int) -> Iterable[Task]:
-    """Return an iterator of all tasks in the order of their instants; at one instant, of the entry that comes first."""
+    """Return an iterator over all tasks by their instants; at one instant, in the order of the entries."""
     return heapq.merge(*(entry.tasks(seed) for entry in arrivals), key=lambda task: task.arrival_ns)
 
 
 def read_arrivals(raw: Mapping[str, Any], places: Dict[str, Place], where: str) -> Tuple[Union[Listed, Poisson], ...]:
-    """Return what arrives, of the list ``raw``: Poisson processes and files; ``places``: {name: Place}.
+    """Return the Poisson processes and files in the list ``raw``; ``places``: {name: Place}.
 
-    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
     if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
         raise ConfigurationError('{}: arrivals: got {}; allowed: a list of at most {} entries'.format(
@@ -187,7 +190,7 @@ def read_arrivals(raw: Mapping[str, Any], places: Dict[str, Place], where: str) 
         one = _read_one(read_entry(entry, ARRIVAL_TABLE, here), places, here)
         if one.name in names:
             raise ConfigurationError("{}: name: '{}' is given to more than one entry; allowed: a name of its own "
-                                     '(where none is given, it is that of the place)'.format(here, one.name))
+                                     '(if none is given, it is the name of the place)'.format(here, one.name))
         names.add(one.name)
         arrivals.append(one)
     return tuple(arrivals)
@@ -212,7 +215,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
                                                                         ARRIVAL_TABLE[2].allowed))
     work = read_work(values, where, place.work if place else Work())
     if work.seconds is None:
-        raise ConfigurationError('{}: duration: not given, neither here nor by a place; allowed: {}'.format(
+        raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
             where, _DURATION.allowed))
     until_ns = LAST_NS if values['until'] is None else seconds_to_ns(values['until'])
     return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns, values['priority'])
@@ -221,7 +224,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
 def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
     """Return the place ``name``.
 
-    :raises ConfigurationError: if there is none.
+    :raises ConfigurationError: if there is no such place; the text names ``where`` and some places that exist.
     """
     if name not in places:
         raise ConfigurationError('{}: place: got {}; allowed: {}'.format(
@@ -236,7 +239,7 @@ def _read_file(name: str, values: Mapping[str, Any], rates: List[Optional[float]
     others += [key for key, rate in zip(('rate', 'rate_per_hour'), rates) if rate is not None]
     others += [key for key in ('power', 'energy', 'duration_cv', 'priority') if values[key]]
     if others:
-        raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
+        raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
             where, others[0], shown(values[others[0]])))
     rows = [(index + 1, *_task_of(row, index, name, places, here))
             for index, (here, row) in enumerate(_rows(path, where))]
@@ -246,7 +249,7 @@ def _read_file(name: str, values: Mapping[str, Any], rates: List[Optional[float]
 
 
 def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
-    """Yield (where a row is, mapping) of a file of tasks, a table or YAML."""
+    """Yield (location for messages, mapping) of each row of a file of tasks, CSV or YAML."""
     if path.endswith('.csv'):
         with open_csv(path) as stream:
             for index, (here, row) in enumerate(rows_of(stream, path)):
@@ -258,7 +261,8 @@ def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
         raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ARRIVAL_TABLE[7].allowed))
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['tasks'] or not isinstance(raw['tasks'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of tasks alone'.format(path, shown(raw)))
+        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, tasks, a list'.format(
+            path, shown(raw)))
     for index, row in enumerate(raw['tasks']):
         yield '{}: tasks {}'.format(path, index), row
 
@@ -272,7 +276,7 @@ def _value(cell: str) -> Union[float, str]:
 
 def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place],
              where: str) -> Tuple[Task, Union[Constant, Lognormal]]:
-    """Return a row's :class:`Task`, but for how long it takes, and the distribution of that."""
+    """Return (the :class:`Task` of a row without its duration, the distribution of the duration)."""
     values = read_entry(row, _ROW, where)
     has_place, own = 'place' in row, [key for key in ('x', 'y', 'yaw') if key in row]
     if 'time' not in row or has_place == bool(own):
@@ -282,7 +286,7 @@ def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place
     work = place.work if place else Work()
     seconds = work.seconds if values['duration'] is None else Constant(values['duration'])
     if seconds is None:
-        raise ConfigurationError('{}: duration: not given, neither here nor by a place; allowed: {}'.format(
+        raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
             where, _DURATION.allowed))
     pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
     return Task('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), place.name if place else '', pose, 0,

@@ -42,15 +42,16 @@ LEFT = aborted('The robot has left the place of its task.')
 class PlaceTaskRunner(TimedTaskRunner):
     """The life of one robot's tasks at places, from the goal to the ending.
 
-    ``stream`` is the robot's, which is told and heard; ``client`` (TaskClient). ``robot`` (Robot), or None of a robot
-    that is not known here: nobody asks where it stands. ``seed`` and ``robot_name`` are of what is drawn for tasks that
-    do not say how long they take. ``has_failed()``: whether the robot cannot work now.
+    ``stream``: the robot's stream of events, for telling and hearing; ``client`` (TaskClient): the client of the goals;
+    ``robot`` (Robot), None: the robot is not known here, so its pose is not checked. ``seed`` and ``robot_name``
+    determine the durations that are drawn for tasks without one. ``has_failed()`` returns whether the robot cannot work
+    now.
     """
 
     def __init__(self, rooms: Rooms, robot_index: int, robot_name: str, seed: int, stream: Stream, client: TaskClient,
                  robot: Optional[Robot] = None, progress_frequency: float = 0.0,
                  has_failed: Callable[[], bool] = lambda: False) -> None:
-        #: the book of its goals
+        #: the GoalLedger of its goals
         self.ledger = GoalLedger(client.publish_status, self._ended, client.new_id)
         super().__init__(rooms.simulation, robot_index, self.ledger, None, self._work_begins, client.progress,
                          progress_frequency, client.is_progress_heard)
@@ -70,9 +71,9 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._ticket: Optional[int] = None
         self._is_admitted = False
         self._asked_ns = 0
-        self._done_ns = self._left_ns = 0  # of the task, when it had to give way
+        self._done_ns = self._left_ns = 0  # the time worked and the time left when the task had to give way
         self._draws = False
-        self._waits: Optional[GoalRecord] = None  # the record of the goal that waits, where that has been told
+        self._waits: Optional[GoalRecord] = None  # the record of the goal that waits, once that has been reported
 
     @property
     def is_waiting(self) -> bool:
@@ -85,11 +86,11 @@ class PlaceTaskRunner(TimedTaskRunner):
         return self._end is not None
 
     def waited_ns(self, now_ns: int) -> int:
-        """Return for how long the latest task has waited [ns]."""
+        """Return the time that the latest task has waited [ns]."""
         return (now_ns if self._is_pending else self._began_ns) - self._asked_ns - self._done_ns
 
     def elapsed_ns(self, now_ns: int) -> int:
-        """Return for how long the latest task has been worked on [ns]."""
+        """Return the time that the robot has worked on the latest task [ns]."""
         return self._done_ns + super().elapsed_ns(now_ns)
 
     @property
@@ -98,7 +99,10 @@ class PlaceTaskRunner(TimedTaskRunner):
 
     @guarded
     def take(self, goal_id: str, stamp_ns: int, task: Task, now_ns: int, fault: Optional[str] = None) -> None:
-        """Take the goal ``task`` (Task) in; the task that was under way is ended by it. ``fault``: what is wrong."""
+        """Take in the goal ``task`` (Task); it ends the task that is under way.
+
+        ``fault``: a text that says why the goal cannot be done, None: nothing is known to be wrong.
+        """
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
@@ -126,7 +130,7 @@ class PlaceTaskRunner(TimedTaskRunner):
 
     @guarded
     def _moved(self, event: Union[Departed, Stands]) -> None:
-        """The robot has set out or stands elsewhere: its task ends where that is too far away."""
+        """Note that the robot has departed or stands elsewhere: if that is too far away, its task ends."""
         if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
             self.shut_down(LEFT, event.time_ns)
 
@@ -150,18 +154,18 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._end_waiting(due_ns)
         record: Any = self._ledger.active
         self._begin(record, self._left_ns or self._length_ns(self._task), due_ns)
-        if self._end is None:  # no task takes so long
+        if self._end is None:  # the task would take too long, so it has not begun
             self._stop()
 
     @guarded
     def _refused(self, waiting: int) -> None:
-        """There is neither room nor a place to wait."""
+        """Abort the goal, since there is neither room nor a free place in the queue, where ``waiting`` robots wait."""
         self._ticket = None
         self._ledger.finish(aborted(REFUSED.format(self._task.place, waiting)), self._simulation.now_ns)
 
     @guarded
     def _give_way(self, due_ns: int) -> None:
-        """Somebody more urgent works: what is left is done later."""
+        """Interrupt the work for a robot with a higher priority; the rest is done later."""
         self._left_ns = self._began_ns + self._duration_ns - due_ns
         self._done_ns += self._duration_ns - self._left_ns
         self._halt()
@@ -195,7 +199,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         now_ns = self._simulation.now_ns
         if self._is_pending:
             self._began_ns = now_ns
-        with ExitStack() as rest:  # which comes whatever goes wrong: the latter one first
+        with ExitStack() as rest:  # these callbacks run even if there is an error; the last one runs first
             rest.callback(self._give_ticket_back, now_ns)
             rest.callback(self._stop_drawing, now_ns)
             self._end_waiting(now_ns)
@@ -211,7 +215,7 @@ class PlaceTaskRunner(TimedTaskRunner):
             self._room.give_back(ticket, now_ns)
 
     def _length_ns(self, task: Task) -> int:
-        """Return how long the work takes [ns]: as the task says, else as one drawn for its place."""
+        """Return the duration of the work [ns]: that of the task, or if it has none, one drawn for its place."""
         if task.duration_ns:
             return task.duration_ns
         chance = self._chance = self._chance or Chance(self._seed, self._robot_name)
@@ -225,7 +229,7 @@ class PlaceTaskRunner(TimedTaskRunner):
             return 'place: got {}; allowed: {}'.format(
                 shown_text(task.place), ', '.join(list(places)[:10]) or 'none: there are no places')
         if not task.duration_ns and (not task.place or places[task.place].work.seconds is None):
-            return 'duration: got 0 s and no place that says one; allowed: > 0 s'
+            return 'duration: got 0 s and no place that has one; allowed: > 0 s'
         for name in ('power', 'energy'):
             value = getattr(task, name)
             if not (math.isfinite(value) and value >= 0.0):

@@ -19,13 +19,16 @@ from ..common.unknown_keys import check_keys
 from ..engine.factors import Constant, Gamma, Lognormal
 from ..motion.geometry import Pose2D
 
-MIN_SECONDS, MAX_SECONDS = 1e-9, 2.0 ** 31 - 1.0  # of a duration in ROS that is not 0
+MIN_SECONDS, MAX_SECONDS = 1e-9, 2.0 ** 31 - 1.0  # the limits of a ROS duration that is not 0
 MAX_PLACES = 100_000
 _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 
 
 def place_name(value: object) -> str:
-    """Return ``value`` if it can be the name of a place."""
+    """Return ``value`` if it can be the name of a place.
+
+    :raises ValueError: if it cannot.
+    """
     if not isinstance(value, str) or not is_robot_name(value):
         raise ValueError
     return value
@@ -33,9 +36,9 @@ def place_name(value: object) -> str:
 
 NAME = Parameter('name', None, place_name, ROBOT_NAME_RULE)
 _MOST = 2 ** 31 - 1
-#: of what waits where there is no room
+#: the priority of a task or an order; where there is no room, a higher one comes first
 PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), 'a whole number of 32 bits')
-#: what work takes, of a place and of arrivals
+#: the time and energy of work, as keys of a place and of arrivals
 WORK_TABLE = (
     Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS),
               'a number in {:g}..{:.0f} [s, simulated]'.format(MIN_SECONDS, MAX_SECONDS)),
@@ -62,7 +65,11 @@ PLACE_TABLE = (
 
 @dataclass(frozen=True)
 class Work:
-    """What work takes: ``seconds`` (as of :mod:`factors`; None: not said), ``power`` [W], and ``energy`` [J] in all."""
+    """The time and energy of work.
+
+    ``seconds``: the distribution of its duration [s], one of :mod:`.factors`, None: not given; ``power`` [W];
+    ``energy`` [J]: in total, in addition to the power.
+    """
 
     seconds: Any = None
     power: float = 0.0
@@ -71,10 +78,11 @@ class Work:
 
 @dataclass(frozen=True)
 class Place:
-    """A place: pose (Pose2D, global frame), how many may work there at once (None: any number), and how near.
+    """A place where robots work.
 
-    ``reach`` [m]: a robot that is no farther away is there. ``queue``: how many may wait (None: any number);
-    ``preemption``: whether a task of higher priority takes the place of another one.
+    ``pose`` (Pose2D, global frame); ``capacity``: the number of robots that may work there at once (None: any number);
+    ``reach`` [m]: a robot that is no farther away is at the place; ``queue``: the number of robots that may wait (None:
+    any number); ``preemption``: whether a task with a higher priority interrupts another one.
     """
 
     name: str
@@ -86,14 +94,14 @@ class Place:
     preemption: bool = False
 
     def holds(self, pose: Pose2D) -> bool:
-        """Return whether a robot at ``pose`` (Pose2D) is there."""
+        """Return whether a robot at ``pose`` (Pose2D) is at this place."""
         return math.hypot(pose.x - self.pose.x, pose.y - self.pose.y) <= self.reach
 
 
 def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
     """Return {name: :class:`Place`} of the list ``raw``.
 
-    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
     if not isinstance(raw, list) or len(raw) > MAX_PLACES:
         raise ConfigurationError('{}: places: got {}; allowed: a list of at most {} places'.format(
@@ -106,7 +114,7 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
         if name in places:
             raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
         if values['capacity'] is None and (values['queue'] is not None or values['preemption']):
-            raise ConfigurationError('{}: capacity: not given, with {}; allowed: >= 1 then'.format(
+            raise ConfigurationError('{}: capacity: not given, but {} is; allowed: >= 1 with it'.format(
                 here, 'preemption' if values['queue'] is None else 'queue'))
         places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
                              values['reach'], read_work(values, here), values['queue'], values['preemption'])
@@ -114,7 +122,10 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
 
 
 def read_entry(entry: Union[Dict[str, Any], str], table: Tuple[Parameter, ...], where: str) -> Dict[str, Any]:
-    """Return {name: value} for each Parameter of ``table``, from a mapping that has no other keys."""
+    """Return {name: value} for each Parameter of ``table``, from the mapping ``entry``.
+
+    :raises ConfigurationError: if ``entry`` is no mapping, or has other keys, or a value is not allowed.
+    """
     if not isinstance(entry, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping'.format(where, shown(entry)))
     check_keys(entry, tuple(parameter.name for parameter in table), where, '')
@@ -122,11 +133,14 @@ def read_entry(entry: Union[Dict[str, Any], str], table: Tuple[Parameter, ...], 
 
 
 def read_work(values: Mapping[str, Any], where: str, default: Work = Work()) -> Work:
-    """Return the :class:`Work` in ``values`` (of :data:`WORK_TABLE`); ``default`` where it says no duration."""
+    """Return the :class:`Work` in ``values`` (of :data:`WORK_TABLE`); what is not given there is as in ``default``.
+
+    :raises ConfigurationError: if the distribution does not fit the duration and its coefficient of variation.
+    """
     kind, mean, cv = values['duration_distribution'], values['duration'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0) or (kind in _FACTORS and not mean):
         raise ConfigurationError('{}: duration_cv: got {:g} with duration: {} and duration_distribution: {}; allowed: '
-                                 '> 0 with {}, and a duration > 0 then; else 0'.format(
+                                 '> 0 with {}, and then a duration > 0; otherwise 0'.format(
                                      where, cv, mean, kind, ' and '.join(_FACTORS)))
     if mean is None:
         return Work(default.seconds, values['power'] or default.power, values['energy'] or default.energy)

@@ -1,4 +1,4 @@
-"""Room for some at a place: who works, who waits, who is refused, and who has to give way."""
+"""Limited room at a place: which robots work, which wait, which are refused, and which must give way."""
 from __future__ import annotations
 
 import bisect
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 from ..common.ros_names import natural_order
 from .places import Place
 
-#: who is let in is decided behind all that robots and users do at an instant
+#: the decision about who comes in is made after everything that robots and users do at an instant
 _ADMISSION_INDEX = 2 ** 31 - 1
 #: a function that takes an instant [ns]
 Admission = Callable[[int], object]
@@ -22,10 +22,12 @@ Admission = Callable[[int], object]
 
 @dataclass
 class Guest:
-    """Somebody who asks for room: a robot, how urgent it is, and what it is told.
+    """A robot that asks for room: its priority, and functions that tell it the answer.
 
-    ``begin(due_ns)``: there is room; ``wait(due_ns)``: there is none yet, or no more; ``refuse(waiting)``: so many
-    wait already, and no more may. Each is told at the end of the instant.
+    ``begin(due_ns)`` is called if there is room, ``wait(due_ns)`` if there is none yet, and ``refuse(waiting)`` if no
+    more robots than the ``waiting`` ones may wait. All of these are called at the end of the instant.
+    ``give_way(due_ns)`` is called if the robot works and must make room for a more urgent one. ``due_ns`` is the
+    instant [ns].
     """
 
     robot_index: int
@@ -37,19 +39,20 @@ class Guest:
     priority: int = 0
     since_ns: int = 0
     ticket: int = 0
-    is_settled: bool = False  # has been told to wait: it is not refused any more
+    is_settled: bool = False  # it has been told to wait, so it is not refused any more
 
     @property
     def key(self) -> Tuple[Any, ...]:
-        """Who comes first: a higher priority, who came first, by name; in zones and on lanes it is the same."""
+        """The order of robots: by priority (higher first), then by arrival, then by name; as in zones and on lanes."""
         return -self.priority, self.since_ns, natural_order(self.robot_name), self.ticket
 
 
 class Room:
-    """Who works at a :class:`.Place` that has a capacity, and who waits: by priority, first come, by name.
+    """Decides which robots work at a :class:`.Place` that has a capacity, and which wait, in the order of Guest.key.
 
-    With ``preempts`` a guest of higher priority takes the place of the one who would come last of all who work; that
-    one waits again, as who comes now, even where the queue is full. ``queue``: how many newcomers may wait.
+    If the place has ``preemption``, a guest with a higher priority takes the room of the one that comes last of all
+    that work. That one waits again, as if it came now, even if the queue is full. The place's ``queue`` is the number
+    of newcomers that may wait.
     """
 
     def __init__(self, queue: EventQueue, place: Place) -> None:
@@ -75,18 +78,18 @@ class Room:
         return tuple(guest.robot_name for guest in self._waiting)
 
     def follow(self, changed: Callable[[], object]) -> None:
-        """Call ``changed()`` when somebody else works or waits."""
+        """Call ``changed()`` whenever other robots work or wait."""
         self._followers.append(changed)
 
     def ask(self, guest: Guest, now_ns: int) -> int:
-        """Have ``guest`` told at the end of this instant whether it begins, waits or is refused; return a ticket."""
+        """Ask for room for ``guest``; return a ticket. The guest gets its answer at the end of the instant."""
         guest.ticket, guest.since_ns, guest.is_settled = next(self._numbers), now_ns, False
         self._line_up(guest)
         self._look(now_ns)
         return guest.ticket
 
     def give_back(self, ticket: int, now_ns: int) -> None:
-        """Who got the ``ticket`` waits or works no more."""
+        """Note that the robot with ``ticket`` no longer waits or works."""
         self._working.pop(ticket, None)
         self._waiting = [guest for guest in self._waiting if guest.ticket != ticket]
         self._look(now_ns)
@@ -114,7 +117,7 @@ class Room:
         self._changed()
 
     def _make_way(self, due_ns: int) -> bool:
-        """Have the one who works and would come last wait, if the first one who waits is more urgent."""
+        """Interrupt the last robot that works if the first one that waits is more urgent; return whether it was."""
         if not self._preempts:
             return False
         last = max(self._working.values(), key=lambda one: one.key)
@@ -141,7 +144,7 @@ class Room:
 
 
 class Rooms:
-    """The places (``{name: Place}``) of a world and the room at each."""
+    """The places ({name: Place}) of a world, and the :class:`Room` at each of them."""
 
     def __init__(self, simulation: Simulation, places: Dict[str, Place]) -> None:
         self.simulation = simulation
@@ -150,9 +153,9 @@ class Rooms:
                        if place.capacity is not None}
 
     def of(self, place: str) -> Optional[Room]:
-        """Return the :class:`Room` at the place of this name, or None: there is no end of it."""
+        """Return the :class:`Room` at the place of this name, or None if any number of robots may work there."""
         return self._rooms.get(place)
 
     def place_of(self, task: Task) -> Place:
-        """Return the Place of a Task; of one without a name the place that its pose is."""
+        """Return the Place of a Task; if the task names none, a place at its pose."""
         return self.places[task.place] if task.place else Place('its place', task.pose)

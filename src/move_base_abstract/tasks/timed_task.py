@@ -16,7 +16,7 @@ DONE = Outcome(GoalState.SUCCEEDED, 'Task done.')
 
 
 class DrawnDurations:
-    """Durations drawn evenly from ``mean`` -+ ``spread`` [s], by a generator of the seed and the robot's index alone.
+    """Durations drawn evenly from ``mean`` -+ ``spread`` [s]; they depend only on the seed and the robot's index.
 
     :raises ValueError: if not 0 <= spread <= mean.
     """
@@ -36,7 +36,7 @@ class DrawnDurations:
 
 
 class Durations(Protocol):
-    """What draws durations: :class:`DrawnDurations`, or a user's own."""
+    """An object that draws durations: :class:`DrawnDurations`, or a user's own."""
 
     def draw_ns(self) -> int:
         """Return the next duration [ns]."""
@@ -46,10 +46,10 @@ class Durations(Protocol):
 class TimedTaskRunner:
     """The life of one robot's tasks, from the goal to the ending, which ``ledger`` (GoalLedger) publishes.
 
-    ``durations`` is for goals that do not say how long. ``on_begin(record, duration_ns, now_ns)`` and
-    ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` are told of the task that is worked on, the second one
-    ``progress_frequency`` times a simulated second and, unless that is 0, at the end; ``is_heard``: as of
-    :class:`Series`. Not thread-safe: as the simulation.
+    ``durations`` draws the durations of goals that have none. ``on_begin(record, duration_ns, now_ns)`` is called when
+    the work begins. ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` is called ``progress_frequency`` [Hz,
+    simulated] times a second while the robot works and, unless that is 0, at the end. ``is_heard``: as in
+    :class:`Series`. Not thread-safe, just as the simulation.
     """
 
     def __init__(self, simulation: Simulation, robot_index: int, ledger: GoalLedger,
@@ -65,17 +65,17 @@ class TimedTaskRunner:
         self._on_progress = on_progress
         self._progress = simulation.series(robot_index, progress_frequency, self._tell_progress,
                                            only_tells=True, is_heard=is_heard)
-        self._end = None  # the event
+        self._end = None  # the event at which the work ends
         self._began_ns = 0
         self._duration_ns = 0
 
     def elapsed_ns(self, now_ns: int) -> int:
-        """Return for how long the latest task has been worked on [ns]."""
+        """Return the time that the robot has worked on the latest task [ns]."""
         return min(now_ns - self._began_ns, self._duration_ns)
 
     @guarded
     def receive(self, goal_id: str, stamp_ns: int, duration_ns: int, now_ns: int) -> None:
-        """Take a goal in; the task that was under way is ended by it. ``duration_ns`` 0: draw one."""
+        """Take in a goal; it ends the task that is under way. ``duration_ns`` [ns], 0: draw a duration."""
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
@@ -83,7 +83,7 @@ class TimedTaskRunner:
         self._begin(record, duration_ns or self._durations.draw_ns(), now_ns)  # type: ignore[union-attr]
 
     def _begin(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
-        """Work on the goal ``record`` for ``duration_ns`` [ns] from now on, if that is possible."""
+        """Work on the goal ``record`` for ``duration_ns`` [ns] from now on. If that is not possible, abort the goal."""
         self._began_ns = now_ns
         self._duration_ns = duration_ns
         fault = _duration_fault(duration_ns, now_ns)
@@ -98,19 +98,19 @@ class TimedTaskRunner:
 
     @guarded
     def cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> None:
-        """Take a cancel request in, as of GoalLedger.cancel; the task ends at once."""
+        """Take in a cancel request, as GoalLedger.cancel does; a task that it concerns ends at once."""
         if self._ledger.cancel(goal_id, stamp_ns, now_ns):
             self._stop()
             self._ledger.finish(CANCELLED, now_ns)
 
     @guarded
     def shut_down(self, outcome: Outcome, now_ns: int) -> None:
-        """End the task that is under way with an Outcome."""
+        """End the task that is under way with ``outcome``."""
         self._stop()
         self._ledger.finish(outcome, now_ns)
 
     def restart(self, before_ns: int, now_ns: int) -> None:
-        """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
+        """Go on after a restart of the clock: it was at ``before_ns`` [ns] and is at ``now_ns`` [ns] now.
 
         The task that is under way is aborted.
         """
@@ -127,7 +127,7 @@ class TimedTaskRunner:
         self._ledger.finish(DONE, due_ns)
 
     def break_off(self, error: Any) -> None:
-        """Whatever the task was about has ended in the exception ``error``: it ends with its text."""
+        """End the task after the exception ``error``, with a text from that."""
         now_ns = self._simulation.now_ns
         attempt_each(self._simulation, 'the task of robot {}'.format(self._robot_index), error, (
             (self._stop,), (self._ledger.finish, aborted(fault_text(error)), now_ns)))
@@ -136,7 +136,7 @@ class TimedTaskRunner:
         self._halt()
 
     def _halt(self) -> None:
-        """Work no more."""
+        """Stop working."""
         if self._end is not None:
             self._end.cancel()
             self._end = None
@@ -149,7 +149,7 @@ class TimedTaskRunner:
 
 
 def _duration_fault(duration_ns: int, now_ns: int) -> Optional[str]:
-    """Return why no task that begins at ``now_ns`` [ns] can take ``duration_ns`` [ns], or None."""
+    """Return why a task that begins at ``now_ns`` [ns] cannot take ``duration_ns`` [ns], or None if it can."""
     if duration_ns < 0:
         return 'duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)
     try:

@@ -1,4 +1,4 @@
-"""Traffic: which robots hold a place in zones and on lanes, and which wait for whom."""
+"""Traffic: which robots hold a place in zones and on lanes, and which robots wait for a place."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

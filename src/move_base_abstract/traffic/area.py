@@ -1,4 +1,4 @@
-"""Zones and lanes as traffic sees them: how many robots they hold, which ones, and who waits for a place."""
+"""Zones and lanes as traffic sees them: the number of their places, and the robots that hold one or wait for one."""
 from __future__ import annotations
 
 from bisect import insort
@@ -10,7 +10,11 @@ if TYPE_CHECKING:
 
 
 class AreaState(NamedTuple):
-    """A ``kind`` 'zone' or 'lane': robots that hold a place, and robots that wait for one, first come first."""
+    """The state of an area of the ``kind`` 'zone', 'lane' or 'group'.
+
+    ``robots`` hold a place, in the order of their indices. ``waiting`` wait for one, in the order of the queue.
+    ``capacity``: the number of places, None: any number.
+    """
 
     kind: str
     name: str
@@ -21,7 +25,11 @@ class AreaState(NamedTuple):
 
 
 class Area:
-    """A zone with its ``outline`` (Outline), or a lane without; its ``name`` is as 'zone gate', 'lane depot - gate'."""
+    """A zone with its ``outline`` (Outline), or a lane or a group, which have no outline.
+
+    Its ``name`` contains the kind, for example 'zone gate' or 'lane depot - gate'. A robot that is in the area holds a
+    place there; ``capacity`` is the number of places, None: any number.
+    """
 
     def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None,
                  group: Optional[Area] = None) -> None:
@@ -29,55 +37,59 @@ class Area:
         self._kind_and_name = kind, name
         self.capacity = capacity
         self.outline = outline
-        #: the area of its group, in which who is here has a place, too
+        #: the area of its group, in which a robot in this area holds a place, too
         self.group = group
-        self._members: List[Area] = []  # of this group, those with an outline
+        self._members: List[Area] = []  # the areas of this group that have an outline
         if group is not None and outline is not None:
             group._members.append(self)
         self.is_closed = False
-        self.is_told = False  # for how many it has room
+        self.is_told = False  # whether its capacity has been reported
         self._state: Optional[AreaState] = None
         self.queue: List[Request] = []  # in their order
-        self.watchers: List[Request] = []  # who asks for a place before this one, and goes on only if there is one here
+        self.watchers: List[Request] = []  # requests for places in other areas that also need room in this one
         self.holders: Dict[Traveller, bool] = {}  # in the order in which they came
 
     def has_room(self) -> bool:
-        """Return whether one more may come in."""
+        """Return whether one more robot may come in."""
         return not self.is_closed and not self.is_full()
 
     def is_full(self) -> bool:
-        """Return whether as many as there is place for, or more, hold one."""
+        """Return whether all places are taken (or even more robots than that are inside)."""
         return self.capacity is not None and len(self.holders) >= self.capacity
 
     def first(self, traveller: Optional[Traveller] = None) -> Optional[Request]:
-        """Return the first request, or the first that ``traveller`` has to wait for, its own included.
+        """Return the first request, or the first one for which ``traveller`` has to wait; that may be its own.
 
-        Who goes on where that is safe only has no turn, nor has who lacks room ahead. Who holds a place in the group
-        waits for nobody that asks for one there.
+        Requests of robots that go on only if that is safe (``is_careful``) do not count. For ``traveller``, neither do
+        requests that lack room ahead. If ``traveller`` holds a place in the group of this area, requests for a place in
+        the group do not count either.
         """
         return next((request for request in self.queue if not request.traveller.is_careful and (
             traveller is None or not self.is_overtaken(request, traveller))), None)
 
     def is_overtaken(self, request: Request, traveller: Traveller) -> bool:
-        """Return whether a request here, not its own, does not keep ``traveller`` waiting."""
+        """Return whether ``traveller`` need not wait for ``request``, which is another robot's request here."""
         return request.traveller is not traveller and (not all(area.has_room() for area in request.ahead) or (
             self.group is not None and self.group in traveller.held and self.group in request.areas))
 
     def may_be_next(self) -> List[Request]:
-        """Return the requests that may be served next: the first one, and where others may overtake it these."""
+        """Return the requests that may be served next: the first one and, if others may overtake it, those too."""
         first = self.first()
         if first is None or (self.group is None and not first.ahead):
             return [] if first is None else [first]
         return [request for request in self.queue if not request.traveller.is_careful]
 
     def contains(self, x: float, y: float) -> bool:
-        """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
+        """Return whether a robot at (x, y) [m] is in this zone, or in a zone of this group."""
         if self.outline is not None:
             return self.outline.contains(x, y)
         return any(area.contains(x, y) for area in self._members)
 
     def load(self, traveller: Traveller) -> float:
-        """Return how many robots for each place hold one, or wait for one before ``traveller``; 0: any number."""
+        """Return the number of other robots that hold a place or wait before ``traveller``, divided by the places.
+
+        If there is place for any number of robots, the result is 0.
+        """
         if self.capacity is None:
             return 0.0
         own = traveller.request
@@ -85,11 +97,11 @@ class Area:
         return (len(self.holders) - (traveller in self.holders) + waiting) / self.capacity
 
     def changed(self) -> None:
-        """Its state is another now."""
+        """Note that its state has changed."""
         self._state = None
 
     def state(self) -> AreaState:
-        """Return the AreaState. What has not changed is not made anew."""
+        """Return the AreaState. It is made again only after a change."""
         if self._state is None:
             robots = sorted(self.holders, key=lambda one: one.index)
             self._state = AreaState(*self._kind_and_name, self.capacity, self.is_closed,
@@ -99,7 +111,10 @@ class Area:
 
 
 class Request:
-    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns]; ``ahead`` must have room, too."""
+    """The request of ``traveller`` for a place in each of ``areas``, since ``since_ns`` [ns].
+
+    The areas ``ahead`` must have room, too, but the robot gets no place in them.
+    """
 
     __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle', 'cut_off')
 
@@ -109,33 +124,33 @@ class Request:
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
-        self.is_in_circle = False  # as far as has been told
-        self.cut_off: Tuple[Any, ...] = ()  # with deadlock: avoid, who would not come to its goal any more
+        self.is_in_circle = False  # whether it is in a circle of waiting that has been reported
+        self.cut_off: Tuple[Any, ...] = ()  # robots that could not reach their goals any more, see SafeStates
         for area in areas:
             insort(area.queue, self)
         for area in ahead:
             area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
-        """Return whether this one comes first: a higher priority, who asked first, by name."""
+        """Return whether this request comes first: by priority (higher first), then by age, then by name."""
         return self.key < other.key
 
     @property
     def reason(self) -> str:
-        """For what the robot is held."""
+        """The reason for which the robot is held: the names of the areas."""
         return ', '.join(area.name for area in (*self.areas, *self.ahead))
 
     def has_room(self) -> bool:
-        """Return whether there is a place in all areas."""
+        """Return whether all areas have room, including those ahead."""
         return all(area.has_room() for area in self.areas) and all(area.has_room() for area in self.ahead)
 
     def is_first(self) -> bool:
-        """Return whether there is a place in all the areas, and nobody comes before."""
+        """Return whether all areas have room and no other request comes before this one."""
         firsts = [area.first(self.traveller) for area in self.areas]
         return all(one is None or not one < self for one in firsts) and self.has_room()
 
     def renewed(self) -> Request:
-        """Return the request that takes the place of this one, by the priority that its robot has now."""
+        """Withdraw this request; return one that replaces it, with the present priority of its robot."""
         self.withdraw()
         request = Request(self.key[1], self.traveller, self.areas, self.ahead)
         request.is_in_circle = self.is_in_circle

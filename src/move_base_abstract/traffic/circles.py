@@ -1,4 +1,4 @@
-"""What becomes of circles of waiting that one robot closes: named, an aborted goal, or one that gives way."""
+"""Circles of waiting that one robot closes: each is reported, then a goal is aborted or a robot gives way."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class Circles:
-    """Those of one ``traveller`` (Traveller), by ``policy`` (DeadlockPolicy)."""
+    """Handle the circles of waiting that one ``traveller`` (Traveller) closes, by ``policy`` (DeadlockPolicy)."""
 
     def __init__(self, traveller: Traveller, policy: DeadlockPolicy, navigator: Navigator, stream: Stream) -> None:
-        #: the legs that it has driven since it held no place, (leg, how far [m])
+        #: the legs that the robot has driven since it last held no place: (leg, distance driven on it [m])
         self.driven: List[Tuple[Any, float]] = []
         self._traveller = traveller
         self._policy = policy
@@ -32,11 +32,11 @@ class Circles:
             stream.subscribe('traffic', {Held: self._look_again})
 
     def look(self, now_ns: int) -> None:
-        """The robot waits, and may close circles of waiting: name each once, and have one give way if that is chosen.
+        """Report each circle of waiting that the robot closes, once, and resolve it as the policy says.
 
-        Who gives way is not in any circle any more, so that each of them has an end.
+        A robot that gives way is in no circle any more, so the loop ends.
         """
-        while self._traveller.request is not None:  # None: it was broken off, or gave way
+        while self._traveller.request is not None:  # None: its goal was broken off, or it gave way
             circle = waiting_circle(self._traveller.request)
             requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
             if circle is None or all(one.is_in_circle for one in requests):
@@ -55,12 +55,15 @@ class Circles:
             traveller.serve(lambda one, at_ns, way=way: one.gives_way(way, at_ns), now_ns)  # type: ignore[misc]
 
     def way_back(self) -> Optional[WayBack]:
-        """Return the way back to where it holds no place, or None: there is none, or something else holds it, too."""
+        """Return the way back to where the robot holds no place.
+
+        The result is None if there is no such way, or if the robot is also held for another reason.
+        """
         one = self._traveller
         return way_back(self.driven, one.held, one.stays, one.edges) if one.waits_only else None
 
     def _look_again(self, event: Held) -> None:
-        """Nothing else holds it any more: in a circle that there is still, it may give way now."""
+        """If the robot is in a circle and no other reason holds it any more, look again: it may give way now."""
         request = self._traveller.request
         if request is not None and request.is_in_circle and self._traveller.waits_only:
             request.is_in_circle = False
@@ -72,15 +75,15 @@ class Circles:
         self._tell(Deadlock(now_ns, name, tuple(part for pair in pairs for part in pair)))
         what = ''
         if self._policy is DeadlockPolicy.ABORT:
-            what = ' The goal of {}, who closed it, is aborted.'.format(name)
+            what = ' The goal of {}, which closed it, is aborted.'.format(name)
         elif self._policy is DeadlockPolicy.RETREAT:
-            what = ' {} gives way.'.format(yields.name) if yields else ' None of them has anywhere to go.'
+            what = ' {} gives way.'.format(yields.name) if yields else ' None of them can give way.'
         self._tell(Warned(now_ns, name, 'Robots wait for one another in a circle: {}.{}'.format(
             '; '.join('{} for {}'.format(*pair) for pair in pairs), what)))
 
 
 def _who_gives_way(circle: Sequence[Tuple[Traveller, Area]]) -> Optional[Tuple[Traveller, WayBack]]:
-    """Return the first one of those who are to give way that has a way back, and that way, or None."""
+    """Return (the first robot that should give way and has a way back, that way), or None if there is none."""
     for traveller in who_gives_way(circle):
         way = traveller.circles.way_back()
         if way is not None:

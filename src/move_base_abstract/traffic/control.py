@@ -1,8 +1,9 @@
-"""Traffic: zones and lanes with place for some robots only, on top of Travel.hold.
+"""Traffic: zones and lanes with place for a limited number of robots, on top of Travel.hold.
 
-A robot asks for a place when it comes to the border. If there is none it waits there, outside, its goal active; first
-come, first served, at one instant by name, and nobody overtakes. It gives a place back when it
-comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
+A robot asks for a place when it comes to the border of an area. If there is none, it waits there, outside, and its goal
+stays active. Robots are served in the order in which they ask, at one instant by name, and no robot overtakes. A robot
+gives its place back when it comes to the border on its way out. If it goes from one area directly into another, it
+gives the place back when it has got a place in the other one.
 """
 from __future__ import annotations
 
@@ -29,13 +30,13 @@ if TYPE_CHECKING:
     from .area import AreaState
     from .zones import Zone
 
-_CLOSED_NS = 3600 * NS_PER_S  # what a way through a closed zone costs
+_CLOSED_NS = 3600 * NS_PER_S  # the price of a way through a closed zone
 
 
 class Traffic:
-    """The zones (Zone, ...) and lanes of one process, and who holds a place in them.
+    """The zones (Zone, ...) and lanes of one process, and the robots that hold a place in them.
 
-    Not thread-safe: as the simulation.
+    Not thread-safe, just as the simulation.
     """
 
     def __init__(self, simulation: Simulation, zones: Tuple[Zone, ...] = (),
@@ -50,12 +51,12 @@ class Traffic:
         self.zones = ZoneIndex(self._zones.values())
         self._limits = {zone.name: zone.max_speed for zone in zones if zone.max_speed is not None}
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
-        self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which who drives there has a place
-        self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
+        self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which a robot on that edge holds a place
+        self._dirty: List[Area] = []  # areas in which a place may have become free, in that order
         self._serves = False
         self._is_told = True
         self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
-        self._has_moved = False  # anything of which :meth:`may_take` depends
+        self._has_moved = False  # whether anything has changed on which :meth:`may_take` depends
 
     def _group(self, name: Optional[str]) -> Optional[Area]:
         if name is None:
@@ -66,10 +67,12 @@ class Traffic:
 
     def join(self, navigator: Navigator, network: object, stream: Stream,
              priority: int = 0) -> Optional[Traveller]:
-        """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
+        """Add a robot; return its :class:`Traveller`, or None if no zone or lane here concerns it.
 
-        ``network``: the LaneMap by which it goes, or anything else; ``stream``: the robot's, which is told and heard;
-        ``priority``: the higher comes first where it waits.
+        ``network``: the LaneMap on which the robot drives, or any other map; ``stream``: the robot's stream of events,
+        for telling and hearing; ``priority``: where robots wait, a higher priority comes first.
+
+        :raises ConfigurationError: if a zone has a speed limit and the robot's law of motion allows none.
         """
         lanes = network if isinstance(network, LaneMap) and network.has_capacities else None
         if lanes is not None:
@@ -91,7 +94,7 @@ class Traffic:
         return traveller
 
     def _put_zones_on(self, lanes: LaneMap) -> None:
-        """Note in which zones, groups and limited lanes who drives on an edge has a place."""
+        """Note for each edge the zones, groups and limited lanes in which a robot on that edge holds a place."""
         for index, edge in enumerate(lanes.edges):
             if (lanes.source, index) not in self._on_edges:
                 own = self._lanes.get((lanes.source, index))
@@ -100,10 +103,10 @@ class Traffic:
                 self._on_edges[lanes.source, index] = list(dict.fromkeys([*areas, *groups]))
 
     def price(self, traveller: Traveller, source: str, edge: int, time_ns: int) -> int:
-        """Return what the edge of a net, on which one drives for ``time_ns`` [ns], costs ``traveller`` beside it [ns].
+        """Return what an edge costs ``traveller`` in addition to the ``time_ns`` [ns] of driving on it [ns].
 
-        For each robot that holds a place there or waits for one before it, by the number of places, the price's times
-        as long; an hour for a closed zone.
+        That is ``lane_price`` x ``time_ns`` for each other robot that holds a place there, or waits for one before it,
+        divided by the number of places. Each closed zone adds an hour. ``source``: the file of the net.
         """
         areas = self._on_edges[source, edge]
         load = sum(area.load(traveller) for area in areas)
@@ -111,11 +114,11 @@ class Traffic:
         return int(self.rules.lane_price * load * time_ns) + closed * _CLOSED_NS
 
     def states(self) -> List[AreaState]:
-        """Return the AreaState of each zone, in the order of the scenario, of each counted lane, of each group."""
+        """Return the AreaState of each zone, in the order of the scenario, then of each counted lane, each group."""
         return [area.state() for area in self.areas()]
 
     def close_zone(self, name: str, is_closed: bool) -> None:
-        """Let nobody into a zone from now on, or let robots in again; who is inside stays and may leave.
+        """Close a zone, so that no robot may come in, or open it again. Robots inside stay, and may leave.
 
         :raises ConfigurationError: if there is no zone of that name.
         """
@@ -126,12 +129,12 @@ class Traffic:
         self.serve(self.simulation.now_ns)
 
     def set_zone_limit(self, name: str, max_speed: Optional[float]) -> None:
-        """Have robots drive at most at ``max_speed`` [m/s] in a zone, None: as fast as they are; at once.
+        """Limit the speed in a zone to ``max_speed`` [m/s] at once, None: no limit.
 
-        A robot that has yet to leave the zone on its way goes on from rest, by a way that is planned now.
+        A robot whose present way is in the zone, or still leads through it, goes on from rest, by a way planned anew.
 
-        :raises ConfigurationError: if there is no zone of that name, for a speed that is not allowed, and where the law
-            of motion of any robot has no room for limits.
+        :raises ConfigurationError: if there is no zone of that name, if the speed is not allowed, or if the law of
+            motion of a robot allows no limits.
         """
         area = self._zone(name)
         travellers = sorted(self._travellers, key=lambda one: one.rank)
@@ -148,7 +151,7 @@ class Traffic:
             one.serve(lambda one, at_ns: one.keep_limit(area, name, max_speed or 0.0, at_ns), self.simulation.now_ns)
 
     def limited(self, start: Pose2D, corners: Any, goal: Pose2D) -> Any:
-        """Return the way by ``corners`` with the speed limits of zones."""
+        """Return the way along ``corners`` with the speed limits of the zones."""
         zones = [(self._zones[name].outline, speed) for name, speed in self._limits.items()]
         return limited(start, corners, goal, zones) if zones else corners  # type: ignore[arg-type]
 
@@ -160,11 +163,11 @@ class Traffic:
         return area
 
     def lane(self, source: str, edge: int) -> Optional[Area]:
-        """Return the area of an edge, or None if its place is not limited."""
+        """Return the area of an edge of the net in the file ``source``, or None if its capacity is not limited."""
         return self._lanes.get((source, edge))
 
     def freed(self, area: Area) -> None:
-        """There may be place in ``area`` now: see :meth:`serve`."""
+        """Note that a place in ``area`` may have become free; :meth:`serve` then looks there."""
         if area.queue and area not in self._dirty:
             self._dirty.append(area)
         for request in area.watchers:
@@ -172,11 +175,11 @@ class Traffic:
                 self._dirty.append(request.areas[0])
 
     def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
-        """Return whether ``traveller`` may have one of the places in ``areas``; see :mod:`.safe_states`."""
+        """Return whether ``traveller`` may take a place in each of ``areas``; see :mod:`.safe_states`."""
         return not traveller.is_careful or not areas or is_safe(self._travellers, traveller, areas)
 
     def left_by(self, traveller: Traveller) -> None:
-        """``traveller`` is no more."""
+        """Note that ``traveller`` has been removed."""
         self._travellers.pop(traveller, None)
 
     def areas(self) -> List[Area]:
@@ -184,20 +187,20 @@ class Traffic:
         return [*self._zones.values(), *self._lanes.values(), *self._groups.values()]
 
     def changed(self, *areas: Area) -> None:
-        """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
+        """Note that other robots hold places in ``areas``, or wait for one; :meth:`serve` will report it."""
         self._is_told = False
         self._has_moved = True
         for area in areas:
             area.changed()
 
     def follow(self, changed: Callable[[], object]) -> None:
-        """Call ``changed()`` when anything in :meth:`states` is another."""
+        """Call ``changed()`` whenever anything in :meth:`states` has changed."""
         self._followers.append(changed)
 
     def serve(self, now_ns: int) -> None:
-        """Let those in, one after the other, for whom there is a place; say what has changed."""
+        """Let in, one after the other, the robots for which there is a place; then report what has changed."""
         if self._serves:
-            return  # who called it further up goes on with it
+            return  # the call of this method further up the stack goes on with it
         self._serves = True
         try:
             self._serve_in_order(now_ns)
@@ -211,7 +214,7 @@ class Traffic:
                 changed()
 
     def _serve_in_order(self, now_ns: int) -> None:
-        """Let those in who are the first where they wait."""
+        """Let in the robots that are the first where they wait."""
         while self._dirty:
             area = self._dirty[0]
             requests = area.may_be_next()
@@ -220,11 +223,11 @@ class Traffic:
                 goes_on.traveller.serve(Traveller.go_on, now_ns)
                 continue
             self._dirty.pop(0)
-            if requests:  # it may have been opened, or have held more robots than there is place for
+            if requests:  # the area may have been opened, or have held more robots than it has places
                 requests[0].traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
 
     def _serve_safely(self, now_ns: int) -> bool:
-        """Let the first one in, in the order in which they asked, who may; who may not is passed over."""
+        """Let in the first robot, in the order of requests, for which that is safe; return whether there was one."""
         if not self._has_moved:
             return False
         self._has_moved = False
@@ -237,5 +240,5 @@ class Traffic:
 
 def _check_law(navigator: Navigator) -> None:
     if not navigator.robot.keeps_piece_limits:
-        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, knows no limits of "
-                                 'zones; allowed: zones without max_speed'.format(navigator.robot.name))
+        raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, allows no speed "
+                                 'limits of zones; allowed: zones without max_speed'.format(navigator.robot.name))

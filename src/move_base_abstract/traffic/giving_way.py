@@ -1,7 +1,7 @@
-"""Who gives way where robots wait for one another in a circle, and by which way it drives back (deadlock: retreat).
+"""Which robot of a circle of waiting gives way, and by which way it drives back (deadlock: retreat).
 
-Of a circle the robot gives way that would be served last: the lowest priority, then who asked last, then by name. It
-drives back along the way that it came by, up to the first place at which it holds no place in any area.
+The robot of the circle that would be served last gives way: the one with the lowest priority, then the one that asked
+last, then by name. It drives back along the way by which it came, up to the first point at which it is in no area.
 """
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Point = Tuple[float, float]
 
 
 class Piece(NamedTuple):
-    """A straight piece of a way that was driven, from ``begin`` to ``end`` [m], on the edge ``lane`` or none."""
+    """A straight piece of a way that was driven, from ``begin`` to ``end`` [m], on the edge ``lane``, None: on none."""
 
     begin: Point
     end: Point
@@ -34,12 +34,12 @@ class Piece(NamedTuple):
 
     @property
     def length(self) -> float:
-        """How long it is [m]."""
+        """Its length [m]."""
         return math.dist(self.begin, self.end)
 
 
 class WayBack(NamedTuple):
-    """A way from ``start`` (Pose2D) by ``corners`` (PlannedWay) to ``goal`` (Pose2D), ``distance`` [m] long."""
+    """A way from ``start`` (Pose2D) along ``corners`` (PlannedWay) to ``goal`` (Pose2D), ``distance`` [m] long."""
 
     start: Pose2D
     corners: PlannedWay
@@ -48,12 +48,15 @@ class WayBack(NamedTuple):
 
     @property
     def way(self) -> Tuple[Point, ...]:
-        """The places between which it goes straight."""
+        """The points ((x, y), ...) [m] between which it is straight, from its start to its goal."""
         return (self.start.x, self.start.y), *self.corners, (self.goal.x, self.goal.y)
 
 
 def who_gives_way(circle: Sequence[Tuple[Traveller, Area]]) -> List[Traveller]:
-    """Return the robots of a ``circle`` ((Traveller, Area), ...) that another one waits for in the area, last first."""
+    """Return the robots of ``circle`` ((Traveller, Area), ...) that may give way, those that are served last first.
+
+    A robot may give way only if it holds a place in the area for which the robot before it in the circle waits.
+    """
     holders = [one for one, (_, area) in zip([*(pair[0] for pair in circle[1:]), circle[0][0]], circle)
                if area in one.held]
     return sorted(holders, key=lambda one: one.request.key, reverse=True)  # type: ignore[union-attr]
@@ -61,16 +64,17 @@ def who_gives_way(circle: Sequence[Tuple[Traveller, Area]]) -> List[Traveller]:
 
 def way_back(driven: Iterable[Tuple[Any, float]], held: Dict[Area, bool],
              stays_of: Callable[[Any], Sequence[Stay]], edges: Sequence[Edge] = ()) -> Optional[WayBack]:
-    """Return the way back along legs that were ``driven`` [(leg, how far [m]), ...] to where no place is held, or None.
+    """Return the way back along the legs that were ``driven`` to where the robot is in no area, or None.
 
-    ``held``: the areas in which there is a place; others on the way back must have room now. ``stays_of(way)``: where
-    a way is in areas; ``edges``: those of the net, by their indices.
+    ``driven``: [(leg, distance driven on it [m]), ...]; ``held``: the areas in which the robot holds a place; other
+    areas on the way back must have room now. ``stays_of(way)`` returns the Stays of a way; ``edges``: the edges of the
+    net by their indices.
     """
     pieces = _without_loops([Piece(piece.end, piece.begin, piece.limit, piece.lane)
                              for leg, length in driven for piece in _pieces(leg, length)][::-1])
     if not pieces:
         return None
-    end, lane = pieces[-1].end, pieces[-1].lane  # who began half way on a lane is still on it there
+    end, lane = pieces[-1].end, pieces[-1].lane  # a robot that began half-way on a lane is still on it there
     on_lane = lane is not None and all(math.dist(end, edges[lane].points[side]) > NEAR for side in (0, -1))
     stays = [stay for stay in with_groups(stays_of(_way(pieces, on_lane))) if stay.area.capacity is not None]
     length = _first_free(stays)
@@ -81,7 +85,7 @@ def way_back(driven: Iterable[Tuple[Any, float]], held: Dict[Area, bool],
 
 
 def _without_loops(pieces: Sequence[Piece]) -> List[Piece]:
-    """Return the way without what leads back to where it has been: who was stopped may have turned round."""
+    """Return the way without its loops; a robot that was stopped may have turned round."""
     kept: List[Piece] = []
     for piece in pieces:
         kept.append(piece)
@@ -101,7 +105,7 @@ def _pieces(leg: Any, length: float) -> List[Piece]:
 
 
 def _cut(pieces: Sequence[Piece], length: float) -> List[Piece]:
-    """Return what lies within the first ``length`` [m]."""
+    """Return the first ``length`` [m] of ``pieces``."""
     found: List[Piece] = []
     for piece in pieces:
         whole = piece.length
@@ -126,7 +130,7 @@ def _way(pieces: Sequence[Piece], ends_on_lane: bool = False) -> WayBack:
 
 
 def _first_free(stays: Sequence[Stay]) -> Optional[float]:
-    """Return the first distance [m] at which one of ``stays`` ends and none goes on, or None."""
+    """Return the first distance [m] at which one of ``stays`` ends and no other one goes on, or None."""
     ends = sorted(stay.end for stay in stays if stay.end is not None and stay.end > BORDER)
     return next((end for end in ends if not any(
         stay.begin < end - BORDER and (stay.end is None or stay.end > end + BORDER) for stay in stays)), None)

@@ -1,7 +1,7 @@
-"""The outline of an area in the plane: whether it holds a place, and which pieces of a way lie inside.
+"""The outline of an area in the plane: whether a point is inside, and which pieces of a way are inside.
 
-Inside is what lies more than a micrometre from the border, so that no answer hangs on how a number was rounded: who
-stands on the border, touches a corner or goes along an edge is outside.
+A point is inside if it is more than a micrometre from the border, so no answer depends on how a number was rounded. A
+robot that stands on the border, touches a corner or drives along an edge is outside.
 """
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from typing import List, Optional, Sequence, Tuple
 
 from ..motion.geometry import share_along
 
-BORDER = 1e-6  # m; as near as this is on the border
+BORDER = 1e-6  # m; a point as near to the border as this is on it
 MAX_POINTS = 200
 
 
 class Outline:
-    """A simple polygon of ``points`` ((x, y), ...) [m], in either direction; the last one may repeat the first.
+    """A simple polygon with the corners ``points`` ((x, y), ...) [m], in either direction.
+
+    The last point may repeat the first.
 
     :raises ValueError: if it has less than 3 points or more than 200, or touches or crosses itself.
     """
@@ -53,10 +55,10 @@ class Outline:
         return is_within
 
     def pieces_inside(self, way: Sequence[Tuple[float, float]]) -> List[Tuple[float, float]]:
-        """Return the pieces of ``way`` ((x, y), ...) [m] that lie inside: [(from, to), ...] in m along it, in order.
+        """Return the pieces of ``way`` ((x, y), ...) [m] that are inside: [(from, to), ...] in m along it, in order.
 
-        Between two meetings with the border a piece is inside if its middle is. A piece of a micrometre is none, nor is
-        a gap of one.
+        A piece between two crossings of the border is inside if its middle is. Pieces of up to a micrometre are left
+        out, and gaps of up to a micrometre are closed.
         """
         pieces: List[Tuple[float, float]] = []
         begun = 0.0
@@ -104,7 +106,7 @@ def rectangle(x_min: float, y_min: float, x_max: float, y_max: float) -> Outline
 
 def _meetings(edge: Tuple[Tuple[float, float], Tuple[float, float]], begin: Tuple[float, float], ux: float,
               uy: float) -> List[float]:
-    """Return where the line from ``begin`` in the direction (ux, uy) meets ``edge`` [m along the line], if it does."""
+    """Return where the line from ``begin`` in the direction (ux, uy) meets ``edge``: distances along the line [m]."""
     (ax, ay), (bx, by) = edge
     ax, ay, bx, by = ax - begin[0], ay - begin[1], bx - begin[0], by - begin[1]
     left_a, left_b = ux * ay - uy * ax, ux * by - uy * bx
@@ -123,7 +125,7 @@ def _distance(edge: Tuple[Tuple[float, float], Tuple[float, float]], x: float, y
 
 
 def _fault(edges: Tuple[Tuple[Tuple[float, float], Tuple[float, float]], ...]) -> Optional[str]:
-    """Return why ``edges`` are not the border of a simple polygon, or None. Decided in exact numbers."""
+    """Return why ``edges`` are not the border of a simple polygon, or None. The numbers are exact fractions."""
     for (first, one), (second, other) in combinations(enumerate(edges), 2):
         if one[0] == one[1] or other[0] == other[1]:
             return 'has the same point twice in a row'
@@ -148,7 +150,7 @@ def _touch(one: Tuple[Tuple[float, float], Tuple[float, float]],
 
 
 def _side(a: Tuple[float, float], b: Tuple[float, float], c: Tuple[float, float]) -> int:
-    """Return > 0, 0 or < 0: on which side of the line from ``a`` to ``b`` the point ``c`` lies."""
+    """Return 1, 0 or -1: whether the point ``c`` is left of the line from ``a`` to ``b``, on it, or right of it."""
     (ax, ay), (bx, by), (cx, cy) = _exact(a), _exact(b), _exact(c)
     product = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     return (product > 0) - (product < 0)

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 class Passage(NamedTuple):
-    """A robot's stay in an area on one leg: ``enter_ns`` and ``leave_ns`` [ns], None if the leg ends inside.
+    """A robot's stay in an area on one leg: ``enter_ns`` and ``leave_ns`` [ns], the latter None if it ends inside.
 
-    From ``enter_ns`` on the robot is at the border or inside, from ``leave_ns`` on at the border or outside: each is
-    the first nanosecond of which that is so. A robot that is inside at the departure, or at the border on its way in,
-    enters at the departure.
+    From ``enter_ns`` on the robot is at the border or inside; from ``leave_ns`` on it is at the border or outside. Each
+    is the first nanosecond at which that is true. A robot that is inside at the departure, or at the border on its way
+    in, enters at the departure.
     """
 
     enter_ns: int
@@ -26,8 +26,8 @@ class Passage(NamedTuple):
 def passages(leg: Any, outline: Outline) -> List[Passage]:
     """Return the :class:`Passage` objects of a leg or route through ``outline`` (Outline), in their order.
 
-    One that is at rest at first, and one that turns on the spot at the border, comes in or leaves when it has covered
-    the distance of the border, so before it turns.
+    A robot enters or leaves when it has driven as far as the border. So if it turns in place there, it enters or leaves
+    before the turn.
     """
     way = leg.way
     pieces = outline.pieces_inside(way)
@@ -43,7 +43,7 @@ def passages(leg: Any, outline: Outline) -> List[Passage]:
 def instant_at(leg: Any, distance: float) -> int:
     """Return the first instant [ns] of ``leg`` at which ``distance`` [m] are covered, or the arrival.
 
-    To the nanosecond: the distance never falls. What the law's reverse says is where the search begins.
+    It is exact to the nanosecond, since the distance never decreases. The search begins at the leg's own guess.
     """
     return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
                     leg.guess_ns(distance))

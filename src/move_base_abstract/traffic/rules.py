@@ -1,4 +1,4 @@
-"""The choices of a scenario for its traffic: circles of waiting, blocks, groups, and what waiting costs a route."""
+"""The choices of a scenario for its traffic: circles of waiting, blocks, groups, and the price of full lanes."""
 from __future__ import annotations
 
 from enum import Enum
@@ -12,7 +12,7 @@ MOST_GROUPS = 10_000
 
 
 class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting: nothing, a goal is aborted, none comes to be, or a robot gives way."""
+    """What happens to a circle of waiting: nothing, a goal is aborted, circles are avoided, or a robot gives way."""
 
     WAIT = 'wait'
     ABORT = 'abort'
@@ -21,10 +21,12 @@ class DeadlockPolicy(Enum):
 
 
 class TrafficRules(NamedTuple):
-    """``policy``: what becomes of circles of waiting; ``blocks``: how many areas ahead must have room to go on.
+    """The choices for the traffic.
 
-    ``lane_price``: how much a robot that is in the way makes a lane longer for the choice of a route; ``groups``: for
-    how many robots there is place in groups, {name: number}, 1 in those that are not there.
+    ``policy``: what happens to circles of waiting; ``blocks``: the number of areas ahead that must have room before a
+    robot goes on; ``lane_price``: the share of its length by which each robot in the way makes a lane longer when
+    another robot chooses its way; ``groups``: {name: number of robots that have place in the group}, 1 for groups that
+    are not in it.
     """
 
     policy: DeadlockPolicy = DeadlockPolicy.WAIT
@@ -54,13 +56,13 @@ KEYS = tuple(parameter.name for parameter in TABLE)
 
 
 def read_rules(raw: Mapping[str, Any], where: str) -> TrafficRules:
-    """Return the :class:`TrafficRules` among the keys of a scenario; ``where`` begins the text of an error.
+    """Return the :class:`TrafficRules` among the keys of a scenario; the text of an error begins with ``where``.
 
-    :raises ConfigurationError: for values that are not allowed, and a price where ways are kept.
+    :raises ConfigurationError: for values that are not allowed, and for a ``lane_price`` with ``deadlock: avoid``.
     """
     policy, *others = (checked(raw.get(one.name, one.default), one.name, one, where) for one in TABLE)
     rules = TrafficRules(DeadlockPolicy(policy), *others)
-    if rules.lane_price and rules.policy is DeadlockPolicy.AVOID:  # which holds of the way that a robot has
+    if rules.lane_price and rules.policy is DeadlockPolicy.AVOID:  # it assumes that a robot keeps its way
         raise ConfigurationError("parameter {}/lane_price: got {:g} with deadlock: 'avoid'; allowed: 0 with it".format(
             where.rstrip('/'), rules.lane_price))
     return rules

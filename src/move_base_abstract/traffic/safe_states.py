@@ -1,10 +1,10 @@
-"""Whether a place may be given away so that nobody is cut off from its goal: no circle of waiting comes to be.
+"""Whether a robot may get a place without cutting any robot off from its goal, so that no circle of waiting arises.
 
-Each robot knows its way, so the areas that it has yet to come into before it holds no place any more: at its goal, or
-where no area is. A robot is *able* to come there if there is place for it in all of these, or would be when others who
-are able have come to theirs (Dijkstra's banker; of robots, Reveliotis, "Real-time management of resource allocation
-systems", 2005). A place is given only if all who were able still are. While all are able there is always one that may
-go on: the first one that comes to its goal alone.
+Each robot knows its way, and so the areas into which it must still come before it holds no place any more: at its goal,
+or at a point outside all areas. A robot is *able* to reach that point if there is a place for it in all these areas, or
+if there would be one after other able robots have reached theirs. This is Dijkstra's banker's algorithm; for robots see
+Reveliotis, "Real-time management of resource allocation systems", 2005. A place is given only if all robots that were
+able still are. While all robots are able, at least one may always go on: one that reaches its goal without the others.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, ...]:
-    """Return the areas that are entered at the crossings ``ahead``, each once, up to where none is held any more."""
+    """Return the areas that a robot enters at the crossings ``ahead``, each once, up to where it holds no place."""
     needs: Dict[Area, bool] = {}
     holds = dict(held)
     for crossing in ahead:
@@ -31,15 +31,15 @@ def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, .
 
 
 def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area, ...]) -> bool:
-    """Return whether all of ``travellers`` who are able to come to their goals still are when ``taker`` has ``takes``.
+    """Return whether all ``travellers`` that are able to reach their goals still are if ``taker`` gets ``takes``.
 
-    Who has no goal is taken for one that will leave.
+    A robot without a goal is assumed to leave.
     """
     return SafeStates(travellers).allows(taker, takes)
 
 
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
-    """Return the first request of those who go on where that is safe only and may have the places they wait for."""
+    """Return the first request of a careful robot (``is_careful``) that may have the places for which it waits."""
     waiting = sorted(one.request for one in travellers if one.request is not None and one.is_careful)
     if not waiting:
         return None
@@ -48,7 +48,7 @@ def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
 
 
 class SafeStates:
-    """Who may take a place as things are now: of as many questions as there are until anything changes."""
+    """Answers questions about which robot may take a place in the present state; valid until anything changes."""
 
     def __init__(self, travellers: Iterable[Traveller]) -> None:
         self.travellers = list(travellers)
@@ -56,9 +56,10 @@ class SafeStates:
         self._before: Optional[Dict[Traveller, bool]] = None
 
     def allows_request(self, request: Request) -> bool:
-        """As :meth:`allows`; who would be cut off is looked for again only when one of these has moved.
+        """Return whether the robot of ``request`` may have its places, as :meth:`allows` does, but faster.
 
-        They wait for one another and for nobody else, so that what others do changes nothing.
+        If some robots would be cut off, they are noted in the request. The answer stays the same until one of these has
+        moved: they wait only for one another, so what other robots do changes nothing.
         """
         taker = request.traveller
         if request.cut_off and taker in self._able_before() and all(
@@ -68,13 +69,14 @@ class SafeStates:
         return self.allows(taker, request.areas, request)
 
     def allows(self, taker: Traveller, takes: Tuple[Area, ...], request: Optional[Request] = None) -> bool:
-        """Return whether ``taker`` may have ``takes``.
+        """Return whether ``taker`` may have a place in each of ``takes``.
 
-        If the taker is still able all others are, too: when it has come to its goal there is no less place than before.
-        So nearly always the search ends with the taker.
+        If the taker is still able, all others are, too: after it has reached its goal there are no fewer free places
+        than before. So the search nearly always ends with the taker. Robots that would be cut off are noted in
+        ``request``, if it is given.
         """
         if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
-            return True  # it comes to its goal alone
+            return True  # it reaches its goal without the others
         after = _able(self._busy, taker, takes)
         if taker in after:
             return True
@@ -93,18 +95,19 @@ class SafeStates:
 
 def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
           takes: Tuple[Area, ...] = ()) -> Dict[Traveller, bool]:
-    """Return {Traveller: True} of those who are able when ``wanted`` has ``takes``, too.
+    """Return {Traveller: True} of the ``busy`` robots that are able if ``wanted`` holds ``takes``, too.
 
-    The search ends where ``wanted`` is among them. Which of them is looked at first changes nothing else.
+    The search ends when ``wanted`` is found to be able. Otherwise the result does not depend on the order of the
+    search.
     """
-    counts: Dict[Area, int] = {}  # who holds a place and has not come to its goal
+    counts: Dict[Area, int] = {}  # the number of robots that hold a place and have not yet been found able
     for one in busy:
         for area in one.held:
             counts[area] = counts.get(area, 0) + 1
     for area in takes:
         counts[area] = counts.get(area, 0) + 1
     able: Dict[Traveller, bool] = {}
-    stopped: Dict[Area, List[Traveller]] = {}  # by the first area in which there is no place for them
+    stopped: Dict[Area, List[Traveller]] = {}  # robots by the first area in which there is no place for them
     open_ = list(reversed(busy))
     while open_:
         one = open_.pop()

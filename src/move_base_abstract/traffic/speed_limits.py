@@ -1,4 +1,4 @@
-"""Speed limits of zones: a way is cut where it comes into such a zone or leaves it, and each piece has its limit."""
+"""Speed limits of zones: a way is cut where it enters or leaves such a zone, and each piece gets its own limit."""
 from __future__ import annotations
 
 import math
@@ -16,9 +16,10 @@ Point = Tuple[float, float]
 
 
 def limited(start: Pose2D, corners: Any, goal: Pose2D, zones: Sequence[Tuple[Outline, float]]) -> Any:
-    """Return the way by ``corners`` from ``start`` to ``goal`` with the limits of ``zones`` ((Outline, m/s), ...).
+    """Return the way from ``start`` along ``corners`` to ``goal`` with the limits of ``zones`` ((Outline, m/s), ...).
 
-    It is the same where it touches none of them. Of several limits the least counts, those of its pieces included.
+    If the way is in none of them, ``corners`` is returned. Where there are several limits, including those that the
+    pieces have already, the lowest counts.
     """
     points: List[Point] = [(start.x, start.y), *corners, (goal.x, goal.y)]
     inside = [(*piece, speed) for outline, speed in zones for piece in outline.pieces_inside(points)]
@@ -38,7 +39,7 @@ def limited(start: Pose2D, corners: Any, goal: Pose2D, zones: Sequence[Tuple[Out
 
 def _pieces(points: Sequence[Point], limits: Sequence[PieceLimit],
             inside: Sequence[Tuple[float, float, float]]) -> Iterator[Tuple[int, Point, PieceLimit]]:
-    """Yield (number of the piece that it is cut from, its end, its limit)."""
+    """Yield (number of the original piece, end, limit) for each piece after the cuts."""
     cuts = sorted({at for begin, end, _ in inside for at in (begin, end)})
     begun = 0.0
     for number, ((x, y), (to_x, to_y)) in enumerate(zip(points, points[1:])):

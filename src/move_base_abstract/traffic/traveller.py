@@ -1,4 +1,4 @@
-"""One robot in traffic: where it holds a place, for which it waits, and what it does at each border on its way."""
+"""One robot in traffic: the places that it holds or waits for, and what it does at each border on its way."""
 from __future__ import annotations
 
 from contextlib import ExitStack
@@ -24,46 +24,47 @@ if TYPE_CHECKING:
     from .giving_way import WayBack
     from .way import Crossing, Stay
 
-#: who only leaves an area comes before all that robots do at the instant
+#: a robot that only leaves an area comes before everything else that robots do at that instant
 _LEAVING_INDEX = -1
 
 
 class Traveller:
-    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there.
+    """One robot in traffic.
 
-    ``needs``: the areas (Area, ...) that it has yet to come into on its way, up to where it holds no place at all.
+    ``held``: {Area: True} of the areas in which it holds a place, in the order in which it came there; ``needs``: the
+    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all.
     """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
                  priority: int = 0) -> None:
-        #: the higher comes first where it waits
+        #: a robot with a higher priority comes first where robots wait
         self.priority = priority
         self.index = navigator.robot.index
         self.name = navigator.robot.name
-        #: by which the one that asks at the same instant comes first
+        #: the order of robots that ask at the same instant
         self.rank = natural_order(self.name)
-        self.place = 0  # among all by that
+        self.place = 0  # its number among all robots in the order of ``rank``
         self.held: Dict[Area, bool] = {}
         self.request: Optional[Request] = None
         self.needs: Tuple[Area, ...] = ()
-        #: whether it comes into an area only where that is safe, see :mod:`.safe_states`: always, or once it gave way
+        #: whether it enters an area only if that is safe, see :mod:`.safe_states`: with AVOID, or after it gave way
         self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
         self._traffic = traffic
         self._navigator = navigator
         self._source = lanes.source if lanes is not None and lanes.has_capacities else None
-        #: of the net by which it goes (Edge, ...)
+        #: the edges (Edge, ...) of the net on which it drives
         self.edges: Sequence[Edge] = lanes.edges if lanes is not None else ()
         if lanes is not None and traffic.rules.lane_price:
             source = lanes.source
             navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
         self._tell = stream.tell
         self._leg: Any = None
-        self._pose: Any = None  # of one that stands
+        self._pose: Any = None  # its pose while it stands
         self._crossings: List[Crossing] = []
         self._event: Any = None
-        self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
-        self._reason: Optional[str] = None  # for which it is held here
-        #: what comes of those that it closes (Circles)
+        self._granted: Tuple[Area, ...] = ()  # the areas in which it got a place but for which it has not departed yet
+        self._reason: Optional[str] = None  # the reason for which traffic holds it
+        #: handles the circles of waiting that it closes (Circles)
         self.circles: Circles = Circles(self, traffic.rules.policy, navigator, stream)
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
@@ -71,14 +72,14 @@ class Traveller:
         navigator.travel.limited = traffic.limited
 
     def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
-        """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
+        """Do ``step`` (a method of this class) while another robot acts; an error breaks off this robot's goal only."""
         try:
             step(self, now_ns)
         except Exception as error:
             self._navigator.break_off(error)
 
     def _put_in_order(self, event: BrokenOff) -> None:
-        """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
+        """Repair the places after an error: hold one wherever the robot stands and nowhere else, and wait for none."""
         now_ns = event.time_ns
         self._forget_crossings()
         granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
@@ -100,7 +101,7 @@ class Traveller:
                 told.append((Entered if has else Left)(now_ns, self.name, area.name))
             self._traffic.changed(area)
             self._traffic.freed(area)
-        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
+        with ExitStack() as rest:  # these callbacks run even if telling fails; the last one runs first
             rest.callback(self._traffic.serve, now_ns)
             rest.callback(self._end_hold, now_ns)
             for one in told:
@@ -112,7 +113,10 @@ class Traveller:
             self._navigator.travel.release(reason, now_ns)
 
     def departs(self, leg: Any, now_ns: int) -> Optional[str]:
-        """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
+        """Note that the robot starts on ``leg``; return the reason if it must wait where it is, or None.
+
+        See Travel.set_gate.
+        """
         self._leg = leg
         self._granted = ()
         self._crossings = crossings(with_groups(self.stays(leg)), self.held) if leg.distance > BORDER else []
@@ -126,7 +130,7 @@ class Traveller:
         return None
 
     def stays(self, way: Any) -> Sequence[Stay]:
-        """Return the Stays of a leg, or of a way that is given as one."""
+        """Return the Stays of a leg, or of a WayBack, in zones and on lanes."""
         stays: Sequence[Stay] = self._traffic.zones.stays(way.way)
         source = self._source
         if source is None:
@@ -134,12 +138,12 @@ class Traveller:
         return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge))]
 
     def settle(self, now_ns: int) -> None:
-        """What :meth:`departs` and borders on the way lead to: who now waits may close a circle, others may come in."""
+        """Do what follows from a departure or a border: look for a circle of waiting, and let other robots in."""
         self.circles.look(now_ns)
         self._traffic.serve(now_ns)
 
     def _stands(self, event: Stands) -> None:
-        """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
+        """Note that the robot stands: it has arrived, was stopped, or was placed somewhere else."""
         now_ns = event.time_ns
         pose = self._navigator.robot.pose_at(now_ns)
         before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
@@ -155,7 +159,7 @@ class Traveller:
             self._traffic.serve(now_ns)
 
     def set_priority(self, priority: int, now_ns: int) -> None:
-        """It has another priority from now on, also where it waits."""
+        """Give the robot another priority from ``now_ns`` [ns] on, also where it waits already."""
         if priority == self.priority:
             return
         self.priority = priority
@@ -169,15 +173,15 @@ class Traveller:
 
     @property
     def navigator(self) -> Navigator:
-        """Who works on its goals."""
+        """The Navigator that works on its goals."""
         return self._navigator
 
     def tell_limit(self, zone: str, max_speed: float, now_ns: int) -> None:
-        """Tell that a zone has another limit."""
+        """Report that a zone has another speed limit [m/s]."""
         self._tell(ZoneLimit(now_ns, self.name, zone, max_speed))
 
     def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
-        """A zone has another limit: go on by that, if the way under way has not left it yet."""
+        """Go on by the new limit of a zone [m/s], if the present way has not left the zone yet."""
         leg = self._navigator.robot.leg
         if leg is None:
             return
@@ -187,18 +191,18 @@ class Traveller:
             self._navigator.travel.change_way(now_ns)
 
     def placed(self, now_ns: int) -> None:
-        """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
+        """Note that the robot is somewhere without having driven there: give back places elsewhere, take those here."""
         self._forget_crossings()
         self.circles.driven.clear()
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
-        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
+        self._take_what_holds_it(now_ns, pose)  # before abandons() lets it go on, now from inside
         if self.request is not None:
             self.abandons(now_ns)
         self._traffic.serve(now_ns)
 
     def abandons(self, now_ns: int) -> None:
-        """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
+        """Note that the robot has given up its target: it leaves the queues and stays where it is."""
         self.needs = ()
         self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
         if self.request is not None:
@@ -209,12 +213,12 @@ class Traveller:
                 self._traffic.freed(area)
             self._end_hold(now_ns)
             self._traffic.serve(now_ns)
-        elif self._granted:  # something else holds it outside
+        elif self._granted:  # it has got a place, but another reason still holds it outside
             self._give_back_what_was_granted(now_ns)
             self._traffic.serve(now_ns)
 
     def leave(self, now_ns: int) -> None:
-        """The robot is taken out of the world."""
+        """Note that the robot is removed from the world: give back all its places."""
         self._forget_crossings()
         self.abandons(now_ns)
         self._give_back(list(self.held), now_ns)
@@ -222,7 +226,7 @@ class Traveller:
         self._traffic.serve(now_ns)
 
     def go_on(self, now_ns: int) -> None:
-        """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
+        """Take the places for which the robot waits, and go on; it gives back those that it leaves at its departure."""
         request: Any = self.request
         self.request = None
         request.withdraw()
@@ -231,7 +235,7 @@ class Traveller:
         for area in request.areas:
             self._traffic.freed(area)  # there may be place for more
         self._end_hold(now_ns)
-        # if there is no way any more
+        # If there is no way any more:
         if self._leg is None and self.request is None and not self._navigator.travel.held_for:
             self._give_back_what_was_granted(now_ns)
 
@@ -240,7 +244,7 @@ class Traveller:
         self._give_back([area for area in granted if not area.contains(self._pose.x, self._pose.y)], now_ns)
 
     def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
-        """Hold a place in each zone that the robot stands in, whether there is one or not."""
+        """Hold a place in each zone in which the robot stands, even if none is free."""
         zones = self._traffic.zones.at(pose.x, pose.y)
         for area in (*zones, *(zone.group for zone in zones if zone.group is not None)):
             if area not in self.held:
@@ -271,7 +275,7 @@ class Traveller:
             self._navigator.break_off(error)
 
     def _goes_another_way(self, now_ns: int) -> bool:
-        """Where it would have to wait: whether another way is cheaper now, by which the robot goes on at once."""
+        """If the robot would have to wait and another way is cheaper now, take that way; return whether it did."""
         enters = self._enters()
         if not self._traffic.rules.lane_price or self._may_enter(enters, self._looks_at(enters)):
             return False
@@ -287,7 +291,7 @@ class Traveller:
         return tuple(area for area in self._crossings[0].enters if area not in self.held)
 
     def _cross(self, now_ns: int) -> Optional[str]:
-        """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
+        """Let the robot enter and leave areas at its next crossing; return the reason if it must wait, or None."""
         enters = self._enters()
         ahead = self._looks_at(enters)
         crossing = self._crossings.pop(0)
@@ -304,7 +308,7 @@ class Traveller:
         return self._reason
 
     def _looks_at(self, enters: Tuple[Area, ...]) -> Tuple[Area, ...]:
-        """Return the areas behind those that it ``enters`` now in which there must be room, too."""
+        """Return the areas behind those that it ``enters`` now that must have room, too."""
         blocks = self._traffic.rules.blocks
         if blocks == 1 or not enters:
             return ()
@@ -320,12 +324,12 @@ class Traveller:
 
     @property
     def waits_only(self) -> bool:
-        """Whether nothing holds it but what it waits for here."""
+        """Whether it is held only because it waits for a place."""
         held_for: Tuple[str, ...] = self._navigator.travel.held_for
         return held_for == (self._reason,)
 
     def gives_way(self, way: WayBack, now_ns: int) -> None:
-        """It waits no more, drives back by ``way`` and goes on to its goal from there."""
+        """Stop waiting, drive back by ``way``, and go on to the goal from there."""
         request: Any = self.request
         reason, self._reason, self.request = self._reason, None, None
         request.withdraw()

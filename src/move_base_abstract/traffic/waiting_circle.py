@@ -11,23 +11,26 @@ if TYPE_CHECKING:
 def waiting_circle(request: Request) -> Optional[List[Tuple[Traveller, Area]]]:
     """Return a circle of waiting through ``request``, [(Traveller, Area), ...], or None.
 
-    Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the first
-    name. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
-    before it there: the largest set of which that is so. An area that is closed may be opened: nobody is stuck for it.
-    Who goes on where that is safe only is overtaken, so that nobody waits for it who comes behind it.
+    Each robot waits for the area beside it, in which the next robot holds a place or waits before it. The circle begins
+    with the robot whose name comes first.
+
+    A robot is stuck if one of the areas for which it asks is full of stuck robots only, or if a stuck robot comes
+    before it there. The stuck robots are the largest set for which that is true. No robot is stuck because of a closed
+    area, since that may be opened. Other robots may overtake a careful robot (``is_careful``), so none is stuck behind
+    it.
     """
     if not request.traveller.held and all(area.queue[-1] is request for area in request.areas):
-        return None  # nobody waits for it
+        return None  # no robot waits for this one
     stuck = _stuck(_connected(request))
     ring = _way_back(request.traveller, stuck) if request.traveller in stuck else None
     if ring is None:
-        return None  # it waits for a circle of others
+        return None  # it waits for a circle of other robots
     first = min(range(len(ring)), key=lambda place: ring[place][0].rank)
     return ring[first:] + ring[:first]
 
 
 def _way_back(traveller: Traveller, stuck: Dict[Traveller, bool]) -> Optional[List[Tuple[Traveller, Area]]]:
-    """Return the shortest circle of waiting from ``traveller`` to it, [(Traveller, Area), ...], or None."""
+    """Return the shortest circle of waiting from ``traveller`` back to it, [(Traveller, Area), ...], or None."""
     came: Dict[Traveller, Tuple[Traveller, Area]] = {}
     open_ = [traveller]
     for one in open_:
@@ -46,7 +49,7 @@ def _way_back(traveller: Traveller, stuck: Dict[Traveller, bool]) -> Optional[Li
 
 
 def _connected(request: Request) -> Dict[Traveller, bool]:
-    """Return all who wait, {Traveller: True}, that can be reached from ``request`` by waiting for one another."""
+    """Return {Traveller: True} of all waiting robots for which ``request`` waits, directly or through other robots."""
     found: Dict[Traveller, bool] = {}
     open_ = [request.traveller]
     while open_:
@@ -60,13 +63,13 @@ def _connected(request: Request) -> Dict[Traveller, bool]:
 
 def _before(area: Area, traveller: Traveller) -> List[Traveller]:
     queue = [request.traveller for request in area.queue]
-    before = queue[:queue.index(traveller)] if traveller in queue else []  # who only wants room ahead is in none
+    before = queue[:queue.index(traveller)] if traveller in queue else []  # for room ahead a robot is in no queue
     return [one for one in before if not one.is_careful and one.request is not None
             and not area.is_overtaken(one.request, traveller)]
 
 
 def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
-    """Return those of ``candidates`` that wait for candidates only, {Traveller: True}."""
+    """Return {Traveller: True} of the ``candidates`` that wait only for one another."""
     while True:
         left = {one: True for one in candidates if _waits_for(one, candidates)}
         if len(left) == len(candidates):
@@ -75,7 +78,7 @@ def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
 
 
 def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool]) -> List[Tuple[Area, Traveller]]:
-    """Return [(area, Traveller), ...]: by which areas ``traveller`` is stuck, and for whom it waits there."""
+    """Return [(area, Traveller), ...]: the areas because of which ``traveller`` is stuck, and the robots before it."""
     found: List[Tuple[Area, Traveller]] = []
     request = traveller.request
     for area in (*request.areas, *request.ahead) if request is not None else ():

@@ -1,4 +1,4 @@
-"""Where on its way a robot comes into zones and lanes, and leaves them: places along a leg, in their order."""
+"""Where on its way a robot enters zones and lanes, and where it leaves them: distances along a leg, in order."""
 from __future__ import annotations
 
 from itertools import accumulate
@@ -27,7 +27,7 @@ _KEPT_WAYS = 10_000
 
 
 class Stay(NamedTuple):
-    """A piece of a way in ``area``: from ``begin`` [m] to ``end`` [m] along it, None: it ends inside."""
+    """A piece of a way in ``area``: from ``begin`` [m] to ``end`` [m] along it, None: the way ends inside."""
 
     area: Area
     begin: float
@@ -35,7 +35,7 @@ class Stay(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """At ``distance`` [m] a robot comes into the areas ``enters`` and out of the areas ``leaves``."""
+    """A point of a way, at ``distance`` [m], at which a robot enters the areas ``enters`` and leaves ``leaves``."""
 
     distance: float
     enters: Tuple[Area, ...]
@@ -43,7 +43,7 @@ class Crossing(NamedTuple):
 
 
 class ZoneIndex:
-    """Finds zones by where they are: ``areas`` (Area, ...) with an outline, in the order in which they are given."""
+    """Finds zones by coordinates: ``areas`` (Area, ...), which have outlines, in the order in which they are given."""
 
     def __init__(self, areas: Iterable[Any]) -> None:
         self._stays: Dict[Any, Tuple[Stay, ...]] = {}  # {way: (Stay, ...)}
@@ -51,7 +51,7 @@ class ZoneIndex:
                              key=lambda box: box[0])
 
     def near(self, x_min: float, y_min: float, x_max: float, y_max: float) -> List[Any]:
-        """Return the areas whose boxes have more than their borders in common with this one [m]."""
+        """Return the areas whose bounding boxes overlap this box [m]; a common border is not enough."""
         found = []
         for left, low, right, high, number, area in self._boxes:
             if left >= x_max:
@@ -61,7 +61,7 @@ class ZoneIndex:
         return [area for _, area in sorted(found, key=lambda one: one[0])]
 
     def stays(self, way: Tuple[Tuple[float, float], ...]) -> Tuple[Stay, ...]:
-        """Return the :class:`Stay` objects of ``way`` ((x, y), ...) [m] by area. They are kept, since ways repeat."""
+        """Return the :class:`Stay` objects of ``way`` ((x, y), ...) [m] by area. They are cached, since ways repeat."""
         if way not in self._stays:
             self._stays[way] = tuple(self._find_stays(way))
             if len(self._stays) > _KEPT_WAYS:
@@ -83,7 +83,7 @@ class ZoneIndex:
 
 
 def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[Stay]:
-    """Return the Stays of ``leg`` on lanes; ``area_of(edge)`` gives the area of an edge, or None where it has none."""
+    """Return the Stays of ``leg`` on lanes; ``area_of(edge)`` returns the area of an edge, or None if it has none."""
     lanes = getattr(leg.corners, 'lanes', ())
     points = [(leg.start.x, leg.start.y), *leg.corners]
     lengths = [hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
@@ -105,7 +105,7 @@ def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[S
 
 
 def with_groups(stays: Sequence[Stay]) -> Sequence[Stay]:
-    """Return ``stays``, and those in the groups of their areas: one where pieces of the way follow on one another."""
+    """Return ``stays`` and the stays in the groups of their areas; adjacent stays in one group become one stay."""
     of_groups: Dict[Area, List[Stay]] = {}
     for stay in sorted((stay for stay in stays if stay.area.group is not None), key=lambda stay: stay.begin):
         group: Any = stay.area.group
@@ -121,8 +121,8 @@ def with_groups(stays: Sequence[Stay]) -> Sequence[Stay]:
 def crossings(stays: Iterable[Stay], held: Mapping[Area, bool]) -> List[Crossing]:
     """Return the :class:`Crossing` objects of ``stays`` in their order, for a robot with places in ``held`` (areas).
 
-    What lies no more than a micrometre apart is one. A place that is held without a stay at the beginning of the way is
-    left there.
+    Crossings no more than a micrometre apart are one. If the robot holds a place in an area without a stay at the
+    beginning of the way, it leaves that area there.
     """
     at_begin = [stay.area for stay in stays if stay.begin <= BORDER]
     changes: List[Tuple[float, Optional[Area], Optional[Area]]] = [

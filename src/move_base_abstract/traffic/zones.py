@@ -1,10 +1,11 @@
-"""Zones: named areas of the world, in which there may be place for a number of robots only. From a scenario.
+"""Zones: named areas of the world, which may have place for a limited number of robots. They come from a scenario.
 
     zones:
       - {name: gate, rectangle: [4.0, -1.0, 6.0, 1.0], capacity: 1}
-      - {name: yard, polygon: [[0, 0], [20, 0], [20, 10], [0, 15]]}      # of any number
+      - {name: yard, polygon: [[0, 0], [20, 0], [20, 10], [0, 15]]}      # for any number of robots
 
-A zone may hold any number of robots unless it has a capacity. One with ``charger`` charges who stands in it.
+A zone may hold any number of robots unless it has a ``capacity``. A zone with ``charger`` charges the robots that stand
+in it.
 """
 from __future__ import annotations
 
@@ -30,8 +31,8 @@ def _charger(value: object) -> Union[bool, float, None]:
 
 
 _CAPACITY = Parameter('capacity', None, integer(1), 'a whole number >= 1, or none: any number of robots')
-_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: nobody is charged')
-#: of robots in it
+_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: robots are not charged')
+#: the top speed of robots in a zone
 MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s], or none: as fast as they are')
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
               'y_min < y_max')
@@ -40,10 +41,11 @@ _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], th
 
 
 class Zone(NamedTuple):
-    """An area ``outline`` (Outline, global frame) with place for ``capacity`` robots, None: for any number.
+    """A named area with an ``outline`` (Outline, global frame) and place for ``capacity`` robots, None: for any number.
 
-    ``charger``: who stands in it is charged with this current [A], True: with its own ``charging_current``, None: not;
-    ``group``: the name of its group, None: it has none; ``max_speed``: robots in it go at most so fast [m/s].
+    ``charger``: the current [A] that charges robots that stand in it, True: their own ``charging_current``, None: they
+    are not charged; ``group``: the name of its group, None: it has none; ``max_speed`` [m/s]: the top speed of robots
+    in it, None: no limit.
     """
 
     name: str
@@ -58,12 +60,12 @@ class Zone(NamedTuple):
         return self.outline.contains(x, y)
 
     def passages(self, leg: Any) -> Any:
-        """Return when a leg or route comes in and leaves: [:class:`.passages.Passage`, ...]."""
+        """Return the instants at which a leg or route enters and leaves: [:class:`.passages.Passage`, ...]."""
         return passages(leg, self.outline)
 
 
 def read_zones(raw: Mapping[str, Any], where: str) -> Tuple[Zone, ...]:
-    """Return the :class:`Zone` objects in the list ``raw``, in its order; ``where`` begins the text of an error.
+    """Return the :class:`Zone` objects in the list ``raw``, in its order; the text of an error begins with ``where``.
 
     :raises ConfigurationError: for unknown keys, values that are not allowed, and a name that is given twice.
     """
