@@ -51,7 +51,7 @@ def _parse(words):
     report = verbs.add_parser('report', help='write report.html and tables of the results')
     report.add_argument('output', metavar='OUT')
     report.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
-                        "experiment names under 'report'; for folders of others")
+                        "experiment names under 'report'; for folders that somebody else made")
     report.set_defaults(act=_report)
     return parser.parse_args(words)
 
