@@ -1,7 +1,7 @@
-"""An experiment's file, read and checked as a whole before anything starts.
+"""Read an experiment's file, and check it as a whole before anything starts.
 
-What each option may be says `experiment`; here is what depends on several of them. An unknown key is an error that
-names the known one which is like it.
+The module `experiment` checks each option by itself; this one checks what depends on several options. An unknown key
+is an error that names the most similar known key.
 """
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from . import placeholders
 from .experiment import MOST_TRIALS, OWN_COLUMNS, SYSTEMS, Experiment, in_words
 from .metric_names import BUILT_IN
 
-#: why a system has not what others have
+#: why a system does not have an option of another one; follows the error
 _WITHOUT = {'command': '; a command has its words', 'launch': '',
             'function': '; a function ends by itself, and has no participants'}
 
 
 def read(path: str, folder: Optional[str] = None) -> Experiment:
-    """Return the Experiment in a YAML file; ``folder``: where relative paths in it start, if not where it lies.
+    """Return the Experiment in a YAML file. ``folder``: where relative paths in it start; None: in the file's folder.
 
-    :raises ConfigurationError: naming the file, the place, what is allowed.
+    :raises ConfigurationError: naming the file, the place in it, and what is allowed.
     """
     document = load_yaml_file(path)
     try:
@@ -36,7 +36,7 @@ def read(path: str, folder: Optional[str] = None) -> Experiment:
 
 
 def checked(document: Any, folder: str) -> Experiment:
-    """Return the Experiment of a document; see read()."""
+    """Return the Experiment of a document, as loaded from YAML; see read()."""
     experiment = kinds.read(Experiment, '', document, folder=folder)
     given = [key for key in SYSTEMS if key in document]
     if len(given) != 1:
@@ -53,9 +53,9 @@ def checked(document: Any, folder: str) -> Experiment:
 
 
 def schema() -> Dict[str, Any]:
-    """Return the JSON Schema of experiments' files: all that is checked but for names that refer to other keys."""
+    """Return the JSON Schema of experiments' files. It checks everything except names that refer to other keys."""
     refused = {system: _refused(Experiment, system) for system in SYSTEMS}
-    refused['command']['participants'] = {'type': 'array'}  # it does not say who takes part
+    refused['command']['participants'] = {'type': 'array'}  # a command does not say which nodes take part
     systems: List[Any] = [{'if': {'required': [system]}, 'then': {'properties': refused[system], **(
         {'required': ['participants']} if system == 'command' else {})}} for system in SYSTEMS]
     windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']},
@@ -68,7 +68,7 @@ def schema() -> Dict[str, Any]:
 
 
 def _refused(cls: Any, system: str) -> Dict[str, Any]:
-    """Return the schemas of what is not of a system: its default alone."""
+    """Return the schemas of the options that a system does not have; only their defaults are allowed."""
     found: Dict[str, Any] = {}
     for key, one in kinds.options_of(cls).items():
         inner = _refused(type(one.initial), system) if dataclasses.is_dataclass(one.initial) else {}
@@ -88,7 +88,7 @@ def configurations(experiment: Experiment) -> List[Dict[str, Any]]:
 
 
 def _check_system(record: Any, system: str, where: str = '') -> None:
-    """Complain of an option that is of another system."""
+    """Check that no option of another system is given."""
     for key, one in kinds.options_of(record).items():
         value = getattr(record, one.field)
         if one.systems and system not in one.systems and value != one.initial:
@@ -116,14 +116,14 @@ def _check_names(experiment: Experiment) -> None:
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:
-    """Return (where, text) of all in which {NAME} stands for something."""
+    """Return (where, text) for all texts in which {NAME} is a placeholder."""
     return [('launch', experiment.launch), ('network', experiment.network),
             *(('args.' + key, value) for key, value in experiment.args.items()),
             *(('command', word) for word in experiment.command)]
 
 
 def _check_factors(experiment: Experiment) -> None:
-    """Check that each factor gets to the system: else its values were all the same."""
+    """Check that the system gets each factor; otherwise all its values would give the same system."""
     for name in () if experiment.function else experiment.factors:
         if not any('{' + name + '}' in str(value) for _, value in _texts(experiment)):
             where = 'command: a word' if experiment.command else f'args: {name}:'
@@ -146,7 +146,7 @@ def _check_replications(experiment: Experiment) -> None:
 
 
 def _check_compared(experiment: Experiment) -> None:
-    """Check names of metrics, as far as they are known before a trial has run, and of factors' values."""
+    """Check the names of metrics, if all are known before a trial has run, and the factors and values of baselines."""
     is_known = not (experiment.metrics.function or experiment.function)
     for key, names in (('primary', [experiment.primary] if experiment.primary else []),
                        ('smallest_difference', experiment.smallest_difference), ('at_limit', experiment.at_limit)):
