@@ -62,7 +62,8 @@ def check(experiment: Experiment, chosen: List[Trial]) -> None:
     :raises ConfigurationError: naming what cannot be used.
     """
     if not (experiment.function or warm_ros.is_there()):
-        raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not here; without it trials are functions")
+        raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not installed; without ROS a trial must "
+                                 "be a 'function'")
     with _asked_functions(experiment) as complain:
         seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():

@@ -40,7 +40,7 @@ def checked(document: Any, folder: str) -> Experiment:
     experiment = kinds.read(Experiment, '', document, folder=folder)
     given = [key for key in SYSTEMS if key in document]
     if len(given) != 1:
-        raise ConfigurationError(f"one of {', '.join(SYSTEMS)} is wanted, got {', '.join(given) or 'none'}")
+        raise ConfigurationError(f"exactly one of {', '.join(SYSTEMS)} must be given, got {', '.join(given) or 'none'}")
     _check_system(experiment, experiment.system)
     known = [*experiment.factors, 'seed', 'replication']
     for where, value in _texts(experiment):
@@ -92,7 +92,7 @@ def _check_system(record: Any, system: str, where: str = '') -> None:
     for key, one in kinds.options_of(record).items():
         value = getattr(record, one.field)
         if one.systems and system not in one.systems and value != one.initial:
-            raise ConfigurationError(f"'{where}{key}' is of {in_words(one.systems)}{_WITHOUT[system]}")
+            raise ConfigurationError(f"'{where}{key}' is an option for {in_words(one.systems)}{_WITHOUT[system]}")
         if dataclasses.is_dataclass(value):
             _check_system(value, system, f'{where}{key}.')
 
@@ -101,18 +101,18 @@ def _check_names(experiment: Experiment) -> None:
     for place, names in (('factors', experiment.factors), ('metrics.columns', experiment.metrics.columns)):
         for name in names:
             if name in OWN_COLUMNS or name in BUILT_IN or place != 'factors' and name in experiment.factors:
-                raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; name it otherwise')
+                raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; give another name')
     if experiment.metrics.columns and not (experiment.metrics.function or experiment.function):
         raise ConfigurationError('metrics.columns: no metrics.function returns them')
     if experiment.command and experiment.participants is None:
         raise ConfigurationError('participants: a command does not say which nodes take part; name them, such as '
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
-        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
+        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', because then all takes time")
     if experiment.lookahead == 'network' and not experiment.network:
-        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' whose delays it could be")
+        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' that has delays")
     if experiment.lookahead and experiment.chaos_seed:
-        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
+        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', because then no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:
@@ -127,8 +127,8 @@ def _check_factors(experiment: Experiment) -> None:
     for name in () if experiment.function else experiment.factors:
         if not any('{' + name + '}' in str(value) for _, value in _texts(experiment)):
             where = 'command: a word' if experiment.command else f'args: {name}:'
-            raise ConfigurationError(f"factors.{name}: nothing of the system depends on it; wanted is {{{name}}} in "
-                                     f"what it gets, such as {where} '{{{name}}}'")
+            raise ConfigurationError(f"factors.{name}: nothing of the system depends on it; use {{{name}}} in what "
+                                     f"the system gets, such as {where} '{{{name}}}'")
 
 
 def _check_replications(experiment: Experiment) -> None:
