@@ -33,7 +33,7 @@ class Replay:
 
     @property
     def words(self) -> List[str]:
-        """The options of lockstep_launch for this run, without the launch file; a crash does not end the run.
+        """The options of lockstep_launch for this run, without the launch file. Crashes are allowed, and so compared.
 
         :raises ConfigurationError: if they are not valid.
         """

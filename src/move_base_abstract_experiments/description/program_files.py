@@ -99,7 +99,7 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
 def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
     """Return the first parts of the names that modules import and that are not among these modules.
 
-    Names of Python's standard library are left out from Python 3.10 on; older versions do not know them.
+    Names of Python's standard library are left out, too; not before Python 3.10, which has no list of them.
     """
     own = [one for one in paths if not is_by_pip(one)]
     here = {part for one in own for part in os.path.splitext(one)[0].split(os.sep)}

@@ -28,7 +28,7 @@ _STATES = ('identical', 'different')
 
 @dataclass(frozen=True)
 class Trial:
-    """One planned trial and its outcome, durations in s. If it is not complete, the fields of its results are empty."""
+    """One planned trial and its outcome, durations in s. Only a complete trial has metrics, durations and robots."""
 
     id: str
     configuration: int  # its place in Experiment.configurations

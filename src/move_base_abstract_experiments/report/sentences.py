@@ -121,11 +121,11 @@ def _order(experiment, difference, scale, names):
         'higher' if is_larger else 'lower'
     where = f'all {counted(most, "pairs")}' if most == order.known else \
         f'{whole(most)} of {counted(order.known, "pairs")}, the other way round in {whole(rest)}'
-    hidden = f' Of {counted(order.unknown, "more pairs")} it is not known.' if order.unknown else ''
+    hidden = f' The order of {counted(order.unknown, "more pairs")} is not known.' if order.unknown else ''
     aside = f', {aside}' if aside else ''
     return f'{size} with {second} than with {than}{aside}, by order alone: in {where} ' \
-           f'(test of signs, Holm p{NBSP}{probability(difference.p_holm)}).{hidden} By how much is not known: ' \
-           f'{_limited(difference, second, than)}; their values are lower bounds.'
+           f'(test of signs, Holm p{NBSP}{probability(difference.p_holm)}).{hidden} The size of the difference ' \
+           f'is not known: {_limited(difference, second, than)}; their values are lower bounds.'
 
 
 def _limited(difference, second, than):

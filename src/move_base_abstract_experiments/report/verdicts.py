@@ -31,7 +31,7 @@ def verdict_of(difference):
         return 'negligible'
     if difference.is_shown:
         return _of_shown(difference)
-    if estimate.method in ('constant', 'fixed'):  # every pair shows the same, but there are too few for the sign test
+    if estimate.method in ('constant', 'fixed'):  # every pair shows the same, but the test of signs needs more pairs
         return 'average' if difference.against else 'always'
     return 'weak' if difference.is_hint else 'none'
 
