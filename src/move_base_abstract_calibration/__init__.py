@@ -1,1 +1,1 @@
-"""What recordings of a real robot say of how long its legs take: read, fitted, checked, written for the simulator."""
+"""Fit how long the legs of a real robot take, from recordings of it: read, check and fit them, and write the result."""

@@ -1,4 +1,4 @@
-"""Where one robot of a bag was, by time, and what it planned; and in which legs that cannot be right."""
+"""The track and the plans of one robot in a bag, and the legs in which its poses cannot be right."""
 import bisect
 import math
 import struct
@@ -12,20 +12,25 @@ from move_base_abstract.motion.geometry import Pose2D, normalize_angle, yaw_of_q
 
 from .legs import FAR_STEP, Way, way_along
 
-#: what rosbag lets out where a bag cannot be read, or is damaged
+#: the exceptions of rosbag if a bag cannot be read, or is damaged
 BROKEN = (OSError, rosbag.ROSBagException, genpy.MessageException, struct.error, KeyError, ValueError)
 _PATH = 'nav_msgs/Path'
 _POSES = ('nav_msgs/Odometry', 'geometry_msgs/PoseWithCovarianceStamped')
-#: below a robot's namespace, the best one first
+#: the topics in a robot's namespace, the best one first
 _POSE_TOPICS = ('base_pose_ground_truth', 'amcl_pose', 'odom')
-_NEAR = 1.0  # m: how far along a plan its first and last directions are measured
-_LEAP = 2.0  # s without a pose in which the clock may have leapt
-_TOO_FAST = 3.0  # times the speed of the fast ones of all steps: nothing drives so
-_RETURNS = (5, 0.01)  # so many, and of all poses this share: two robots speak in turns
+_NEAR = 1.0  # m; the directions at the ends of a plan are measured over this distance
+_LEAP = 2.0  # s; in a longer time without a pose, the clock may have leapt
+_TOO_FAST = 3.0  # times the top speed of all steps: no robot drives so fast
+_RETURNS = (5, 0.01)  # if poses return so often, and this often per pose, two robots publish in turns
 
 
 class Track:
-    """Where one robot was, and what it planned, by time [s]; ``publishers``: who told it, where several did at once."""
+    """The poses and plans of one robot, by time [s].
+
+    ``topic`` and ``frame``: of the poses; ``publishers``: the nodes that published them at the same time, if several.
+
+    :raises ConfigurationError: if there are no poses of the robot.
+    """
 
     def __init__(self, bag, types, namespace, pose_topic, path):
         topics = ['{}/{}'.format(namespace, name) for name in ([pose_topic] if pose_topic else _POSE_TOPICS)]
@@ -51,12 +56,12 @@ class Track:
                        for _, message, time in bag.read_messages(topics=plans)] if plans else []
 
     def at(self, time):
-        """Return the latest pose up to ``time`` [s], or None."""
+        """Return the latest pose up to ``time`` [s], or None if there is none."""
         index = bisect.bisect_right(self._times, time)
         return self._poses[index - 1] if index else None
 
     def way(self, begin, end, start, goal):
-        """Return the Way of the first plan from ``begin`` to ``end`` [s], else of what was driven."""
+        """Return the Way of the first plan from ``begin`` to ``end`` [s]; without a plan, of the poses, or None."""
         for time, plan in self._plans:
             if begin <= time <= end and len(plan) > 1:
                 return _way(start, plan, goal)
@@ -64,7 +69,7 @@ class Track:
         return _way(start, [start, *driven], goal) if driven else None
 
     def doubt(self, begin, end):
-        """Return what is wrong with the poses from ``begin`` to ``end`` [s], one of checks.DOUBTS, or ''."""
+        """Return the fault of the poses from ``begin`` to ``end`` [s]: a key of checks.DOUBTS, or ''."""
         first = max(0, bisect.bisect_right(self._times, begin) - 1)
         last = bisect.bisect_right(self._times, end)
         times, poses = self._times[first:last], self._poses[first:last]
@@ -79,9 +84,9 @@ class Track:
         return 'rare' if any(length > FAR_STEP for _, length in steps) else ''
 
     def returns(self):
-        """Return how often the robot is elsewhere for one pose and then back: two robots tell theirs in turns.
+        """Return how often the robot is elsewhere for one pose and then back, as if two robots published in turns.
 
-        None where that may be chance.
+        Return None if that may be chance.
         """
         poses = self._poses
         found = sum(one.distance_to(other) > FAR_STEP and one.distance_to(third) < 0.25 * one.distance_to(other)
@@ -90,12 +95,12 @@ class Track:
 
 
 def stamp(header, time):
-    """Return when a message was made [s], else recorded."""
+    """Return when a message was made [s]; without a stamp in its header, when it was recorded."""
     return (header.stamp if header.stamp.to_nsec() else time).to_sec()
 
 
 def pose_of(pose):
-    """Return a geometry_msgs/Pose as a Pose2D, None where its numbers are none."""
+    """Return a geometry_msgs/Pose as a Pose2D, or None if its numbers are not valid."""
     try:
         return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(quaternion_of(pose)))
     except ValueError:
@@ -109,7 +114,7 @@ def quaternion_of(pose):
 
 
 def _at_once(told):
-    """Return the names of nodes, sorted, of which ``told`` {name: (first, last) [s]} overlap."""
+    """Return the names of nodes, sorted, whose spans overlap; ``told``: {name: (first, last) [s]}."""
     spans = sorted((span, name) for name, span in told.items() if name is not None)
     found = set()
     for (one, name), (other, other_name) in zip(spans, spans[1:]):
@@ -119,14 +124,14 @@ def _at_once(told):
 
 
 def _top_speed(times, poses):
-    """Return the speed [m/s] of the fast ones of all steps: of each hundred the 95th."""
+    """Return the speed [m/s] of fast steps: the 95th percentile of all steps in which the robot moves."""
     speeds = [one.distance_to(other) / (later - sooner) for sooner, later, one, other in zip(
         times, times[1:], poses, poses[1:]) if later > sooner and one.distance_to(other) > 0.01]
     return float(np.quantile(speeds, 0.95)) if speeds else 0.0
 
 
 def _way(start, poses, goal):
-    """Return the Way along ``poses``, its directions those of the first and the last metre."""
+    """Return the Way along ``poses``; its directions are those of the first and the last metre."""
     points = [(pose.x, pose.y) for pose in poses]
     length = math.fsum(math.dist(one, other) for one, other in zip(points, points[1:]))
     straight = way_along(start, (), goal)

@@ -1,4 +1,4 @@
-"""Legs from a bag: goals and results of move_base actions, where the robots were meanwhile, and their plans."""
+"""Read legs from a bag: goals and results of move_base actions, the robots' poses meanwhile, and their plans."""
 import statistics
 
 import rosbag
@@ -14,13 +14,15 @@ from .legs import RecordedLeg
 
 _GOAL = 'move_base_msgs/MoveBaseActionGoal'
 _SUCCEEDED, _ABORTED = 3, 4
-_LEAP = (1.0, 0.1)  # s, and of the duration: by which stamps and the recording's times may differ
+_LEAP = (1.0, 0.1)  # s, plus this share of the duration: stamps and the recording's times may differ by this much
 
 
 def read_legs(path, pose_topic=None):
-    """Return (RecordedLegs, notes) of the bag ``path``; ``pose_topic``: below each robot's namespace, None: the best.
+    """Return (RecordedLegs, notes) of the bag ``path``.
 
-    :raises ConfigurationError: if it cannot be read, or holds no goals, or no poses of a robot that has some.
+    ``pose_topic``: the topic of poses in each robot's namespace; None: the best one that is there.
+
+    :raises ConfigurationError: if the bag cannot be read, or has no goals, or no poses of a robot that has goals.
     """
     try:
         check_input(path, what='bag')
@@ -53,7 +55,7 @@ def _read(bag, path, pose_topic):
 
 
 def _of_one_robot(legs, track, namespace, path, notes):
-    """Return ``legs``, none of them where several robots speak in one namespace, which is noted."""
+    """Return ``legs``; if several robots publish in one namespace, return none, and add a note."""
     returns = track.returns()
     if len(track.publishers) < 2 and returns is None:
         return legs
@@ -65,7 +67,7 @@ def _of_one_robot(legs, track, namespace, path, notes):
 
 
 class _Action:
-    """The goals and results of one action: ``legs``, ``frames`` of the goals, and what is no leg."""
+    """The goals and results of one action: ``legs``, the ``frames`` of goals, notes() about those that are no legs."""
 
     def __init__(self, bag, action, namespace, track, path):
         self._name = '{}: {{}} {{}} of {}'.format(path, namespace or '/')
@@ -88,7 +90,7 @@ class _Action:
         self._doubt_clocks(recorded, _twice(bag, (action + 'goal', action + 'result')))
 
     def notes(self):
-        """Return what is said of goals and results that are no legs."""
+        """Return notes about goals and results that are no legs."""
         return [self._name.format(count, what) + why for count, what, why in (
             (self._strange, 'goals', ' are not poses in the plane, and are left out'),
             (self._without_result, 'goals', ' have no result, and are left out: of a robot that hung there, success '
@@ -114,7 +116,11 @@ class _Action:
                            state == _ABORTED, way, track.at(ended), sent=sent, doubt=doubt)
 
     def _doubt_clocks(self, recorded, twice):
-        """Doubt legs by the clocks: in times that were shown twice, or other by the stamps than by the recording."""
+        """Mark legs that the clocks put in doubt.
+
+        They lie in times that a clock showed twice (``twice``), or their durations by stamps and by the recording's
+        times (``recorded`` [s]) differ.
+        """
         ratios = [leg.duration / seconds for leg, seconds in zip(self.legs, recorded) if seconds > 0.0]
         usual = statistics.median(ratios) if ratios else 1.0
         for number, (leg, seconds) in enumerate(zip(self.legs, recorded)):
@@ -127,14 +133,14 @@ class _Action:
 
 
 def _twice(bag, topics):
-    """Return [(low, high)]: times [s] that the clock has shown twice, by each topic's own messages.
+    """Return [(low, high)]: the spans of time [s] that the clock has shown twice, by the messages of each topic.
 
-    They show in stamps that go back, or, where the recorder went by the same clock, in the order of the file.
+    Such spans show in stamps that go back. If the recorder used the same clock, they show in the order of the file.
     """
     found = []
     for topic in topics:
         found += shown_twice([stamp(message.header, time) for _, message, time in bag.read_messages(topics=[topic])])
-        # rosbag itself sorts by time, and has no public way to ask for the order in the file.
+        # rosbag sorts by time, and has no public function for the order in the file.
         entries = [entry for index in bag._get_indexes(bag._get_connections([topic])) for entry in index]
         found += shown_twice([entry.time.to_sec() for entry in sorted(entries, key=lambda entry: entry.position)])
     return found

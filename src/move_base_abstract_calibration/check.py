@@ -1,4 +1,4 @@
-"""How well legs are predicted that were not fitted: parts of all at random, other recordings, regions of the map."""
+"""Measure how well legs are predicted that were not fitted: random parts, other recordings, regions of the map."""
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -11,39 +11,42 @@ from .law import Durations
 from .legs import met_no_robot
 
 PARTS = 10
-_MOST_RECORDINGS = 8  # that are predicted by the others, one by one
-MET = 1.5  # m: nearer to another robot than this a leg may have been held up
+_MOST_RECORDINGS = 8  # up to so many recordings, each is predicted from the others
+MET = 1.5  # m; a leg that came nearer to another robot may have been held up
 _SEED = 20130213
 _INTERVAL = (0.05, 0.95)
 
 
 class Predicted(NamedTuple):
-    """What was predicted of legs, beside what was measured; arrays of one value a leg, [s]."""
+    """Predicted and measured durations of legs: arrays with one value per leg [s]."""
 
     measured: np.ndarray
     median: np.ndarray
     mean: np.ndarray
     low: np.ndarray
     high: np.ndarray
-    below: np.ndarray  # the predicted chance of no more than what was measured
-    straight: np.ndarray  # the straight line at the nominal speed
+    below: np.ndarray  # the predicted chance of a duration of at most the measured one
+    straight: np.ndarray  # the duration of a straight line at the nominal speed
 
 
 class Score(NamedTuple):
-    """How well legs were predicted; shares, not per cent. ``success``: (predicted, measured) rates."""
+    """How well legs were predicted, as shares and not in per cent."""
 
-    name: str
-    legs: int
-    median_error: float
-    mean_ratio: float
-    within: float
-    straight_error: float
-    straight_ratio: float
-    success: Optional[tuple] = None
+    name: str  # of these legs, in words
+    legs: int  # the number of legs
+    median_error: float  # the median error of the predicted median
+    mean_ratio: float  # the sum of predicted means by the sum of measured durations
+    within: float  # the share of legs within the predicted interval of 90 %
+    straight_error: float  # the median error of the straight line
+    straight_ratio: float  # the median of measured durations by those of the straight line
+    success: Optional[tuple] = None  # the rates of success (predicted, measured)
 
 
 def predict(values, pairs, nominal_speed):
-    """Return the Predicted of those of ``pairs`` that succeeded and count."""
+    """Return the Predicted for those ``pairs`` [(leg, way)] that succeeded and count.
+
+    ``values``: {parameter of a calibration: value}; ``nominal_speed`` [m/s]: that of the straight line.
+    """
     used = succeeded(pairs)
     law = Durations(values, [way for _, way in used])
     measured = np.array([leg.duration for leg, _ in used])
@@ -64,7 +67,7 @@ def score(name, predicted, success=None):
 
 
 def success_rates(values, pairs):
-    """Return the predicted and the measured rate of success of ``pairs``."""
+    """Return the predicted and the measured rate of success of ``pairs``, as shares."""
     ended = [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
     failures = tuple(map(tuple, values['failure_by_length']))
     chances = [along(failures, way.length) if failures else 0.0 for _, way in ended]
@@ -72,14 +75,17 @@ def success_rates(values, pairs):
 
 
 def by_parts(pairs):
-    """Return [(legs to fit, legs to predict)] for parts of ``pairs`` at random, always the same ones."""
+    """Return [(legs to fit, legs to predict)] for random parts of ``pairs``; they are the same in each call."""
     order = np.random.default_rng(_SEED).permutation(len(pairs))
     return [([pairs[index] for index in np.setdiff1d(order, order[part::PARTS])],
              [pairs[index] for index in order[part::PARTS]]) for part in range(PARTS)]
 
 
 def by_regions(pairs):
-    """Return the same for the four quarters around the middle goal: legs that begin or end there are not fitted."""
+    """Return [(legs to fit, legs to predict)] for the four quarters around the median goal.
+
+    The legs that end in a quarter are predicted from legs that neither begin nor end in it.
+    """
     middle = np.median([(leg.goal.x, leg.goal.y) for leg, _ in pairs], axis=0)
 
     def quarter(pose):
@@ -90,13 +96,13 @@ def by_regions(pairs):
 
 
 def by_recordings(pairs):
-    """Return {name of a recording: (legs of the others, its own legs)}, where there are several, but not many."""
+    """Return {name of a recording: (legs of the others, its own legs)}; {} if there is only one, or very many."""
     folds = _by(pairs, lambda leg: leg.recording)
     return folds if len(folds) <= _MOST_RECORDINGS else {}
 
 
 def by_maps(pairs):
-    """Return {name of a map: (legs on the others, those on it)}, where there are several."""
+    """Return {name of a map: (legs on the others, legs on it)}; {} if there is only one."""
     return _by(pairs, lambda leg: leg.map)
 
 
@@ -107,17 +113,17 @@ def _by(pairs, key):
 
 
 class Folds(NamedTuple):
-    """What folds have told: one Predicted of all legs to predict, these legs, and (predicted, measured) success."""
+    """The result of folds, all together."""
 
     predicted: Predicted
-    pairs: list
-    success: tuple
+    pairs: list  # the legs that were predicted, with their ways
+    success: tuple  # the rates of success (predicted, measured)
 
 
 def predict_folds(folds, nominal_speed):
-    """Return the Folds, None without any.
+    """Return the Folds of [(legs to fit, legs to predict)], or None if none can be used.
 
-    Folds that leave too few legs to fit or none to predict are left out.
+    Folds with too few legs to fit, or with none to predict, are left out.
     """
     found, rates, used = [], [], []
     for known, asked in folds:
@@ -137,9 +143,9 @@ def predict_folds(folds, nominal_speed):
 
 
 def scores(values, pairs, nominal_speed):
-    """Return ([Score], the Folds by which pictures and classes judge), of the legs themselves first.
+    """Return ([Score], the Folds for the pictures and classes); the first Score is of the legs that were fitted.
 
-    The Folds are those by maps where there are several, else parts at random; None where there are too few legs.
+    If there are several maps, the Folds are those by maps, otherwise random parts; None if there are too few legs.
     """
     rows = [score('the legs that were fitted', predict(values, pairs, nominal_speed), success_rates(values, pairs))]
     kinds = [('{} parts at random'.format(PARTS), by_parts(pairs))]

@@ -1,4 +1,4 @@
-"""What is wrong with recordings: legs that would spoil the fit are left out and counted, or all of it is refused."""
+"""Check recordings: legs that would spoil the fit are left out and counted, or the whole recording is refused."""
 import math
 from collections import Counter
 
@@ -8,7 +8,7 @@ from move_base_abstract.common.errors import ConfigurationError
 
 from .legs import FAR_STEP
 
-#: why a leg is left out, in words behind its number; docs/calibrate.md has the rules and their reasons
+#: why legs are left out, in the words that follow their number; docs/calibrate.md has the rules and their reasons
 DOUBTS = {
     'clock_back': 'lie in times that the clock showed twice',
     'clock_leap': 'took another time by their stamps than by the recording: the clock leapt',
@@ -19,21 +19,21 @@ DOUBTS = {
     'elsewhere': 'ended far from their goal although they succeeded: poses from elsewhere',
     'short_way': 'have a way that is shorter than the straight line: poses of another frame than the plan',
 }
-_BACK = 1.0  # s: so much later messages may be made before earlier ones
-_STAMPS = 0.25  # s, by which a duration may differ from that between its stamps: two steps of a simulator, and more
-_OVERLAP = 1.0  # s: a new goal ends the one before
-_TOO_FAST = 2.0  # times the mean speed of the fast ones of all legs
-_FAR_END = (0.5, 4.0)  # m, and times the median of all legs
-_SHORTER = (0.5, 0.05)  # m, and of the straight line
-_MOST_DOUBTS = 0.5  # of all legs that one kind of doubt may be
-_FAR_ENDS = (1.0, 0.1)  # m, and of the straight lines: beyond this median nothing has ended at its goal
-_OFFSET = (10, 0.25, 0.8)  # legs, m, share of the errors at the end that all go the same way
+_BACK = 1.0  # s; a later message may have a stamp that is earlier by this much
+_STAMPS = 0.25  # s; a duration may differ this much from that by stamps, which is more than two steps of a simulator
+_OVERLAP = 1.0  # s; a leg may end this much after the next goal was sent, because a new goal ends the one before
+_TOO_FAST = 2.0  # times the mean speed of fast legs
+_FAR_END = (0.5, 4.0)  # m, times the median of all legs: the larger one is the farthest end from a goal
+_SHORTER = (0.5, 0.05)  # m, share of the straight line: a way may be shorter than the line by the larger one
+_MOST_DOUBTS = 0.5  # the share of all legs that may have one kind of doubt
+_FAR_ENDS = (1.0, 0.1)  # m, share of the straight lines: the larger one bounds the median distance of ends from goals
+_OFFSET = (10, 0.25, 0.8)  # legs, m, share: so many ends, this far from their goals, and this much to one side
 
 
 def examine(legs):
-    """Return (the legs that may be fitted, notes: what was left out, with counts).
+    """Return (the legs that may be fitted, notes about those that are left out).
 
-    :raises ConfigurationError: where what is wrong is no matter of single legs.
+    :raises ConfigurationError: if the fault is not in single legs but in the recording.
     """
     _check_frame(legs)
     doubts = list(_doubts(legs))
@@ -55,7 +55,7 @@ def examine(legs):
 
 
 def shown_twice(times):
-    """Return [(low, high)]: which ``times`` [s], in the order in which they came, were shown twice."""
+    """Return [(low, high)]: the spans of time that a clock showed twice; ``times`` [s] in the order of their coming."""
     found, highest = [], -math.inf
     for time in times:
         if time < highest - _BACK:
@@ -65,7 +65,7 @@ def shown_twice(times):
 
 
 def _doubts(legs):
-    """Return for each leg what is wrong with it, a key of DOUBTS, or ''."""
+    """Yield the fault of each leg: a key of DOUBTS, or ''."""
     back = _sent_twice(legs)
     overlapping = _overlapping(legs)
     seen = set()
@@ -107,7 +107,7 @@ def _by_robot(legs):
 
 
 def _sent_twice(legs):
-    """Return {(recording, robot): [(low, high)]}: times that were shown twice, by goals in the order of numbers."""
+    """Return {(recording, robot): [(low, high)]}: spans of time shown twice, by goals in the order of their numbers."""
     found = {}
     for name, own in _by_robot(legs).items():
         sent = latest = -math.inf
@@ -119,7 +119,7 @@ def _sent_twice(legs):
 
 
 def _overlapping(legs):
-    """Return the ids of legs that one robot would have driven at once."""
+    """Return the id() of legs of one robot that overlap in time."""
     found = set()
     for own in _by_robot(legs).values():
         ordered = sorted((leg for leg in own if leg.sent is not None), key=lambda leg: leg.sent)
@@ -130,7 +130,7 @@ def _overlapping(legs):
 
 
 def _check_frame(legs):
-    """Complain where legs that succeeded all end elsewhere than at their goals: of another frame, or another map."""
+    """Check that legs that succeeded end at their goals; otherwise the poses are of another frame or map."""
     gaps = np.array([(leg.end.x - leg.goal.x, leg.end.y - leg.goal.y) for leg in legs
                      if leg.succeeded and leg.end is not None])
     if not len(gaps):
@@ -148,7 +148,7 @@ def _check_frame(legs):
 
 
 def _check_names(legs, notes):
-    """Note legs that begin elsewhere than the one before ended; refuse them where that is so of most."""
+    """Note legs that do not begin where the one before ended; if these are most legs, refuse the recording."""
     begun = elsewhere = 0
     for own in _by_robot(legs).values():
         ordered = sorted(own, key=lambda leg: leg.number)

@@ -1,4 +1,4 @@
-"""Errors by class of legs: the turn at the start, how near another robot came, how near the way comes to walls."""
+"""Errors by class of legs: by the turn at the start, the distance to the nearest other robot, and that to walls."""
 import math
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from .check import Predicted, score
 
-#: (what, unit, its value of a (leg, way) or None, where classes part)
+#: (name, unit, function that returns the value of a (leg, way) or None, borders of the classes)
 _KINDS = (
     ('start turn', 'degrees', lambda leg, way: math.degrees(abs(way.start_turn)), (60.0, 120.0, 150.0)),
     ('nearest other robot', 'm', lambda leg, way: leg.nearest_robot, (1.0, 1.5, 3.0, 5.0)),
@@ -15,16 +15,16 @@ _KINDS = (
 
 
 class ClassErrors(NamedTuple):
-    """The errors by one ``kind`` of classes, in words: [(class, check.Score)]."""
+    """The errors by one ``kind`` of classes (a name); ``rows``: [(class in words, check.Score)]."""
 
     kind: str
     rows: list
 
 
 def by_class(pairs, predicted):
-    """Return [ClassErrors] of ``pairs`` [(leg, way)], for which ``predicted`` (Predicted) has a row each, in order.
+    """Return [ClassErrors] of ``pairs`` [(leg, way)]; ``predicted`` (Predicted) has a value for each, in their order.
 
-    Legs of which nothing is known have a class of their own; a kind of which nothing is known at all has none.
+    Legs without a value have a class of their own. A kind without any value is left out.
     """
     found = []
     for kind, unit, value_of, edges in _KINDS:

@@ -1,10 +1,10 @@
-"""Fit how long a real robot's legs take from recordings, check it, and write it for the simulator.
+"""Fit how long a real robot's legs take from recordings, check the fit, and write it for the simulator.
 
     rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate FOLDER... --encounters robot.yaml [-o robot_with_encounters.yaml]
 
-Exit codes: 0 written; 2 a file cannot be read or written, too few legs, or wrong arguments.
+Exit codes: 0 written; 2 a file cannot be read or written, there are too few legs, or the arguments are wrong.
 """
 import argparse
 import math
@@ -21,7 +21,7 @@ _KEPT = '90 %, as the calibration said to which encounters were fitted'
 
 
 def main(words=None):
-    """Fit and write what the command line asks for, and exit with the code."""
+    """Run the command with these arguments (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
     try:
         _run(options)
@@ -102,7 +102,7 @@ def _encounters(options):
 
 
 def _pairs(options):
-    """Return the legs with their ways, and notes, which are said."""
+    """Return the legs with their ways, and notes; the notes are printed, too."""
     from . import checks
     from .legs import met_no_robot, ways_of
     legs, notes = _read(options)
@@ -163,7 +163,7 @@ def _read(options):
     legs, notes = [], []
     for path in options.recordings:
         if path.endswith('.bag'):
-            from .bags import read_legs as read_bag  # only who has bags needs ROS
+            from .bags import read_legs as read_bag  # only bags need ROS
             found, about = read_bag(path, options.pose_topic)
             notes += about
         else:
@@ -174,7 +174,7 @@ def _read(options):
 
 
 def _map(options, notes):
-    """Return the OccupancyMap that was named, or None."""
+    """Return the OccupancyMap of --map, or None."""
     if options.map is None:
         return None
     from move_base_abstract.maps.map_files import load_map, read_description

@@ -1,4 +1,4 @@
-"""Legs from a table: one row a goal, with the columns that docs/calibrate.md names."""
+"""Read legs from a table: one row per goal, with the columns that docs/calibrate.md names."""
 import math
 
 from move_base_abstract.common.csv_files import open_csv, rows_of
@@ -11,7 +11,7 @@ from .legs import RecordedLeg, Way, way_along
 _NEEDED = ('start_x', 'start_y', 'start_yaw', 'goal_x', 'goal_y', 'goal_yaw', 'duration_s', 'state')
 _SUCCEEDED, _ABORTED = 3, 4  # of actionlib_msgs/GoalStatus
 _MOST_ROWS = 1_000_000
-_HALF_TURN = math.pi + 1e-3  # rad, as rounded in a table
+_HALF_TURN = math.pi + 1e-3  # rad; a table may have rounded it up
 
 
 def read_legs(path):
@@ -24,7 +24,7 @@ def read_legs(path):
 
 
 class _Lines:
-    """The lines of a stream that are no comments; ``number``: that of the last one, from 1 on."""
+    """The lines of a stream that are no comments; ``number``: that of the latest line, from 1 on."""
 
     def __init__(self, stream):
         self._stream = stream
@@ -78,13 +78,13 @@ def _leg(row, where, number):
 
 
 def _turned_beyond(values):
-    """Return by how much more a robot turned [rad] than its way asks for, None where nobody says."""
+    """Return by how much more a robot turned [rad] than its way asks for; None if the table does not say it."""
     asked = [values[name] for name in ('plan_turn_rad', 'start_turn_rad', 'end_turn_rad')]
     return None if None in asked or values['turned_rad'] is None else values['turned_rad'] - sum(asked)
 
 
 def _way(values, start, goal):
-    """Return the recorded way: as planned, else as driven. Turns have the side of those of the straight line."""
+    """Return the recorded way, as planned or otherwise as driven. Its turns have the signs of the straight line's."""
     length = values['driven_m'] if values['plan_m'] is None else values['plan_m']
     if length is None:
         return None

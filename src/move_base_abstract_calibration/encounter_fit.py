@@ -1,9 +1,10 @@
-"""Fit what meeting others costs: the law of the section ``encounters``, by maximum likelihood with weak priors.
+"""Fit the cost of encounters: the law of the section ``encounters``, by maximum likelihood with weak priors.
 
-A leg takes what the calibration says of it alone, and with the chance that one of its encounters costs it anything as
-much longer as a lognormal, or for a block a gamma distribution says, and the time to get going again. A leg that was
-given up after an encounter was blocked; one that was cancelled would have taken longer. The priors lie where the values
-lie that were chosen by hand, so that what the recordings say nothing of stays there, and is said to.
+A leg takes as long as the calibration says for it alone. With the chance that one of its encounters costs time, it
+takes longer: by a delay from a lognormal distribution, or for a block from a gamma distribution, and by the time to get
+going again. A leg that was given up after an encounter was blocked. A leg that was cancelled would have taken longer.
+The priors lie around values that were chosen by hand. So a value about which the recordings say nothing stays there,
+and its row says so (``held``).
 """
 import math
 from typing import NamedTuple
@@ -17,11 +18,11 @@ from move_base_abstract.motion.encounter_law import KINDS
 from .law import Durations
 
 LEAST_MET = 20
-_STEP, _LONGEST = 0.5, 300.0  # s, of the delays that are looked at
+_STEP, _LONGEST = 0.5, 300.0  # s; the step and the largest of the delays for the integration
 _DELAYS = np.arange(0.5 * _STEP, _LONGEST, _STEP)
-_STRANGE, _STRANGE_SECONDS = 1e-3, 20.0  # as of the fit of legs
-_NEAR, _FAR = -0.2, -1.5  # logits of the chances at 0 m and at the radius
-#: (name, usual value of what is fitted, its spread, from that to the value)
+_STRANGE, _STRANGE_SECONDS = 1e-3, 20.0  # as in the fit of legs
+_NEAR, _FAR = -0.2, -1.5  # the logits of the usual chances at 0 m and at the radius
+#: (name, usual value of the fitted number, its spread, function from the fitted number to the value)
 _FITTED = (*((kind + end, usual, 1.0, special.expit) for kind in KINDS
              for end, usual in (('_near', _NEAR), ('_far', _FAR))),
            ('delay_mean', math.log(5.0), 0.7, np.exp), ('delay_cv', 0.0, 0.5, np.exp),
@@ -31,14 +32,14 @@ _FITTED = (*((kind + end, usual, 1.0, special.expit) for kind in KINDS
            ('block_cv', math.log(0.4), 0.5, np.exp),
            ('long_chance', special.logit(0.05), 1.0, special.expit), ('long_mean', math.log(400.0), 0.5, np.exp))
 _NAMES = [name for name, *_ in _FITTED]
-_PRIOR_HOLDS = 0.8  # of a prior's spread: what is left of it, from which on it holds a value
-_SURE = 1.0 - 1e-12  # the greatest chance whose complement has a logarithm
-_PLACES = 7  # of the tables of chances
-_BOTH_PRIOR, _ABORT_PRIOR = (1.0, 4.0), (1.0, 4.0)  # yes and no, as if seen
+_PRIOR_HOLDS = 0.8  # if more than this share of a prior's spread is left, the prior holds the value
+_SURE = 1.0 - 1e-12  # the largest chance whose complement has a logarithm
+_PLACES = 7  # the number of rows in the tables of chances
+_BOTH_PRIOR, _ABORT_PRIOR = (1.0, 4.0), (1.0, 4.0)  # the numbers of yes and no that the priors are worth
 
 
 class Row(NamedTuple):
-    """A fitted value with its interval of 95 %; ``held``: by the prior, as the recordings say little of it."""
+    """A fitted value with its 95 % interval; ``held``: whether the prior holds it, as the recordings say little."""
 
     name: str
     value: float
@@ -48,7 +49,7 @@ class Row(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """What was fitted: ``values`` of the section, ``rows`` ([Row]), how many encounters of each kind there were."""
+    """The result of a fit: ``values`` of the section, ``rows`` ([Row]), ``counts`` {kind: number of encounters}."""
 
     values: dict
     rows: tuple
@@ -56,9 +57,11 @@ class Fitted(NamedTuple):
 
 
 def fit_encounters(legs, calibration, radius):
-    """Return the :class:`Fitted` of ``legs`` [MetLeg]; ``calibration``: {parameter: value} of the robots alone.
+    """Return the :class:`Fitted` for ``legs`` [MetLeg].
 
-    :raises ConfigurationError: if too few of them met anybody.
+    ``calibration``: {parameter: value} for a robot alone; ``radius`` [m]: that of an encounter.
+
+    :raises ConfigurationError: if too few legs met another robot.
     """
     met = [leg for leg in legs if any(one.may_yield for one in leg.meetings)]
     if len(met) < LEAST_MET:
@@ -67,14 +70,14 @@ def fit_encounters(legs, calibration, radius):
     data = _Data(met, calibration, radius)
     usual, widths = (np.array([row[place] for row in _FITTED]) for place in (1, 2))
     both = _BOTH_PRIOR[0] / sum(_BOTH_PRIOR)
-    for _ in range(2):  # who has to stand for whom, and how often both have to, follow from one another
+    for _ in range(2):  # which robots stand, and how often both do, depend on each other
         def cost(packed, both=both):
             return 0.5 * np.sum(((packed - usual) / widths) ** 2) - data.log_likelihood(packed, both).sum()
         found = optimize.minimize(cost, usual, method='L-BFGS-B',
                                   bounds=list(zip(usual - 3.0 * widths, usual + 3.0 * widths)))
         both = data.both_chance(legs, found.x, both)
     variance = np.diag(np.linalg.inv(_hessian(cost, found.x)))
-    spread = np.sqrt(np.where(variance > 0.0, variance, widths ** 2))  # at an edge the prior is all that is known
+    spread = np.sqrt(np.where(variance > 0.0, variance, widths ** 2))  # at a bound, only the prior is known
     rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),
                      bool(spread[k] > _PRIOR_HOLDS * width)) for k, (name, _, width, back) in enumerate(_FITTED))
     values = {row.name: row.value for row in rows[2 * len(KINDS):] if row.name not in ('block_near', 'block_far')}
@@ -86,7 +89,7 @@ def fit_encounters(legs, calibration, radius):
 
 
 def log_likelihoods(legs, calibration, fitted, radius):
-    """Return (with encounters, without): the sums of the logarithms of the densities of those ``legs`` that met."""
+    """Return (with encounters, without): the sums of the logarithms of the densities of ``legs`` that met a robot."""
     met = [leg for leg in legs if leg.succeeded and any(one.may_yield for one in leg.meetings)]
     if not met:
         return 0.0, 0.0
@@ -99,9 +102,9 @@ def log_likelihoods(legs, calibration, fitted, radius):
 
 
 def mean_seconds(leg, values, radius):
-    """Return how much longer a leg that succeeds takes on average [s] for its encounters, by a section's ``values``.
+    """Return the mean delay [s] of a leg that succeeds by its encounters, with the ``values`` of a section.
 
-    Blocks that end in giving up, or are the long ones, are those of legs that do not succeed.
+    Blocks that end with giving up, and long blocks, belong to legs that do not succeed.
     """
     go_on = (1.0 - values['long_chance']) * (1.0 - values['abort_chance'])
 
@@ -119,7 +122,7 @@ def _inverse(back):
 
 
 def _share(meeting, both):
-    """Return the share of the encounters that cost anything in which this robot has to stand."""
+    """Return the chance that this robot must stand if the encounter costs time at all."""
     return 0.5 * (1.0 + both) if meeting.kind in ('head_on', 'crossing') else 1.0
 
 
@@ -130,13 +133,13 @@ def _table(packed, kind, radius):
 
 
 class _Data:
-    """The legs that met, as arrays: the density of each alone, and after each delay."""
+    """The legs that met a robot, as arrays: the density of each without a delay, and after each delay."""
 
     def __init__(self, met, calibration, radius):
         self.met = met
         law = Durations(calibration, [leg.way for leg in met])
         times = np.array([leg.duration for leg in met])
-        again = calibration['max_speed'] / (2.0 * calibration['acceleration'])  # s, to get going
+        again = calibration['max_speed'] / (2.0 * calibration['acceleration'])  # s, to get going again
         self._strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + ((times - law.least) / _STRANGE_SECONDS) ** 2))
         self._alone = law.density(times)
         with np.errstate(over='ignore', invalid='ignore'):
@@ -152,7 +155,7 @@ class _Data:
         self._until_end = np.maximum(_STEP, times - first)
 
     def _chances(self, packed, both):
-        """Return the chances of each leg that one of its encounters costs it anything, and that one blocks it."""
+        """Return the chances of each leg that one of its encounters costs it time, and that one blocks it."""
         def at(places):
             return special.expit(packed[places] + self._far * (packed[places + 1] - packed[places]))
         costs = np.where(self._yields_both, 0.5 * (1.0 + both), 1.0) * at(self._kinds)
@@ -163,7 +166,7 @@ class _Data:
     def _parts(self, packed, both):
         """Return the densities of each leg: not delayed, delayed, blocked, each times its chance.
 
-        Of those that were cut, the chances that they take longer.
+        For legs that were cut, these are the chances that they would take longer.
         """
         value = {name: float(back(packed[k])) for k, (name, *_, back) in enumerate(_FITTED)}
         chances, blocked = self._chances(packed, both)
@@ -184,7 +187,7 @@ class _Data:
                      for one, other, third in zip(ended, cut, given_up))
 
     def log_likelihood(self, packed, both):
-        """Return the logarithm of each leg's density, of which a little is left for what nothing explains."""
+        """Return the logarithm of each leg's density. A small share of it is for legs that nothing explains."""
         return np.log((1.0 - _STRANGE) * np.nan_to_num(sum(self._parts(packed, both))) + _STRANGE * self._strange)
 
     def _affected(self, packed, both):
@@ -193,7 +196,7 @@ class _Data:
         return (delayed + blocked) / whole, blocked / whole
 
     def both_chance(self, legs, packed, both):
-        """Return the chance that an encounter that costs anything costs both, from legs that met each other."""
+        """Return the chance that an encounter that costs time costs it both robots, from legs that met each other."""
         affected, _ = self._affected(packed, both)
         of = {id(leg): share for leg, share in zip(self.met, affected)}
         yes, no = _BOTH_PRIOR
@@ -202,12 +205,12 @@ class _Data:
                 other = None if one.other is None else legs[one.other]
                 if id(other) in of and one.kind in ('head_on', 'crossing'):
                     together = of[id(leg)] * of[id(other)]
-                    yes += 0.5 * together  # each pair is seen from both sides
+                    yes += 0.5 * together  # each pair occurs twice
                     no += 0.5 * (of[id(leg)] + of[id(other)] - 2.0 * together)
         return float(yes / (yes + no))
 
     def abort_chance(self, packed, both):
-        """Return the chance that a block ends in giving up."""
+        """Return the chance that a block ends with giving up."""
         _, blocked = self._affected(packed, both)
         ended = float(np.sum(~self._succeeded & ~self._cut))
         return (ended + _ABORT_PRIOR[0]) / (float(blocked.sum()) + sum(_ABORT_PRIOR))

@@ -1,4 +1,4 @@
-"""The section ``encounters`` of a calibration, fitted to recordings of several robots, and judged on maps left out."""
+"""Fit the section ``encounters`` of a calibration to recordings of several robots, and judge it on other maps."""
 from typing import NamedTuple
 
 import numpy as np
@@ -12,28 +12,25 @@ from .law import Durations
 from .meetings import met_legs
 from .recordings import read_recordings
 
-RADIUS = 3.0  # m, of an encounter, where the calibration has no section yet
+RADIUS = 3.0  # m; the radius of an encounter, if the calibration has no such section yet
 
 
 class MapScore(NamedTuple):
-    """How well the legs of a map that met are predicted by a fit to all other maps, with encounters and without.
-
-    Sums of logarithms of densities, and sums of durations, measured by predicted.
-    """
+    """How well the legs of a map that met a robot are predicted by a fit to all other maps."""
 
     map: str
-    legs: int
-    gain: float
-    ratio: float
-    ratio_without: float
+    legs: int  # the number of these legs
+    gain: float  # by how much encounters raise the sum of the logarithms of the densities
+    ratio: float  # the sum of durations, measured by predicted, with encounters
+    ratio_without: float  # the same without encounters
 
 
 def calibrate_encounters(folders, name, robot_radius):
     """Return (values of the calibration ``name`` with the section, the Fitted, [MapScore], legs).
 
-    ``folders`` have the recordings, ``robot_radius`` [m] is how far ways stay off what is occupied.
+    ``folders``: those of the recordings; ``robot_radius`` [m]: the distance of ways from occupied cells.
 
-    :raises ConfigurationError: if one of them cannot be read, or there are too few legs that met.
+    :raises ConfigurationError: if a file cannot be read, or too few legs met a robot.
     """
     calibration = read_calibration(name, 'calibrate')
     raw = load_yaml_file(calibration_file(name, 'calibrate'))
@@ -54,7 +51,7 @@ def _source(legs, fitted):
 
 
 def map_scores(legs, calibration, radius):
-    """Return a MapScore of each map whose others have enough legs that met."""
+    """Return a MapScore for each map if all other maps together have enough legs that met a robot."""
     found = []
     for name in sorted({leg.map for leg in legs}):
         known = _renumbered([leg for leg in legs if leg.map != name], legs)
@@ -74,13 +71,13 @@ def map_scores(legs, calibration, radius):
 
 
 def _numbered_from(first, legs):
-    """Return ``legs`` with the others that they met by their numbers in a list in which they begin at ``first``."""
+    """Return ``legs`` with the numbers of the legs that they met raised by ``first``, to append them to a list."""
     return [leg._replace(meetings=tuple(one._replace(other=None if one.other is None else first + one.other)
                                         for one in leg.meetings)) for leg in legs]
 
 
 def _renumbered(chosen, legs):
-    """Return ``chosen`` of the list ``legs`` with the others that they met by their numbers among themselves."""
+    """Return ``chosen`` of the list ``legs``, with the numbers of the legs that they met counted in ``chosen``."""
     numbers = {id(leg): number for number, leg in enumerate(chosen)}
     return [leg._replace(meetings=tuple(one._replace(
         other=None if one.other is None else numbers.get(id(legs[one.other]))) for one in leg.meetings))
@@ -88,7 +85,7 @@ def _renumbered(chosen, legs):
 
 
 def lines(fitted, scores):
-    """Yield what is to be said, line by line: the values with their intervals, and how maps left out are predicted."""
+    """Yield the lines of the result: the values with their intervals, and how well maps are predicted by others."""
     yield 'encounters: {}'.format(', '.join('{} {}'.format(count, kind) for kind, count in fitted.counts.items()))
     for row in fitted.rows:
         yield '  {:18s} {:8.3g}   95 %: {:.3g} to {:.3g}{}'.format(

@@ -1,7 +1,7 @@
-"""Fitting: which phases, spread and tail make the recorded durations most likely. Places play no part.
+"""Fit the phases, spread and tail that make the recorded durations most likely. Positions have no influence.
 
-The likelihood of all legs is maximised (scipy's L-BFGS-B) over the logarithms of the parameters, each with a weak
-prior around a usual value, so that what a recording says nothing of stays there.
+The likelihood of all legs is maximised (scipy's L-BFGS-B) over the logarithms of the parameters. Each has a weak prior
+around a usual value, so that a parameter about which a recording says nothing stays there.
 """
 import math
 
@@ -14,11 +14,11 @@ from .law import Durations
 
 LEAST_LEGS = 25
 _ROUNDS = 150
-_NEAR_ENOUGH = 1e-6  # of the cost, by which a round of a search from nearby must make it less
-_STRANGE = 1e-3  # share of legs that nothing explains, spread as Cauchy's distribution
+_NEAR_ENOUGH = 1e-6  # a search from nearby stops when a round lowers the cost by a smaller share
+_STRANGE = 1e-3  # the share of legs that nothing explains, in a Cauchy distribution
 _STRANGE_SECONDS = 5.0
-_PHASES = 11  # of the fitted values, the first ones
-_TURNS = np.linspace(0.0, math.pi, 17)  # rad, of the table of chances
+_PHASES = 11  # the first so many of the fitted values are those of the phases
+_TURNS = np.linspace(0.0, math.pi, 17)  # rad; the turns in the table of chances
 #: (name, usual value, spread of its logarithm); the usual speed is that of the fastest legs
 _FITTED = (('max_speed', None, 0.7), ('acceleration', 0.5, 0.7), ('braking_gain', 0.5, 0.7),
            ('braking_offset', 0.1, 0.7), ('turning_speed', 1.0, 0.7), ('turning_gain', 1.0, 0.7),
@@ -29,23 +29,23 @@ _FITTED = (('max_speed', None, 0.7), ('acceleration', 0.5, 0.7), ('braking_gain'
 #: the chance of a tail by the start turn: the logistic function of a + b (turn - 3 pi / 4); (usual value, its spread)
 _LOGISTIC = ((-1.0, 2.0), (2.0, 4.0))
 _NAMES = [name for name, *_ in _FITTED]
-#: of what is fitted, in the order of the packed values
+#: the names of the fitted values, in the order of the packed values
 PACKED_NAMES = (*_NAMES, 'tail_chance_level', 'tail_chance_slope')
 
 
 def fit(pairs):
-    """Return {parameter of a calibration: value} for ``pairs`` [(RecordedLeg, Way)].
+    """Fit a calibration to ``pairs`` [(RecordedLeg, Way)]; return {parameter: value}.
 
-    :raises ConfigurationError: if there are too few legs that count and have succeeded.
+    :raises ConfigurationError: if too few legs count and have succeeded.
     """
     problem = Problem(pairs)
     return problem.values(problem.solve())
 
 
 class Problem:
-    """What is minimised for ``pairs`` [(RecordedLeg, Way)], over packed values: see PACKED_NAMES, mostly logarithms.
+    """The minimisation for ``pairs`` [(RecordedLeg, Way)] over packed values (PACKED_NAMES), most of them logarithms.
 
-    :raises ConfigurationError: if there are too few legs that count and have succeeded.
+    :raises ConfigurationError: if too few legs count and have succeeded.
     """
 
     def __init__(self, pairs):
@@ -62,10 +62,13 @@ class Problem:
         #: the spread of each value's prior
         self.widths = np.array([width for *_, width in (*_FITTED, *_LOGISTIC)])
         self.highest = self.first + 4.0 * self.widths
-        self.highest[_NAMES.index('tail_cv')] = 0.0  # above 1 the density has no bound, and draws all legs to it
+        self.highest[_NAMES.index('tail_cv')] = 0.0  # above 1 the density is unbounded and attracts all legs
 
     def solve(self, begin=None):
-        """Return the packed values that cost least, from the best phases; from ``begin``, near it: less exactly."""
+        """Return the packed values with the least cost.
+
+        ``begin``: packed values near the result, from which a shorter and less exact search starts; None: from scratch.
+        """
         def cost(packed):
             return 0.5 * np.sum(((packed - self.first) / self.widths) ** 2) + np.sum(self.surprises(packed))
         lowest = self.first - 4.0 * self.widths
@@ -78,7 +81,7 @@ class Problem:
                                  options=options).x
 
     def surprises(self, packed):
-        """Return how unlikely each duration is: minus the logarithm of its likelihood, without the prior."""
+        """Return minus the logarithm of the likelihood of each duration, without the prior."""
         law = Durations(self.values(packed), self._ways)
         excess = (self._durations - law.least) / _STRANGE_SECONDS
         strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + excess ** 2))
@@ -92,7 +95,7 @@ class Problem:
                 'tail_chance_by_turn': [[float(turn), float(chance)] for turn, chance in zip(_TURNS, chances)]}
 
     def _begin(self):
-        """Return where the search begins: with the phases that fit best where the largest misses count little."""
+        """Return where the search begins: with the phases that fit best if large misses count little."""
         first, widths = self.first[:_PHASES], self.widths[:_PHASES]
 
         def misses(phases):
@@ -104,17 +107,17 @@ class Problem:
 
 
 def succeeded(pairs):
-    """Return those of ``pairs`` whose duration counts."""
+    """Return the ``pairs`` whose duration counts: those that succeeded and count."""
     return [(leg, way) for leg, way in pairs if leg.counts and leg.succeeded]
 
 
 def ended(pairs):
-    """Return those of ``pairs`` that count for success: succeeded or failed."""
+    """Return the ``pairs`` that count for the rate of success: those that count and succeeded or failed."""
     return [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
 
 
 def _tolerances(used):
-    """Return the tolerances at whose edges legs end: the medians of the errors there, of yaw behind a last turn."""
+    """Return the tolerances of goals: the medians of the errors at the end; of yaw only after a last turn."""
     ends = [(leg, way) for leg, way in used if leg.end is not None]
     xy = [leg.end.distance_to(leg.goal) for leg, _ in ends]
     yaw = [abs(math.remainder(leg.end.yaw - leg.goal.yaw, 2.0 * math.pi)) for leg, way in ends
@@ -124,7 +127,7 @@ def _tolerances(used):
 
 
 def _failures(pairs):
-    """Return the chance of failure by length, [[m, chance]], as if failures came at random along the ways."""
+    """Return the chance of failure by length, [[m, chance]], if failures come at random along the ways."""
     all_ended = ended(pairs)
     rate = sum(leg.failed for leg, _ in all_ended) / max(1e-9, math.fsum(way.length for _, way in all_ended))
     return [[length, -math.expm1(-rate * length)] for length in (0.0, 25.0, 50.0, 100.0, 200.0)] if rate else []

@@ -1,4 +1,4 @@
-"""How sure a fit is of each parameter: bootstrap over recordings or legs, and which parameters the prior holds."""
+"""Intervals of the parameters of a fit, by bootstrap over recordings or legs; parameters that the prior holds."""
 import math
 
 import numpy as np
@@ -13,15 +13,15 @@ SAMPLES = 100
 _SEED = 20130213
 _LEVELS = (0.05, 0.95)
 _NORMAL = float(stats.norm.ppf(_LEVELS[1]))
-_LEAST_CLUSTERS = 10  # fewer say nothing of how they differ
-_MOST_OF_PRIOR = 0.5 ** 0.5  # of the prior's spread: above it most of what is known of a value is the prior
-_STEP = 0.01  # of the logarithms, for derivatives
-_ANGLES = (90, 135, 180)  # degrees, at which the chance of the tail is told
+_LEAST_CLUSTERS = 10  # fewer clusters say nothing about their differences
+_MOST_OF_PRIOR = 0.5 ** 0.5  # above this share of the prior's spread, a value is known mostly from the prior
+_STEP = 0.01  # the step of the packed values for derivatives
+_ANGLES = (90, 135, 180)  # degrees; the report shows the chance of the tail at these turns
 _TOLERANCES = ('xy_goal_tolerance', 'yaw_goal_tolerance')
 
 
 def clusters(pairs):
-    """Return ([pairs that were recorded together], what these are in words)."""
+    """Return ([pairs that were recorded together], the kind of these groups in words)."""
     for words, key in (('recordings', lambda leg: leg.recording),
                        ('robots of recordings', lambda leg: (leg.recording, leg.robot))):
         groups = {}
@@ -33,10 +33,11 @@ def clusters(pairs):
 
 
 def spreads(problem, packed):
-    """Return the spread of each packed value by the information of the legs (Fisher's) and of the prior.
+    """Return the spread of each packed value, from the information of the legs (Fisher's) and of the prior.
 
-    The legs' is that of their scores' products: the likelihood has kinks, so that its second derivatives say little.
-    What one value gains and another loses counts, too: in a direction that changes nothing the prior decides alone.
+    The information of the legs is computed from the products of their scores, because the likelihood has kinks and its
+    second derivatives say little. Correlations of values count, too: in a direction that changes no duration, only the
+    prior decides.
     """
     steps = _STEP * np.eye(len(packed))
     scores = np.array([problem.surprises(packed + step) - problem.surprises(packed - step) for step in steps])
@@ -45,9 +46,10 @@ def spreads(problem, packed):
 
 
 def held_by_prior(problem, packed, spread):
-    """Return the names of those PACKED_NAMES of which the prior says more than the legs do.
+    """Return those PACKED_NAMES about which the prior says more than the legs do.
 
-    That is where they have narrowed it down to no less than 0.7 of the prior's spread, and moved it by less than that.
+    For these, the spread is still more than 0.7 of the prior's, and the value has moved by less than the prior's
+    spread.
     """
     moved = np.abs(packed - problem.first) / problem.widths
     return [name for name, share, way in zip(PACKED_NAMES, spread / problem.widths, moved)
@@ -57,8 +59,9 @@ def held_by_prior(problem, packed, spread):
 def intervals(pairs, samples=SAMPLES):
     """Return ({name: (low, high) of 90 %, or HELD}, how they were found, in words) for ``pairs``.
 
-    Of each the wider one of two: by bootstrap, and by information, since a sample keeps to the prior where legs say
-    little. Names are those of parameters, but for ``tail_chance_at_135_degrees`` (and others) and ``failures_per_km``.
+    Each interval is the wider one of two: by bootstrap, and by information. (A bootstrap sample stays at the prior if
+    legs say little.) Names are those of parameters, except ``tail_chance_at_135_degrees``, others like it, and
+    ``failures_per_km``.
     """
     problem = Problem(pairs)
     packed = problem.solve()
@@ -82,7 +85,7 @@ def intervals(pairs, samples=SAMPLES):
 
 
 def _samples(groups, count, packed):
-    """Return [what is told of the fit] to ``count`` samples of ``groups``, searched from ``packed``."""
+    """Return the values of the fits to ``count`` samples of ``groups``; each search starts from ``packed``."""
     generator = np.random.default_rng(_SEED)
     found = []
     for _ in range(count):
@@ -96,17 +99,17 @@ def _samples(groups, count, packed):
 
 
 def recorded_range(pairs):
-    """Return {'length', 'start_turn', 'clearance' if it is known: (lowest, highest)} of the legs that are fitted."""
+    """Return {'length', 'start_turn', and 'clearance' if it is known: (lowest, highest)} for the fitted legs."""
     used = succeeded(pairs)
     parts = {'length': [way.length for _, way in used], 'start_turn': [abs(way.start_turn) for _, way in used],
              'clearance': [leg.clearance for leg, _ in used if leg.clearance is not None]}
-    if 2 * len(parts['clearance']) < len(used):  # of the others nothing would be known
+    if 2 * len(parts['clearance']) < len(used):  # too many legs have no clearance
         del parts['clearance']
     return {name: (min(values), max(values)) for name, values in parts.items()}
 
 
 def _told(values):
-    """Return {name: number} of the values of which intervals are told."""
+    """Return {name: number} for the values that the report shows with an interval."""
     turns, chances = np.transpose(values['tail_chance_by_turn'])
     return {**{name: values[name] for name in (*PACKED_NAMES[:-2], *_TOLERANCES)},
             **{'tail_chance_at_{}_degrees'.format(angle): float(np.interp(math.radians(angle), turns, chances))
@@ -114,7 +117,7 @@ def _told(values):
 
 
 def _failures_per_km(pairs):
-    """Return the exact interval of 90 % of a Poisson process' rate [1/km] (Garwood)."""
+    """Return the exact 90 % interval (Garwood) of the rate of failures [1/km], as a Poisson process."""
     all_ended = ended(pairs)
     count = sum(leg.failed for leg, _ in all_ended)
     kilometres = max(1e-9, math.fsum(way.length for _, way in all_ended) / 1000.0)

@@ -1,4 +1,4 @@
-"""The law of the core's ``calibration`` for many legs at once, as a fit needs it. A test holds both together."""
+"""The law of the simulator's ``calibration`` for many legs at once, for the fit. A test checks that both agree."""
 import math
 
 import numpy as np
@@ -6,10 +6,13 @@ from scipy import special, stats
 
 from move_base_abstract.motion.calibration import LEAST_MOST
 
-_SHARES = (np.arange(200) + 0.5) / 200  # of a tail, for its mean
+_SHARES = (np.arange(200) + 0.5) / 200  # the quantiles of a tail from which its mean is computed
 
 def approach_seconds(distance, speed, acceleration, gain, offset):
-    """Return how long each of ``distance`` [m] takes [s]: the ``seconds`` of the core's ApproachProfile."""
+    """Return how long each ``distance`` [m] takes [s], as ``seconds`` of the simulator's ApproachProfile.
+
+    ``speed`` [m/s], ``acceleration`` [m/s^2], ``gain`` [1/s], ``offset`` [m]; or the same with angles.
+    """
     distance = np.maximum(distance, 0.0)
     whole = distance + offset
     peak = np.minimum(speed, 2.0 * whole / (1.0 / gain + np.sqrt(1.0 / gain ** 2 + 2.0 * whole / acceleration)))
@@ -23,9 +26,9 @@ def approach_seconds(distance, speed, acceleration, gain, offset):
 
 
 def motion_seconds(values, ways):
-    """Return how long the motion along each way takes [s], the start's delay left out.
+    """Return how long the motion along each way takes [s], without the delay at the start.
 
-    ``values``: {parameter of a calibration: value}; ``ways``: array of rows (length, start turn, end turn).
+    ``values``: {parameter of a calibration: value}; ``ways``: array of rows (length [m], start turn, end turn [rad]).
     """
     length, start_turn, end_turn = ways.T
     moves = length > values['xy_goal_tolerance']
@@ -44,9 +47,9 @@ def motion_seconds(values, ways):
 class Durations:
     """The distributions of the durations [s] of legs along ``ways`` (rows of length, start turn, end turn).
 
-    Each is ``values['start_delay']`` and the motion, and then with the chance ``tail`` a gamma distributed rest, else a
-    normal one and an exponential one together. The rest x of a tail for the turn is x m / (x + m), m being
-    ``values['tail_most']`` times the length.
+    Each duration is ``values['start_delay']`` plus the motion plus a rest. With the chance ``tail`` the rest has a
+    gamma distribution, otherwise it is the sum of a normal and an exponential one. If the tail comes from the turn, its
+    rest x becomes x m / (x + m), where m is ``values['tail_most']`` times the length.
     """
 
     def __init__(self, values, ways):
@@ -69,7 +72,7 @@ class Durations:
                 + (1.0 - self.tail) * self._delay)
 
     def density(self, durations):
-        """Return the density [1/s] of each leg at ``durations`` [s]."""
+        """Return the density [1/s] of each leg's distribution at ``durations`` [s]."""
         excess = durations - self.least
         spread, delay = self._spread, self._delay
         usual = np.exp(0.5 * (spread / delay) ** 2 - excess / delay
@@ -82,7 +85,7 @@ class Durations:
                 + (self.tail - self._for_turn) * tail(excess, self._shape, scale=scale))
 
     def share_below(self, durations):
-        """Return the chance of each leg that it takes no longer than ``durations`` [s]."""
+        """Return the chance of each leg to take no longer than ``durations`` [s]."""
         excess = durations - self.least
         spread, delay = self._spread, self._delay
         usual = special.ndtr(excess / spread) - np.exp(0.5 * (spread / delay) ** 2 - excess / delay
@@ -93,11 +96,11 @@ class Durations:
         return (1.0 - self.tail) * usual + self._for_turn * for_turn + (self.tail - self._for_turn) * tail
 
     def _left(self, excess):
-        """Return what is left of the most that a tail for the turn can be: a share, at most 1."""
+        """Return the share that is left of the largest possible tail for the turn, at most 1."""
         return np.minimum(1.0, 1.0 - excess / self._most)
 
     def quantile(self, share):
-        """Return the quantile of each leg's duration [s] at ``share``: found by bisection."""
+        """Return the quantile of each leg's duration [s] at ``share`` (0 to 1), by bisection."""
         low = self.least - 10.0 * self._spread
         high = self.least + 40.0 * (self._tail_mean + self._spread + self._delay)
         for _ in range(60):

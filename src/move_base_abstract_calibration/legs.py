@@ -1,14 +1,14 @@
-"""Legs as a real robot drove them, and the way that each had: its length and its turns."""
+"""Legs as a real robot drove them, and the way of each: its length and its turns."""
 import math
 from typing import NamedTuple, Optional
 
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 
-FAR_STEP = 1.0  # m: between two poses one after the other a robot is not to be lost sight of so far
+FAR_STEP = 1.0  # m; two successive poses of a robot should not be farther apart
 
 
 class Way(NamedTuple):
-    """How far a leg leads [m], and by how much the robot turns before and behind [rad, to the left > 0]."""
+    """The length of a leg [m], and the turns of the robot at its start and its end [rad, to the left > 0]."""
 
     length: float
     start_turn: float
@@ -16,16 +16,15 @@ class Way(NamedTuple):
 
 
 class RecordedLeg(NamedTuple):
-    """One goal of one robot. Poses in one fixed frame [m, m, rad].
+    """One goal of one robot. All poses are in one fixed frame [m, m, rad]. A value that is not recorded is None.
 
-    ``recording`` and ``robot`` name where it comes from; ``duration`` [s] from the goal to its result; ``way`` as
-    planned or driven, None where nothing says it; ``end`` where the robot was at the result; ``counts``: whether its
-    duration says something of the robot (not of somebody who moved it, or of one that was stuck already);
-    ``nearest_robot`` [m]: how near another robot came, ``clearance`` [m]: how near the way comes to what is occupied,
-    ``sent`` [s]: when the goal was sent, ``by_stamps`` [s]: the duration between two stamps beside; None if nobody
-    says. ``doubt``: what its reader has found wrong with it, one of checks.DOUBTS; ``map``: the name of its map,
-    '' if nobody says; ``reverse`` [s]: how long it drove backwards, ``turned`` [rad]: by how much it turned beyond what
-    its way asks for, None if nobody says.
+    ``recording`` and ``robot``: where it comes from; ``duration`` [s]: from the goal to its result; ``way``: as planned
+    or driven; ``end``: where the robot was at the result; ``counts``: whether the duration says something about the
+    robot (not if somebody moved it, or it was already stuck); ``nearest_robot`` [m]: the least distance to another
+    robot; ``clearance`` [m]: the least distance of the way to occupied cells; ``sent`` [s]: when the goal was sent;
+    ``by_stamps`` [s]: the duration by two further stamps; ``doubt``: the fault that its reader has found, a key of
+    checks.DOUBTS, or ''; ``map``: the name of its map, '' if it is not recorded; ``reverse`` [s]: how long the robot
+    drove backwards; ``turned`` [rad]: by how much more it turned than its way asks for.
     """
 
     recording: str
@@ -50,7 +49,7 @@ class RecordedLeg(NamedTuple):
 
 
 def met_no_robot(leg, distance):
-    """Return whether no other robot came nearer than ``distance`` [m], as far as anybody says."""
+    """Return whether no other robot came nearer than ``distance`` [m], or it is not known."""
     return leg.nearest_robot is None or leg.nearest_robot >= distance
 
 
@@ -66,10 +65,10 @@ def way_along(start, points, goal):
 
 
 def ways_of(legs, occupancy=None, radius=0.0):
-    """Return [(leg, Way)] of ``legs``: as recorded, else straight; with a map (OccupancyMap) those planned on it.
+    """Return [(leg, Way)] for ``legs``: their recorded ways, or straight ones; with a map, ways planned on it.
 
-    These keep ``radius`` [m] off what is occupied; the legs' clearances are theirs then. A leg to which no way leads is
-    left out.
+    ``occupancy``: the map (OccupancyMap) or None. Planned ways keep ``radius`` [m] away from occupied cells, and the
+    legs get their clearances. A leg without a way on the map is left out.
     """
     if occupancy is None:
         return [(leg, leg.way or way_along(leg.start, (), leg.goal)) for leg in legs]

@@ -1,8 +1,8 @@
-"""Which robots meet on recorded legs, by the ways and the times that the simulator would give them.
+"""Find the encounters of recorded legs, by the ways and the times that the simulator would give them.
 
 Each recorded goal becomes a leg of the calibration: from the recorded start at the recorded instant, along the way that
-is planned on the map. Between goals a robot stands where it was recorded. Who meets whom then follows as in the
-simulator (:mod:`move_base_abstract.encounters`), so that what is fitted to it can be used there.
+is planned on the map. Between goals a robot stands where it was recorded. The encounters then follow as in the
+simulator (:mod:`move_base_abstract.encounters`), so that values fitted to them can be used there.
 """
 from __future__ import annotations
 
@@ -23,28 +23,25 @@ from move_base_abstract.motion.phased_route import PhasedRoute
 from .legs import Way, way_along
 
 _PREEMPTED, _SUCCEEDED, _ABORTED = '2', '3', '4'  # of actionlib_msgs/GoalStatus
-LEAST_CLEARANCE = 0.3  # m, of the plan: what is narrower costs by itself
+LEAST_CLEARANCE = 0.3  # m; legs with less clearance of their plan do not count, because narrow places cost time, too
 _MAPS = Path(__file__).resolve().parents[2] / 'maps'
 
 
 class Meeting(NamedTuple):
-    """That a leg met another robot: how, how near they would have come [m], when after its start [s].
+    """An encounter of a leg with another robot."""
 
-    ``may_yield``: whether it may be the one that stands; ``other``: the number of the other robot's leg in the list of
-    all, None if that stood.
-    """
-
-    kind: str
-    nearest: float
-    after: float
-    may_yield: bool
-    other: Optional[int]
+    kind: str  # one of encounter_law.KINDS
+    nearest: float  # the least distance to which the robots would have come [m]
+    after: float  # when, after the start of the leg [s]
+    may_yield: bool  # whether the leg's robot may be the one that stands
+    other: Optional[int]  # the number of the other robot's leg in the list of all legs; None if it stood
 
 
 class MetLeg(NamedTuple):
-    """A recorded leg with its :class:`Meeting` objects; ``map``: a name, ``way``: of the planner, ``duration`` [s].
+    """A recorded leg with its :class:`Meeting` objects.
 
-    ``cut``: it was cancelled after that, and would have taken longer.
+    ``map``: its name; ``way``: that of the planner; ``duration`` [s]; ``cut``: whether it was cancelled after that
+    time, and would have taken longer.
     """
 
     map: str
@@ -56,9 +53,10 @@ class MetLeg(NamedTuple):
 
 
 def met_legs(recordings, folder, calibration, radius, robot_radius):
-    """Return the :class:`MetLeg` objects of those legs of ``recordings`` (Recordings in ``folder``) that count.
+    """Return a :class:`MetLeg` for each leg of ``recordings`` (Recordings in ``folder``) that counts.
 
-    ``calibration``: how the robots drive; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: of the ways.
+    ``calibration``: that of the robots; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: the distance of ways
+    from occupied cells.
     """
     found = []
     for mission in recordings.missions:
@@ -71,7 +69,7 @@ def met_legs(recordings, folder, calibration, radius, robot_radius):
 
 
 class _Motion(NamedTuple):
-    """A leg (``row``, ``way``) or a stand (None) of a robot, from ``begin_ns`` to ``end_ns`` [ns]."""
+    """A leg of a robot, or a stand (``row`` and ``way`` are None), from ``begin_ns`` to ``end_ns`` [ns]."""
 
     track: Track
     begin_ns: int
@@ -129,10 +127,10 @@ def _counts(row):
 
 
 def _meetings(own, theirs, radius, numbers):
-    """Return [the Meeting of a leg with what another robot does], or []."""
+    """Return the Meeting of a leg with a _Motion of another robot, as a list: [Meeting] or []."""
     begin_ns, end_ns = max(own.begin_ns, theirs.begin_ns), min(own.end_ns, theirs.end_ns)
     if begin_ns >= end_ns or (theirs.row is None and begin_ns > own.begin_ns and theirs.begin_ns == begin_ns):
-        return []  # who comes to stand where it was to stand is met no more
+        return []  # the other robot's leg has ended meanwhile; its stand is no new encounter
     pair = (own.track, theirs.track)
     due_ns = next_meeting(*pair, radius, list(windows(*pair, begin_ns, end_ns)), begin_ns)
     if due_ns is None or due_ns >= end_ns:

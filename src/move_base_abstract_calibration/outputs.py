@@ -1,4 +1,4 @@
-"""The files of a calibration: the YAML that a scenario names, and the page that shows how far it can be trusted."""
+"""Write the files of a calibration: the YAML that a scenario names, and the page that shows how well it predicts."""
 import base64
 import os
 from pathlib import Path
@@ -19,9 +19,9 @@ _UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for paramete
 
 
 def check(*paths):
-    """Complain of what is at one of the paths and not of our making, and where there is no folder for it.
+    """Check that files can be written at the paths: their folders exist, and no other file is there.
 
-    :raises ConfigurationError: naming it.
+    :raises ConfigurationError: naming the path, if there is no folder or the file is not of this program.
     """
     for path in paths:
         if not os.path.isdir(os.path.dirname(path) or '.'):
@@ -30,11 +30,13 @@ def check(*paths):
 
 
 def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None):
-    """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
+    """Return the YAML of a calibration, with its numbers rounded to 5 digits and its content checked.
 
-    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)}, ``intervals``
-    {name: (low, high) or HELD}, found as the words ``how`` say, and ``motion``, the tail_motion (None: unknown), are
-    sections of it.
+    ``values`` may have the mapping ``encounters`` of an EncounterLaw. The file has these sections: ``recorded`` {name:
+    (low, high)}, ``intervals`` {name: (low, high) or HELD}, with the words ``how`` they were found, and ``motion``, the
+    tail_motion (None: unknown).
+
+    :raises ConfigurationError: if it is no valid calibration.
     """
     rounded = _rounded({'source': source, **values})
     sections = {name: _rounded(section) for name, section in (
@@ -62,16 +64,19 @@ def _rows(table, values, indent):
 
 
 def write(path, text):
-    """Write a text file, whole or not at all, in the place of nothing or of one of our own."""
+    """Write a text file as a whole. It replaces only a file of this program.
+
+    :raises ConfigurationError, OutputError: if another file is there, or it cannot be written.
+    """
     check(path)
     with own_files.whole_file(path, 'w', encoding='utf-8') as stream:
         stream.write(text)
 
 
 def page_text(calibration, source, rows, picture, nominal_speed, notes, classes=(), intervals=None, how=''):
-    """Return the page: ``calibration`` is its YAML, ``rows`` [check.Score], ``picture`` a PNG's bytes.
+    """Return the page as text. ``calibration``: the YAML; ``rows``: [check.Score]; ``picture``: the bytes of a PNG.
 
-    ``classes``: [classes.ClassErrors]; ``intervals``, ``how``: as of :func:`yaml_text`.
+    ``classes``: [classes.ClassErrors]; ``intervals``, ``how``: as for :func:`yaml_text`.
     """
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(Path(__file__).with_name('templates'))),
                                      autoescape=True, undefined=jinja2.StrictUndefined)
@@ -87,7 +92,7 @@ def _quoted(text):
 
 
 def _rounded(value):
-    """Return a number with 5 digits, or a list of such."""
+    """Return ``value`` with all numbers in it rounded to 5 digits; lists instead of tuples."""
     if isinstance(value, (list, tuple)):
         return [_rounded(each) for each in value]
     if isinstance(value, dict):

@@ -14,7 +14,10 @@ _BLUE, _GREY, _RED = '#1f6fb4', '#9a9a9a', '#c0392b'
 
 
 def draw(values, pairs, predicted):
-    """Return the PNG of four plots: ``predicted`` (Predicted, by cross-validation) of ``pairs``, and the tail."""
+    """Return the PNG of four plots: three of ``predicted`` (Predicted, by cross-validation), one of the tail.
+
+    ``values``: {parameter of a calibration: value}; ``pairs``: [(leg, way)] for the plot of the tail.
+    """
     figure, ((scatter, errors), (chances, tail)) = plt.subplots(2, 2, figsize=(11.0, 9.0))
     try:
         _scatter(scatter, predicted)

@@ -1,6 +1,6 @@
-"""Recordings of several robots at once: missions, their legs, and where all robots were every half second.
+"""Read recordings of several robots at once: missions, their legs, and the poses of all robots every half second.
 
-The format is that of examples/reality/README.md.
+examples/reality/README.md explains the format.
 """
 import csv
 import math
@@ -19,7 +19,7 @@ _POSES = ('t', 'x', 'y', 'yaw', 'v', 'w', 'goal')
 
 
 class Mission(NamedTuple):
-    """One Stage from its start to its end: the columns of missions.csv."""
+    """One mission, from the start of Stage to its end: the columns of missions.csv."""
 
     run: str
     map: str
@@ -36,7 +36,10 @@ class Mission(NamedTuple):
 
 
 class Recordings(NamedTuple):
-    """``legs``: rows as {column: text}; ``poses``: (run, robot's number) -> array of t, x, y, yaw, v, w, goal."""
+    """The content of a folder of recordings.
+
+    ``legs``: rows as {column: text}; ``poses``: {(run, number of the robot): array of rows t, x, y, yaw, v, w, goal}.
+    """
 
     missions: Tuple[Mission, ...]
     legs: Tuple[Dict[str, str], ...]
@@ -46,8 +49,8 @@ class Recordings(NamedTuple):
 def read_recordings(folder):
     """Return the Recordings in the files missions.csv, legs.csv.gz and poses.csv.gz of ``folder``.
 
-    :raises ConfigurationError: if one cannot be read, has a value that is no number, or tells of a mission that
-        missions.csv does not have.
+    :raises ConfigurationError: if one cannot be read, has a value that is no number, or names a mission that is not in
+        missions.csv.
     """
     folder = Path(folder)
     missions = tuple(_missions(folder / 'missions.csv'))
@@ -63,7 +66,7 @@ def read_recordings(folder):
 
 
 def encounters(legs, distance):
-    """Return those of the rows ``legs`` during which another robot came nearer than ``distance`` [m]."""
+    """Return the rows of ``legs`` in which another robot came nearer than ``distance`` [m]."""
     return [leg for leg in legs if leg['min_robot_dist_m'] and float(leg['min_robot_dist_m']) < distance]
 
 
@@ -74,7 +77,7 @@ def _missions(path):
 
 def _poses(path):
     rows = {}
-    with open_csv(path) as stream:  # by position: there are a hundred thousand of them
+    with open_csv(path) as stream:  # by position, because there are a hundred thousand rows
         lines = csv.reader(stream, strict=True)
         head = next(lines, [])
         if head != ['run', 'robot', *_POSES]:

@@ -1,19 +1,20 @@
-"""What robots of the tail do, as far as recordings say: how fast they drive backwards, how fast they spin."""
+"""The motion of robots in the tail, as far as recordings say it: how fast they drive backwards, and how they spin."""
 import numpy as np
 
 from .fit import succeeded
 from .law import Durations
 
-_LEAST_LEGS = 5  # of either kind
-_LATE = 3.0  # s: less may be chance
-_LONG = 10.0  # m: on shorter ways a robot that drives backwards arrives so
+_LEAST_LEGS = 5  # of each kind
+_LATE = 3.0  # s; less may be chance
+_LONG = 10.0  # m; on a shorter way, a robot may drive backwards all the way
 
 
 def tail_motion(values, pairs):
-    """Return {'reverse_speed': m/s, 'spin_speed': rad/s} of ``pairs`` by the fitted ``values``, None: they do not say.
+    """Return {'reverse_speed': m/s, 'spin_speed': rad/s} of ``pairs`` [(leg, way)], or None if they do not say it.
 
-    A robot that drives backwards for t comes later by t (1 - reverse speed / top speed): the median over legs. One that
-    spins has turned by that much more than its way asks for: the sums over legs.
+    ``values``: those of the fitted calibration. A robot that drives backwards for a time t is late by t (1 - reverse
+    speed / top speed); the median over legs counts. A robot that spins has turned by so much more than its way asks
+    for; the sums over legs count.
     """
     used = succeeded(pairs)
     late = np.array([leg.duration for leg, _ in used]) - Durations(values, [way for _, way in used]).least

@@ -12,7 +12,7 @@ GOOD, BAD = 0, 1
 
 
 def main(words):
-    """Run the command line; return the exit code: 0 good, 1 some trials failed, 2 it cannot be run like this."""
+    """Run the command with these arguments; return the exit code, which the epilog of --help explains."""
     options = _parse(words)
     return ending.exit_code('experiment', lambda: options.act(options))
 
@@ -36,7 +36,7 @@ def _parse(words):
     run.add_argument('--keep-old', action='store_true', help='keep complete trials whose program has changed since, '
                      'with a label; without this option they run again')
     run.set_defaults(act=_run)
-    status = verbs.add_parser('status', help='print how far the experiment is')
+    status = verbs.add_parser('status', help='print how far the experiment has come')
     status.add_argument('output', metavar='OUT')
     status.set_defaults(act=_status)
     rerun = verbs.add_parser('rerun', help='run one trial again on this computer, and say whether it is the same')
@@ -51,7 +51,7 @@ def _parse(words):
     report = verbs.add_parser('report', help='write report.html and tables of the results')
     report.add_argument('output', metavar='OUT')
     report.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
-                        "experiment names under 'report'; for folders of others")
+                        "experiment names under 'report'; for folders that somebody else made")
     report.set_defaults(act=_report)
     return parser.parse_args(words)
 
@@ -77,7 +77,7 @@ def _run(options):
                         keep_old=options.keep_old, has_dashboard=options.dashboard)
         try:
             _write_report(options.output)
-        except SimulatorError as error:  # the trials are there all the same
+        except SimulatorError as error:  # the trials are complete nevertheless
             print(f'experiment: no report: {error}', file=sys.stderr)
     except KeyboardInterrupt:
         print('experiment: interrupted; what is complete stays, and the same command goes on', file=sys.stderr)
@@ -97,7 +97,10 @@ def _report(options):
 
 
 def _write_report(output, with_own=True):
-    """Write the report, say where it is and what could not be made; return whether what it needs is installed."""
+    """Write the report; print its path, and what could not be made.
+
+    Return False if a Python package that it needs is not installed, otherwise True.
+    """
     try:
         from .report import command
     except ModuleNotFoundError as error:

@@ -1,4 +1,4 @@
-"""How a command of this package ends: errors of users are a line, and what ends a program is what Ctrl-C is."""
+"""How a command of this package ends: a user's error is printed as one line, and a signal acts like Ctrl-C."""
 from __future__ import annotations
 
 import contextlib
@@ -12,7 +12,7 @@ CANNOT, INTERRUPTED = 2, 130
 
 
 def exit_code(program: str, act: Callable[[], int]) -> int:
-    """Return what ``act()`` returns, or say in the name of ``program`` what is wrong, and return the code of that."""
+    """Return the result of ``act()``. On an error, print it in the name of ``program`` and return its exit code."""
     try:
         with _ended_as_by_ctrl_c():
             return act()
@@ -26,11 +26,11 @@ def exit_code(program: str, act: Callable[[], int]) -> int:
 
 @contextlib.contextmanager
 def _ended_as_by_ctrl_c() -> Iterator[None]:
-    """Have SIGTERM and SIGHUP (unless it is ignored, as under nohup) end what runs meanwhile as Ctrl-C does."""
+    """Let SIGTERM and SIGHUP act like Ctrl-C inside the context. SIGHUP stays ignored if it is, as under nohup."""
     numbers = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) == signal.SIG_DFL]
 
     def interrupt(_number: int, _frame: Any) -> None:
-        for number in numbers:  # what ends is ended once
+        for number in numbers:  # further signals must not interrupt the end itself
             signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
     for number in numbers:

@@ -1,8 +1,8 @@
-"""Say what a fleet did in one run: utilisation, orders, where robots waited, charging, failures.
+"""Report what a fleet did in one run: utilisation, orders, where robots waited, charging, failures.
 
     rosrun move_base_abstract fleet_report RUN.jsonl [--json OUT.json]
 
-Exit codes: 0 it is said; 2 the log cannot be read, or the file cannot be written.
+Exit codes: 0 the report is written; 2 the log cannot be read, or the file cannot be written.
 """
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.fleet_account import STATES, FleetAccount
 
 _FORMAT = '{"format": "move_base_abstract fleet report 1",\n'
-_MOST_PLACES, _MOST_ROBOTS = 20, 60  # in the terminal; the JSON has all
+_MOST_PLACES, _MOST_ROBOTS = 20, 60  # rows in the terminal; the JSON has all
 
 
 def main(words: Optional[Sequence[str]] = None) -> None:
-    """Do what the command line asks for, and exit with the code."""
+    """Run the command with these arguments (default: those of the shell); exit with code 2 on an error."""
     parser = argparse.ArgumentParser(prog='fleet_report', description='Report what a fleet did in one run, from its '
                                      'event log: utilisation, orders, where robots waited, charging, failures.')
     parser.add_argument('log', metavar='LOG', help='an event log: of lockstep_launch --event-log, of an experiment, or '
@@ -47,7 +47,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
 
 
 def account_of(path: str) -> Any:
-    """Return the FleetAccount of the event log ``path``, and what must be known of it, [text, ...].
+    """Return the FleetAccount of the event log ``path``, and the log's remarks that a reader must know, [text, ...].
 
     :raises EventLogError: if it cannot be read.
     """
@@ -143,7 +143,7 @@ def _robots(account: FleetAccount) -> List[str]:
 
 
 def json_text(account: FleetAccount, labels: List[str]) -> str:
-    """Return all figures as JSON, whose first line says what it is."""
+    """Return all figures as JSON text. Its first line names the format."""
     waits = {where: {'times': one.count, 'seconds': one.total_ns / 1e9, 'longest': one.longest_ns / 1e9}
              for where, one in account.waits.items()}
     content = {'seconds': account.seconds, 'remarks': labels, 'metrics': account.metrics(), 'robots': account.robots,

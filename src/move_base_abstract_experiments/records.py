@@ -1,7 +1,7 @@
-"""plan.json and trial.json: what stands in them, read as if anybody had written them.
+"""plan.json and trial.json: their keys, and how they are read. Anybody may have written them, so all is checked.
 
-They are plain files of a bounded size. What a key may hold says its type here; what stands for one that is not there is
-its default: a file of an older version lacks some. Keys that are not known are left alone.
+They are plain files of a bounded size. The type of a field here says which values its key may have. If a key is
+missing, as in a file of an older version, its value is the default. Unknown keys are ignored.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.shown import shown
 
 FORMAT = 1
-MAX_PLAN_BYTES = 512 * 1024 * 1024  # there may be 1,000,000 trials in it
+MAX_PLAN_BYTES = 512 * 1024 * 1024  # enough for 1,000,000 trials
 COMPLETE, FAILED = 'complete', 'failed'  # status
 IDENTICAL, DIFFERENT = 'identical', 'different'  # verified
 Number = Union[int, float, None]
@@ -30,7 +30,7 @@ _KINDS = {dict: 'a mapping', list: 'a list', str: 'a text', int: 'a whole number
 
 @dataclass
 class Numbered:
-    """Which trial it is about."""
+    """The identity of a trial."""
 
     id: str
     configuration: Dict[str, Any] = field(default_factory=dict)
@@ -40,7 +40,7 @@ class Numbered:
 
 @dataclass
 class Planned(Numbered):
-    """A trial in plan.json. ``kept``: of an old program, and why it is kept all the same; None: it is not."""
+    """A trial in plan.json. ``kept``: the label of a trial that is kept although it is of an old program; or None."""
 
     made_of: Optional[str] = None
     program: Optional[str] = None
@@ -48,13 +48,13 @@ class Planned(Numbered):
 
     @property
     def written(self) -> Dict[str, Any]:
-        """What the file says of it."""
+        """The mapping that is written into the file."""
         return {key: value for key, value in vars(self).items() if value is not None}
 
 
 @dataclass
 class Plan:
-    """plan.json: the trials of an experiment, and what the report is told of it."""
+    """plan.json: the trials of an experiment, and what the report needs to know about it."""
 
     experiment: str = ''
     factors: Dict[str, Any] = field(default_factory=dict)
@@ -73,7 +73,7 @@ class Plan:
 
 @dataclass
 class Result(Numbered):
-    """trial.json: what became of a trial. Durations in s."""
+    """trial.json: the outcome of a trial. Durations in s."""
 
     status: str = FAILED
     error: Optional[str] = None
@@ -88,7 +88,7 @@ class Result(Numbered):
     verified: Optional[str] = None
     difference: Optional[str] = None
     robots: Dict[str, Any] = field(default_factory=dict)
-    waits: Dict[str, Any] = field(default_factory=dict)  # {where robots waited for room: s}; written where they did
+    waits: Dict[str, Any] = field(default_factory=dict)  # {where robots waited for room: s}; written only if they did
     ended_by: Optional[str] = None
     open_goals: Optional[int] = None
     crashes: List[str] = field(default_factory=list)
@@ -101,21 +101,24 @@ class Result(Numbered):
 
     @property
     def is_complete(self) -> bool:
-        """Whether it has come to its end."""
+        """Whether the trial has come to its end."""
         return self.status == COMPLETE
 
     @property
     def written(self) -> Dict[str, Any]:
-        """What the file says."""
+        """The mapping that is written into the file."""
         return {'format': FORMAT, **{name: value for name, value in vars(self).items() if name != 'waits' or value}}
 
     def fail(self, problem: str) -> None:
-        """It has failed after all."""
+        """Mark the trial as failed, with this error."""
         self.status, self.error = FAILED, problem
 
 
 def read_plan(folder: str) -> Plan:
-    """Return plan.json of an experiment's folder. :raises ConfigurationError: if it is none."""
+    """Return plan.json of an experiment's folder.
+
+    :raises ConfigurationError: if it is missing, or cannot be understood.
+    """
     path = os.path.join(folder, 'plan.json')
     try:
         content = load_json_mapping(path, MAX_PLAN_BYTES)
@@ -136,9 +139,9 @@ def _planned(content: Any, where: str) -> Planned:
 
 
 def read_planned(folder: str, planned: Planned) -> Optional[Result]:
-    """Return trial.json of an entry of a plan's trials, or None if it is not there, or is made of something else.
+    """Return trial.json of a planned trial, or None if it is missing, or depends on other files than the planned one.
 
-    One that is kept though it is of another program says so among its labels. :raises: as read_trial().
+    A trial that is kept although it is of an old program has a label that says so. :raises: as read_trial().
     """
     result = read_trial(folder, planned.id)
     if result is None or None not in (planned.made_of, result.made_of) and planned.made_of != result.made_of:
@@ -147,7 +150,7 @@ def read_planned(folder: str, planned: Planned) -> Optional[Result]:
 
 
 def read_trial(folder: str, name: str) -> Optional[Result]:
-    """Return trial.json of a trial of an experiment's folder, or None if it is not there.
+    """Return trial.json of a trial of an experiment's folder, or None if it is missing.
 
     :raises ConfigurationError: if it cannot be understood; the text begins with its path.
     """
@@ -160,7 +163,10 @@ def read_trial(folder: str, name: str) -> Optional[Result]:
 
 
 def result_of(content: Any, name: str, where: str) -> Result:
-    """Return trial.json's content as a Result. :raises ConfigurationError: if it is none of the trial ``name``."""
+    """Return the content of a trial.json as a Result. ``where``: its path, for errors.
+
+    :raises ConfigurationError: if it cannot be understood, or is not of the trial ``name``.
+    """
     result = _read(Result, {'id': name, **content}, where, FORMAT)
     if result.id != name:
         raise ConfigurationError(f"{where}: 'id' must be {name!r}, got {shown(result.id)}")
@@ -172,7 +178,7 @@ def result_of(content: Any, name: str, where: str) -> Result:
 
 
 def _read(cls: Type[T], content: Dict[str, Any], where: str, wanted_format: Optional[int] = None) -> T:
-    """Return the dataclass of a mapping, whose values have the types that it says."""
+    """Return a mapping as an object of a dataclass, with the types of the values checked."""
     if wanted_format and (content.get('format') != wanted_format or isinstance(content['format'], bool)):
         raise ConfigurationError(f"{where}: 'format' must be {wanted_format}, got {shown(content.get('format'))}; "
                                  'another version of this program wrote it')
@@ -184,12 +190,12 @@ def _read(cls: Type[T], content: Dict[str, Any], where: str, wanted_format: Opti
 
 @functools.lru_cache(maxsize=None)  # a table reads a file for each trial
 def _types_in(cls: Any) -> Dict[str, Tuple[type, ...]]:
-    """Return {name: types that its values have in a file of JSON} of a dataclass."""
+    """Return {name: the types that its values may have in a JSON file} for the fields of a dataclass."""
     return {name: _types_of(hint) for name, hint in get_type_hints(cls).items()}
 
 
 def _types_of(hint: Any) -> Tuple[type, ...]:
-    """Return the types that values of a type hint have in a file of JSON; () for any."""
+    """Return the types that values of a type hint may have in a JSON file; () for any type."""
     if hint is Any:
         return ()
     origin = getattr(hint, '__origin__', hint)

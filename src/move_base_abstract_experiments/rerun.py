@@ -1,4 +1,4 @@
-"""One trial again, here, and whether it is the same trial: in RViz, or up to an instant, if asked."""
+"""Run one trial again on this computer, and compare: up to an instant, at a limited speed or in RViz, if wanted."""
 from __future__ import annotations
 
 import dataclasses
@@ -24,16 +24,20 @@ from .trials import execution
 from .trials.run_folders import LOG
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
-CHANGED = 3  # it is different, and so is what it is made of
+CHANGED = 3  # the trial is different, and so are the files on which it depends
 
 
 def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: bool = False,
           logs: Optional[str] = None, stream: TextIO = sys.stdout) -> int:
-    """Run a trial of an experiment's folder again; return the exit code: 0 the same, 1 not, or it failed.
+    """Run a trial of an experiment's folder again; return the exit code.
 
-    It is 3 if the trial is not the same, and neither is what it is made of, which is said first.
+    It is 0 if the trial is the same, 1 if it is different or failed, and 3 if it is different and something on which it
+    depends has changed, too. Such a change is printed first.
 
-    until: simulated s from its start, 0: to its own end. speed: at most so many times real time, 0: no limit.
+    output: the experiment's folder. name: the trial's ID, or the number at its beginning. until: simulated s from the
+    start; 0: to the trial's own end. speed: the largest number of times real time; 0: no limit. rviz: whether RViz
+    shows it. logs: a new folder for the logs of this run.
+    :raises SimulatorError: if the trial cannot be run again.
     """
     folder = _folder_of(records.read_plan(output), output)
     one = _find(plan.trials(spec.read(os.path.join(output, 'experiment.yaml'), folder)), name)
@@ -44,13 +48,13 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
         raise _not_run(os.path.join(output, 'trials', one.id, 'trial.json'))
     since = resumption.changed_since(output, one, was)
     if since:
-        print(f'rerun: {since} changed since the trial was recorded: what comes out says what that changes, not '
+        print(f'rerun: {since} changed since the trial was recorded: the result shows the effect of the change, not '
               'whether the trial repeats', file=stream, flush=True)
     before = os.path.join(output, 'trials', one.id, LOG)
     if one.experiment.function:
         if until or speed or rviz:
-            raise ConfigurationError('--until, --speed and --rviz are of launch files and commands; a function runs as '
-                                     'it is')
+            raise ConfigurationError('--until, --speed and --rviz are for launch files and commands; this trial is a '
+                                     'function')
     elif not os.path.isfile(before):
         raise _not_run(before)
     left = _run(_job_of(one, until, speed, rviz), logs, stream)
@@ -92,11 +96,11 @@ def _rviz_words() -> Tuple[str, ...]:
     if path is None:
         raise ConfigurationError('rviz is not on PATH; Debian has it as the package rviz (make deps-picture)')
     config = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'rviz', 'simulator.rviz')
-    return path, '-d', config  # without it RViz shows none of the robots
+    return path, '-d', config  # without this file RViz shows no robots
 
 
 class _Left(NamedTuple):
-    """What a run of a trial has left. ``log``: the bytes of its event log, or None."""
+    """The outputs of a run of a trial. ``log``: the bytes of its event log, or None."""
 
     result: Result
     log: Optional[bytes]
@@ -121,7 +125,7 @@ def _run(job: Job, logs: Optional[str], stream: TextIO) -> _Left:
 
 
 def _compare_function(left: _Left, before: str, was: Result, stream: TextIO) -> int:
-    """Compare what a function gave with what it gave before (``was``), and the event logs where it leaves any."""
+    """Compare the metrics of a function with those before (``was``), and the event logs if it writes one."""
     had_log = os.path.isfile(before)
     if not left.result.is_complete:
         print(f'rerun: failed: {left.result.error}', file=stream)
@@ -155,7 +159,10 @@ def _compare(left: _Left, before: str, is_part: bool, stream: TextIO) -> int:
 
 
 def _difference(before: str, path: str, is_part: bool) -> Tuple[Optional[str], int]:
-    """Return (the first difference of two logs as text, or None; events read); a part need only be the beginning."""
+    """Return the first difference of two event logs as text, or None, and the number of equal events before it.
+
+    is_part: whether the second log need only be the beginning of the first.
+    """
     with event_log.open_text(before) as one, event_log.open_text(path) as other:
         old, count = iter(EventLog(one, before)), 0
         for event in EventLog(other, path):

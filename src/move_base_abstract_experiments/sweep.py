@@ -1,4 +1,4 @@
-"""All trials of an experiment: those that are complete stay, the others run; then the table is written."""
+"""Run the trials of an experiment that are not complete, then write the table of all trials."""
 from __future__ import annotations
 
 import contextlib
@@ -29,11 +29,13 @@ from .trials import execution
 
 def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: TextIO = sys.stdout,
         folder: Optional[str] = None, keep_old: bool = False, has_dashboard: bool = False) -> int:
-    """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
+    """Run the missing trials of the experiment in a file; return the number that are not complete or not repeatable.
 
-    folder: where relative paths in it start, if not where it lies. keep_old: complete trials of another program stay.
-    has_dashboard: Dask's page on the workers is served, on 127.0.0.1.
-    :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: after all that was started has ended.
+    output: the folder of the experiment. workers: the number of processes on this computer. scheduler: the address of a
+    running Dask scheduler instead, or None. folder: where relative paths in the file start; None: in its own folder.
+    keep_old: whether complete trials of another program stay. has_dashboard: whether Dask's page about the workers is
+    served on 127.0.0.1.
+    :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: on Ctrl-C, after everything has ended.
     """
     experiment = spec.read(path, folder)
     with open(path, 'rb') as source:
@@ -44,7 +46,7 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
     with outputs.OutputFolder(output) as out:
         planned = plan.describe(experiment, chosen, text)
         missing, count = resumption.missing(chosen, out, planned, keep_old, stream), len(chosen)
-        del chosen  # of a trial that has ended nothing stays but its entry of the plan
+        del chosen  # so that nothing of a trial that has ended stays in memory, except its entry in the plan
         out.write('experiment.yaml', text)
         out.write_pieces('plan.json', tables.plan_text(planned))
         try:
@@ -55,17 +57,18 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
 
 
 def check(experiment: Experiment, chosen: List[Trial]) -> None:
-    """Complain of a launch file or a function that cannot be used, before anything starts.
+    """Check the launch file, functions and inputs of an experiment before anything starts.
 
-    :raises ConfigurationError: naming it.
+    :raises ConfigurationError: naming what cannot be used.
     """
     if not (experiment.function or warm_ros.is_there()):
-        raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not here; without it trials are functions")
+        raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not installed; without ROS a trial must "
+                                 "be a 'function'")
     with _asked_functions(experiment) as complain:
         seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():
             key = (one.launch, *one.arguments)
-            if one.replication == 0 and key not in seen:  # the others have other seeds only
+            if one.replication == 0 and key not in seen:  # other replications differ only in their seeds
                 seen.add(key)
                 _check_launch(one)
         for name in experiment.inputs:
@@ -88,7 +91,10 @@ for key, name in zip(sys.argv[2::2], sys.argv[3::2]):
 
 @contextlib.contextmanager
 def _asked_functions(experiment: Experiment) -> Iterator[Callable[[], None]]:
-    """Have a process load the experiment's functions meanwhile; gives a function that complains of what it found."""
+    """Let another process load the experiment's functions meanwhile.
+
+    The context is a function that waits for the process, and raises ConfigurationError if one cannot be loaded.
+    """
     names = list(experiment.functions.items())
     if not names:
         yield lambda: None
@@ -98,7 +104,7 @@ def _asked_functions(experiment: Experiment) -> Iterator[Callable[[], None]]:
 
         def complain() -> None:
             with contextlib.suppress(ImportError):
-                importlib.import_module('distributed')  # which takes as long, and is needed next
+                importlib.import_module('distributed')  # it takes as long, and is needed next
             said, problem = process.communicate()
             if process.returncode:
                 which = said.decode('utf-8', 'replace').strip().splitlines()
@@ -118,7 +124,7 @@ def _check_launch(trial: Trial) -> None:
     from move_base_abstract_ros.launching.plan import Wishes
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
-    # roslaunch itself takes no notice of others; and it cannot say them where packages are missing
+    # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
     declared = launch_files.arguments_of(path) if experiment.adopt else get_args([path])
     for name in experiment.args:
         if name not in declared:
@@ -138,7 +144,7 @@ def _check_launch(trial: Trial) -> None:
 
 def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,
                  where: Tuple[int, Optional[str], bool], stream: TextIO) -> None:
-    """Run the trials of a list, of so many that are planned; it is empty then."""
+    """Run the trials of a list, and leave the list empty. ``count``: the number of all planned trials."""
     progress = Progress(stream, count, count - len(missing))
     if not missing:
         return
@@ -162,9 +168,9 @@ def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,
 
 def _taken(folder: outputs.OutputFolder, job: Job, worker: str, content: Optional[bytes], problem: Optional[str],
            attempts: int) -> Result:
-    """Put what a trial has left into its place, or why there is nothing; return its Result.
+    """Put the outputs of a trial into its folder, or the reason why there are none; return its Result.
 
-    Whatever is wrong with one trial ends no other: only a disk that takes nothing more does.
+    An error of one trial does not end the others, except if the disk is full.
     """
     if content is not None:
         try:
@@ -173,20 +179,23 @@ def _taken(folder: outputs.OutputFolder, job: Job, worker: str, content: Optiona
                 tarfile.TarError) as error:
             problem = f'its outputs cannot be taken: {error}'
     result = dataclasses.replace(execution.result_of(job), error=problem, attempts=attempts)
-    with contextlib.suppress(ConfigurationError):  # somebody has put something into its folder, which stays as it is
+    with contextlib.suppress(ConfigurationError):  # its folder holds files of somebody else, which stay
         folder.put_failure(result)
     return result
 
 
 def _import_report() -> None:
-    """Import what the report needs, which takes a second, while the workers work."""
-    with contextlib.suppress(Exception):  # whoever writes the report says what is missing
+    """Import the modules that the report needs while the workers work; it takes a second."""
+    with contextlib.suppress(Exception):  # if something is missing, the report says so
         for name in ('.report.command', 'matplotlib.backends.backend_agg', 'matplotlib.backends.backend_svg'):
             importlib.import_module(name, __package__)
 
 
 def again(content: Optional[bytes], job: Job) -> Optional[Job]:
-    """Return the job that runs a trial once more whose outputs (None: there are none) say that it failed, or None."""
+    """Return the job that runs a failed trial once more, or None if the trial is complete.
+
+    content: the outputs of its first attempt, None if there are none. They name what crashed.
+    """
     if content is None:
         return job
     try:
@@ -198,7 +207,7 @@ def again(content: Optional[bytes], job: Job) -> Optional[Job]:
 
 
 def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) -> int:
-    """Say in a few lines what came out; return how many trials are not as they should be."""
+    """Print the results in a few lines; return the number of trials that are not complete or not repeatable."""
     total = told.complete + told.failed_count + told.missing
     print(f'experiment: {told.complete} of {total} trials are complete'
           + (f'; run twice: {told.identical} identical, {told.different_count} different'

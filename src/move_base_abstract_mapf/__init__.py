@@ -1,4 +1,4 @@
-"""Plans for many robots on a grid (MAPF): the program ``mapf`` reads those of solvers and has a fleet drive them.
+"""Plans for many robots on a grid (MAPF): the program ``mapf`` reads the plans of solvers and lets a fleet drive them.
 
-A program, no node: it reads maps, problems and plans, and writes files.
+This is a program, not a node: it reads maps, problems and plans, and writes files.
 """

@@ -1,4 +1,4 @@
-"""The command mapf, where there is no ROS: python3 -m move_base_abstract_mapf run FOLDER PLAN."""
+"""The command mapf without ROS: python3 -m move_base_abstract_mapf run FOLDER PLAN."""
 import sys
 
 from .command import main

@@ -1,9 +1,10 @@
-"""Read plans of MAPF solvers and have a fleet drive them.
+"""Read plans of MAPF solvers and let a fleet drive them.
 
     rosrun move_base_abstract mapf import room.map room.scen --agents 20 --out FOLDER
     rosrun move_base_abstract mapf run FOLDER paths.txt [--policy order_kept] [--log run.jsonl] [--json OUT.json]
 
-Exit codes: 0 made, or all robots have come to their goals; 1 not all have; 2 a file cannot be used, or wrong arguments.
+Exit codes: 0 the folder is made, or all robots have come to their goals; 1 not all robots have; 2 a file cannot be
+used, or the arguments are wrong.
 """
 from __future__ import annotations
 
@@ -19,11 +20,11 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
 
 _FORMAT = '{"format": "move_base_abstract mapf 1",\n'
-_NEAR = 0.7  # cells: two that follow each other around a corner come as near as 0.707
+_NEAR = 0.7  # cells; two robots that follow each other around a corner come as near as 0.707
 
 
 def main(words: Optional[Sequence[str]] = None) -> None:
-    """Do what the command line asks for, and exit with the code."""
+    """Run the command with these arguments (default: those of the shell); exit with its code."""
     options = _parse(words)
     try:
         code = options.run(options)
@@ -35,7 +36,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
 
 def _parse(words: Optional[Sequence[str]]) -> Any:
     parser = argparse.ArgumentParser(
-        prog='mapf', description='Read plans of MAPF solvers and have a fleet drive them.',
+        prog='mapf', description='Read plans of MAPF solvers and let a fleet drive them.',
         epilog='exit codes: 0 made, or all robots have come to their goals; 1 not all have; 2 a file cannot be used')
     commands = parser.add_subparsers(metavar='COMMAND', required=True)
     make = commands.add_parser('import', help='make a scenario of a MovingAI map and problem', description=(

@@ -1,4 +1,4 @@
-"""Conflicts: two robots in one cell, two that change places, two that come near each other."""
+"""Find conflicts: two robots in one cell, two robots that swap cells, two robots that come near each other."""
 from __future__ import annotations
 
 import math
@@ -10,7 +10,7 @@ from .plans import Plan
 
 
 class Visit(NamedTuple):
-    """A robot stands in a cell from ``arrive_ns`` to ``leave_ns`` [ns], None: for good."""
+    """A robot stands in a cell from ``arrive_ns`` to ``leave_ns`` [ns]; None: until the end."""
 
     robot: int
     cell: Cell
@@ -19,7 +19,7 @@ class Visit(NamedTuple):
 
 
 class Move(NamedTuple):
-    """A robot goes from one cell to the next from ``begin_ns`` to ``end_ns`` [ns], None: it has not come there."""
+    """A robot goes from one cell to the next from ``begin_ns`` to ``end_ns`` [ns]; None: it has not arrived."""
 
     robot: int
     start: Cell
@@ -29,7 +29,7 @@ class Move(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A robot goes straight and evenly from (x, y) to another place [m], from ``begin`` to ``end`` [s]."""
+    """A robot goes straight at an even speed from ``start`` to ``goal`` (x, y) [m], from ``begin`` to ``end`` [s]."""
 
     robot: int
     begin: float
@@ -38,13 +38,13 @@ class Piece(NamedTuple):
     goal: Tuple[float, float]
 
     def at(self, time: float) -> Tuple[float, float]:
-        """Return where it is at a time [s]."""
+        """Return where the robot is at a time [s]: (x, y) [m]."""
         share = (time - self.begin) / (self.end - self.begin) if self.end > self.begin else 0.0
         return tuple(a + share * (b - a) for a, b in zip(self.start, self.goal))  # type: ignore[return-value]
 
 
 def plan_conflicts(plan: Plan) -> Tuple[int, int]:
-    """Return how many vertex and swap conflicts a plan has: pairs of robots, at each step."""
+    """Return the numbers of vertex and swap conflicts of a plan: pairs of robots, summed over the steps."""
     vertex = swap = 0
     for step in range(max(plan.costs) + 1):
         cells: Dict[Cell, List[int]] = defaultdict(list)
@@ -61,7 +61,7 @@ def plan_conflicts(plan: Plan) -> Tuple[int, int]:
 
 
 def vertex_conflicts(visits: Iterable[Visit]) -> List[Tuple[Visit, Visit]]:
-    """Return the pairs of visits of two robots that stand in one cell at the same instant, by when they begin."""
+    """Return the pairs of visits of two robots in one cell at the same instant, the earlier visit first."""
     by_cell: Dict[Cell, List[Visit]] = defaultdict(list)
     for visit in visits:
         by_cell[visit.cell].append(visit)
@@ -71,7 +71,7 @@ def vertex_conflicts(visits: Iterable[Visit]) -> List[Tuple[Visit, Visit]]:
 
 
 def swap_conflicts(moves: Iterable[Move]) -> List[Tuple[Move, Move]]:
-    """Return the pairs of moves by which two robots change places: against each other at the same time."""
+    """Return the pairs of moves by which two robots swap cells: in opposite directions at the same time."""
     by_edge: Dict[Tuple[Cell, ...], List[Move]] = defaultdict(list)
     for move in moves:
         by_edge[tuple(sorted((move.start, move.goal)))].append(move)
@@ -81,7 +81,10 @@ def swap_conflicts(moves: Iterable[Move]) -> List[Tuple[Move, Move]]:
 
 
 def _overlapping(group: Sequence, lasts_until) -> Iterator[tuple]:
-    """Yield (one, other) of a group that is sorted by beginnings; ``lasts_until(one, other)``: they overlap."""
+    """Yield the pairs (one, other) that overlap, of a group sorted by begins.
+
+    ``lasts_until(one, other)``: whether ``one`` lasts until ``other`` begins.
+    """
     for index, other in enumerate(group):
         for one in group[:index]:
             if one.robot != other.robot and lasts_until(one, other):
@@ -89,9 +92,9 @@ def _overlapping(group: Sequence, lasts_until) -> Iterator[tuple]:
 
 
 def nearest(pieces: Iterable[Piece], near: float, seconds: float) -> Dict[Tuple[int, int], float]:
-    """Return {(robot, robot): least distance [m]} of all pairs that come nearer than ``near`` [m].
+    """Return {(robot, robot): least distance [m]} for all pairs that come nearer than ``near`` [m].
 
-    ``seconds``: how long pieces are taken together at a time; the result does not depend on it.
+    ``seconds``: the length of the spans of time into which pieces are sorted; the result does not depend on it.
     """
     boxes: Dict[Tuple[int, int, int], List[Piece]] = defaultdict(list)
     for piece in pieces:
@@ -114,7 +117,7 @@ def nearest(pieces: Iterable[Piece], near: float, seconds: float) -> Dict[Tuple[
 
 
 def _boxes(piece: Piece, near: float, seconds: float) -> Iterator[Tuple[int, int, int]]:
-    """Yield the boxes of time and place in which a piece, with ``near`` around it, has a part."""
+    """Yield the boxes of time and place that a piece, with ``near`` around it, touches."""
     sides = [range(math.floor((min(a, b) - near / 2.0) / near), math.floor((max(a, b) + near / 2.0) / near) + 1)
              for a, b in zip(piece.start, piece.goal)]
     for turn in range(math.floor(piece.begin / seconds), math.floor(piece.end / seconds) + 1):
@@ -124,7 +127,7 @@ def _boxes(piece: Piece, near: float, seconds: float) -> Iterator[Tuple[int, int
 
 
 def _least(one: Piece, other: Piece) -> float:
-    """Return the least distance [m] of two pieces while both last; infinite if there is no such time."""
+    """Return the least distance [m] between two pieces while both last; infinite if they do not overlap in time."""
     begin, end = max(one.begin, other.begin), min(one.end, other.end)
     if begin > end:
         return math.inf

@@ -1,4 +1,4 @@
-"""A plan driven by the fleet in plain Python, and what has come of it."""
+"""Let a fleet drive a plan in plain Python, and compute the outcome."""
 from __future__ import annotations
 
 import math
@@ -15,11 +15,11 @@ from .layout import Grid, Site
 from .movingai import Cell
 from .plans import Plan
 
-_MOST_TIMES = 100  # as long as the plan: what takes longer is given up
+_MOST_TIMES = 100  # times the length of the plan; then the run is given up
 
 
 class Outcome(NamedTuple):
-    """What has come of a plan; times in steps. None: not all robots have come to their goals."""
+    """The outcome of a plan; times in steps. ``flow_time``, ``makespan``: None if not all robots have arrived."""
 
     policy: str
     agents: int
@@ -33,7 +33,7 @@ class Outcome(NamedTuple):
     swap_conflicts: int
     near_pairs: int  # pairs of robots that came nearer than `near`
     near: float  # m
-    nearest: Optional[float]  # m, of these pairs
+    nearest: Optional[float]  # m; the least distance of these pairs, None if there are none
     retries: int
     waits_for: Dict[str, str]
 
@@ -41,7 +41,7 @@ class Outcome(NamedTuple):
 def check_starts(plan: Plan, site: Site) -> None:
     """Check that robots stand where their paths begin.
 
-    :raises ConfigurationError: naming the first that does not, or another number of robots.
+    :raises ConfigurationError: naming the first robot that does not, or if the numbers of robots and paths differ.
     """
     robots = site.scenario.robots
     if len(robots) != len(plan.paths):
@@ -55,7 +55,10 @@ def check_starts(plan: Plan, site: Site) -> None:
 
 
 class Drive:
-    """A fleet that drives a Plan in a Site from its first instant on; :meth:`run`, then :meth:`outcome`."""
+    """A fleet that drives a Plan in a Site, from the fleet's first instant on. Call :meth:`run`, then :meth:`outcome`.
+
+    :raises ConfigurationError: if the robots do not stand where their paths begin.
+    """
 
     def __init__(self, site: Site, plan: Plan, policy: str) -> None:
         check_starts(plan, site)
@@ -66,7 +69,7 @@ class Drive:
         self.execution = Execution(plan, policy, self.fleet.now_ns, site.step_ns, self._send)
 
     def run(self) -> None:
-        """Drive until all have come to their goals, or nobody can go on."""
+        """Drive until all robots have come to their goals, or no robot can go on."""
         fleet, execution = self.fleet, self.execution
         for instant_ns in execution.instants_ns:
             fleet.at(instant_ns, lambda _fleet, now_ns=instant_ns: execution.look(now_ns))
@@ -92,7 +95,7 @@ class Drive:
         self.execution.look(now_ns)
 
     def outcome(self, near: float) -> Outcome:
-        """Return the :class:`Outcome`; ``near`` [m]: how near is too near."""
+        """Return the :class:`Outcome`; robots that come nearer than ``near`` [m] are counted."""
         execution, step_ns = self.execution, self._site.step_ns
         plan, costs = execution.plan, execution.costs_ns()
         arrived = [cost for cost in costs if cost is not None]
@@ -109,7 +112,7 @@ class Drive:
 
 
 def pieces_of(trace: List[Any], site: Site, numbers: Dict[str, int], end_ns: int) -> Iterator[Piece]:
-    """Yield where robots were, from the rows departed and stands of a trace: straight and even in between."""
+    """Yield where robots were, from the rows departed and stands of a trace, as straight pieces at an even speed."""
     places = [(spec.settings.start.x, spec.settings.start.y) for spec in site.scenario.robots]
     since = [trace[0].time_ns if trace else end_ns] * len(places)
     for time_ns, name, kind, values in trace:
@@ -124,7 +127,7 @@ def pieces_of(trace: List[Any], site: Site, numbers: Dict[str, int], end_ns: int
 
 
 def drive(site: Site, plan: Plan, policy: str) -> Drive:
-    """Return a :class:`Drive` that is over."""
+    """Drive a plan to its end; return the :class:`Drive`."""
     done = Drive(site, plan, policy)
     done.run()
     return done

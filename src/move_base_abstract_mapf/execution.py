@@ -1,11 +1,11 @@
-"""A plan that is driven, move by move: who may begin the next one, and what has come of it. No fleet, no ROS here.
+"""Decide, move by move, which robots of a plan may begin their next move, and record the moves. No fleet, no ROS here.
 
-Each move takes a robot to a neighbouring cell and begins at its step at the earliest. A policy says what it awaits
-besides:
+Each move takes a robot to a neighbouring cell. It begins at its step at the earliest, when the robot has arrived where
+the move starts. A policy says what else must be true:
 
-as_timed    nothing: each robot goes by its own clock, as soon as it has come where the move begins
-order_kept  in each cell robots come in the order of the plan: whoever is there before has begun to leave it
-cell_left   likewise, and has arrived where it went
+as_timed    nothing
+order_kept  robots enter each cell in the order of the plan: the robot before has begun to leave the cell
+cell_left   as order_kept, and the robot before has arrived in its next cell
 """
 from __future__ import annotations
 
@@ -21,18 +21,21 @@ AS_TIMED, ORDER_KEPT, CELL_LEFT = POLICIES
 
 
 class Wanted(NamedTuple):
-    """A move of the plan: at ``step`` from ``start`` to ``goal``; before it move ``of`` robot ``after`` counts."""
+    """A move of the plan: at ``step`` from ``start`` to ``goal``.
+
+    ``after``: the move by which the robot before leaves the goal; None if there is no such robot.
+    """
 
     step: int
     start: Cell
     goal: Cell
-    after: Optional[Tuple[int, int]]  # (robot, number of its move), by which the goal is left
+    after: Optional[Tuple[int, int]]  # (robot, number of its move)
 
 
 class Execution:
-    """Says when robots begin their moves; ``send(robot, cell, towards)`` is called then, at once or within look().
+    """Begins the moves of robots; look() calls ``send(robot, cell, from cell)`` for each.
 
-    ``begin_ns``: when step 0 is; ``step_ns``: how long a step takes [ns].
+    ``begin_ns``: the instant of step 0 [ns]; ``step_ns``: the duration of a step [ns].
     """
 
     def __init__(self, plan: Plan, policy: str, begin_ns: int, step_ns: int,
@@ -44,12 +47,12 @@ class Execution:
         self._policy = policy
         self._begin_ns, self._step_ns = begin_ns, step_ns
         self._send = send
-        self._arrived = [0] * len(plan.paths)  # moves that have ended
+        self._arrived = [0] * len(plan.paths)  # per robot, the number of moves that have ended
         self._again_ns: Dict[int, int] = {}
 
     @property
     def instants_ns(self) -> Iterator[int]:
-        """When :meth:`look` has to be called, beside the ends of moves."""
+        """The instants [ns] at which :meth:`look` must be called; it must also be called when a move ends."""
         steps = sorted({move.step for moves in self.moves for move in moves})
         return (self._begin_ns + step * self._step_ns for step in steps)
 
@@ -59,7 +62,7 @@ class Execution:
         return all(count == len(moves) for count, moves in zip(self._arrived, self.moves))
 
     def ended(self, robot: int, has_arrived: bool, now_ns: int) -> None:
-        """A robot has come where its move leads, or has not and tries again a step later: :meth:`look` then."""
+        """Take the end of a robot's move. A robot that has not arrived tries again a step later, in :meth:`look`."""
         if has_arrived:
             self.done[robot][-1] = self.done[robot][-1]._replace(end_ns=now_ns)
             self._arrived[robot] += 1
@@ -68,7 +71,7 @@ class Execution:
             self._again_ns[robot] = now_ns + self._step_ns
 
     def look(self, now_ns: int) -> None:
-        """Have all those begin who may. Those who wait in a circle for one another begin together."""
+        """Let all robots begin that may. Robots that wait for one another in a circle begin together."""
         for robot in [robot for robot, again_ns in self._again_ns.items() if again_ns <= now_ns]:
             del self._again_ns[robot]
             move = self.moves[robot][self._arrived[robot]]
@@ -99,7 +102,7 @@ class Execution:
         return len(self.done[other]) > number or (len(self.done[other]) == number and other in able)
 
     def waits_for(self) -> Dict[int, int]:
-        """Return {robot: robot that has to leave first} of those who are not there and wait for somebody."""
+        """Return {robot: the robot that must leave first} for the robots that wait for another one."""
         found = {}
         for robot, moves in enumerate(self.moves):
             count = self._arrived[robot]
@@ -110,7 +113,7 @@ class Execution:
         return found
 
     def visits(self) -> Iterator[Visit]:
-        """Yield where robots have stood."""
+        """Yield a Visit for each cell in which a robot has stood."""
         for robot, moves in enumerate(self.done):
             arrive_ns, cell = self._begin_ns, self.plan.paths[robot][0]
             for move in moves:
@@ -122,14 +125,14 @@ class Execution:
                 yield Visit(robot, cell, arrive_ns, None)
 
     def costs_ns(self) -> List[Optional[int]]:
-        """Return of each robot when it came to its last cell, from step 0 on [ns]; None: it has not."""
+        """Return for each robot when it came to its last cell, from step 0 on [ns]; None: it has not."""
         return [None if self._arrived[robot] < len(moves) else (self.done[robot][-1].end_ns or 0) - self._begin_ns
                 if moves else 0 for robot, moves in enumerate(self.moves)]
 
 
 def _moves_of(plan: Plan) -> List[List[Wanted]]:
-    """Return the moves of each robot, each with the move by which its goal is left by who is there before."""
-    stays: Dict[Cell, List[Tuple[int, int, Optional[int]]]] = defaultdict(list)  # (step of coming, robot, move away)
+    """Return the moves of each robot, each with the move by which the robot before leaves its goal."""
+    stays: Dict[Cell, List[Tuple[int, int, Optional[int]]]] = defaultdict(list)  # (step of arrival, robot, move away)
     moves: List[List[Tuple[int, Cell, Cell]]] = []
     for robot, path in enumerate(plan.paths):
         own: List[Tuple[int, Cell, Cell]] = []

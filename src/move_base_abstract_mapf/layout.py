@@ -1,4 +1,4 @@
-"""The folder in which a plan is driven: a map as map_server takes it, and a scenario, robots at their starts."""
+"""The folder in which a plan is driven: a map for map_server, and a scenario with the robots at their starts."""
 from __future__ import annotations
 
 import math
@@ -24,7 +24,7 @@ _RADIUS = 0.35  # cells
 
 
 class Grid(NamedTuple):
-    """Cells of ``size`` [m], ``blocked`` as of read_map(); the south-western corner of the map is (0, 0)."""
+    """Cells with sides of ``size`` [m], ``blocked`` as from read_map(); the map's south-western corner is (0, 0)."""
 
     blocked: Any
     size: float
@@ -35,12 +35,12 @@ class Grid(NamedTuple):
         return (column + 0.5) * self.size, (self.blocked.shape[0] - row - 0.5) * self.size
 
     def pose(self, cell: Cell, towards: Cell) -> Tuple[float, float, float]:
-        """Return the goal (x, y, yaw) [m, rad] of a move to ``cell`` from ``towards``: it heads on."""
+        """Return the goal (x, y, yaw) [m, rad] of a move to ``cell`` from ``towards``; the yaw is that of the move."""
         return (*self.place(cell), math.atan2(towards[1] - cell[1], cell[0] - towards[0]))
 
 
 class Site(NamedTuple):
-    """A folder that was read: its Scenario, its Grid, and how long a step takes [ns]."""
+    """The content of a folder: its Scenario, its Grid, and the duration of a step [ns]."""
 
     scenario: Scenario
     grid: Grid
@@ -48,9 +48,11 @@ class Site(NamedTuple):
 
 
 def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: float, words: str) -> None:
-    """Write map and scenario of robots agent_0, agent_1, ..., which take ``seconds`` from cell to cell.
+    """Write the map and the scenario of robots agent_0, agent_1, ..., which take ``seconds`` from cell to cell.
 
-    :raises ConfigurationError: if something else is in the folder, or a problem is not on free cells.
+    ``words``: the command, for a comment in the files.
+
+    :raises ConfigurationError: if other files are in the folder, or a problem is not on free cells.
     """
     for number, problem in enumerate(problems):
         for what, cell in zip(problem._fields, problem):
@@ -83,9 +85,9 @@ def _write(folder: str, name: str, head: str, content: Any) -> None:
 
 
 def read_folder(folder: str, seed: Any = None) -> Site:
-    """Return the :class:`Site` in a folder; ``seed`` replaces the scenario's.
+    """Return the :class:`Site` in a folder; ``seed`` replaces the scenario's, unless it is None.
 
-    :raises ConfigurationError: if a file cannot be used, or robots differ in their speed.
+    :raises ConfigurationError: if a file cannot be used, or the robots have different speeds.
     """
     path = os.path.join(folder, 'scenario.yaml')
     scenario = read_scenario(path, None if seed is None else {'seed': seed})
@@ -96,7 +98,7 @@ def read_folder(folder: str, seed: Any = None) -> Site:
             os.path.join(folder, 'map.yaml'), shown(load_yaml_file(os.path.join(folder, 'map.yaml')).get('origin'))))
     speeds = {spec.settings.limits.max_speed for spec in scenario.robots}
     if len(speeds) != 1:
-        raise ConfigurationError('{}: max_speed: got {} different ones; allowed: one, since a step takes equally long '
-                                 'for all'.format(path, len(speeds)))
+        raise ConfigurationError('{}: max_speed: got {} different ones; allowed: one, because a step takes the same '
+                                 'time for all robots'.format(path, len(speeds)))
     grid = Grid(occupancy.cells[::-1] > 0, occupancy.resolution)
     return Site(scenario, grid, seconds_to_ns(grid.size / speeds.pop()))

@@ -1,7 +1,8 @@
 """Maps and problems in the format of the MovingAI benchmarks (N. Sturtevant): files ``.map`` and ``.scen``.
 
-A map: ``type octile``, ``height``, ``width``, ``map``, then rows from the north. A problem: ``version 1``, then lines
-of bucket, map, width, height, start column, start row, goal column, goal row, length; rows count from the north.
+A map has ``type octile``, ``height``, ``width``, ``map``, then its rows from the north. A problem file has ``version
+1``, then lines of bucket, map, width, height, start column, start row, goal column, goal row, length. Rows count from
+the north.
 """
 from __future__ import annotations
 
@@ -13,16 +14,16 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.input_files import open_text_input
 from move_base_abstract.common.shown import shown
 
-Cell = Tuple[int, int]  #: (column, row); the first row lies in the north
+Cell = Tuple[int, int]  #: (column, row); row 0 is in the north
 
 _FREE, _BLOCKED = '.GS', '@OTW'
-_MOST_CELLS = 10_000  # of a side
+_MOST_CELLS = 10_000  # along a side
 _MOST_BYTES = 128 * 1024 * 1024
-_COLUMNS = 9  # of a line of problems
+_COLUMNS = 9  # in a line of a problem file
 
 
 class Problem(NamedTuple):
-    """Where a robot starts and where it wants to be."""
+    """The start and the goal of a robot."""
 
     start: Cell
     goal: Cell
@@ -75,7 +76,7 @@ def read_problems(path: str) -> List[Problem]:
 
 
 def is_free(blocked: Any, cell: Cell) -> bool:
-    """Return whether a cell lies on the map and nothing is there."""
+    """Return whether a cell lies on the map and is not blocked."""
     column, row = cell
     return 0 <= row < blocked.shape[0] and 0 <= column < blocked.shape[1] and not blocked[row, column]
 

@@ -1,8 +1,8 @@
-"""Plans of MAPF solvers: at which step which robot is in which cell. Three formats of text are read, one is written.
+"""Plans of MAPF solvers: in which cell each robot is at each step. Three text formats are read, one is written.
 
-``Agent 0: (row,column)->(row,column)->...``, a line for each robot, as CBSH2, EECBS and MAPF-LNS write them;
-``0:(column,row),(column,row),...``, a line for each step behind ``solution=``, as PIBT and LaCAM do; and YAML as
-libMultiRobotPlanning has it: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
+CBSH2, EECBS and MAPF-LNS write a line for each robot: ``Agent 0: (row,column)->(row,column)->...``. PIBT and LaCAM
+write a line for each step, after a line ``solution=``: ``0:(column,row),(column,row),...``. libMultiRobotPlanning
+writes YAML: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
 """
 from __future__ import annotations
 
@@ -19,21 +19,24 @@ from .movingai import Cell, is_free
 
 _MOST_BYTES = 64 * 1024 * 1024
 _BOUNDS = Bounds(_MOST_BYTES, 10_000_000, 128 * 1024 * 1024)
-_MOST_STEPS = 1_000_000  # of a robot
+_MOST_STEPS = 1_000_000  # the largest number of a step
 _LINE = re.compile(r'\s*Agent (\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:->\s*)?)+)')
 _STEP = re.compile(r'\s*(\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:,\s*)?)+)')
-_HEAD = re.compile(r'agents=|solver=|map_file=')  # lines that LaCAM's files begin with
+_HEAD = re.compile(r'agents=|solver=|map_file=')  # the first lines of LaCAM's files
 _PLACE = re.compile(r'\((\d{1,6}),\s*(\d{1,6})\)')
 
 
 class Plan(NamedTuple):
-    """``paths``: of each robot its cell at step 0, 1, ...; at the last one it stays. Who waits has a cell twice."""
+    """A plan. ``paths``: for each robot its cells at steps 0, 1, ...; it stays in the last one.
+
+    While a robot waits, its cell is repeated.
+    """
 
     paths: Tuple[Tuple[Cell, ...], ...]
 
     @property
     def costs(self) -> List[int]:
-        """Of each robot the step at which it comes to its last cell for good."""
+        """The step at which each robot comes to its last cell and stays there."""
         return [len(path) - 1 for path in self.paths]
 
     def at(self, robot: int, step: int) -> Cell:
@@ -43,9 +46,11 @@ class Plan(NamedTuple):
 
 
 def make_plan(paths: Sequence[Sequence[Cell]], where: str, blocked: Any = None) -> Plan:
-    """Return the :class:`Plan` of paths; what robots wait at the end is left out.
+    """Return the :class:`Plan` of paths; waits at their ends are left out.
 
-    :raises ConfigurationError: for a step that leads farther than to a neighbour, and one onto what is ``blocked``.
+    ``where``: the file, for errors; ``blocked``: as from read_map(), or None to accept all cells.
+
+    :raises ConfigurationError: for a step that leads farther than to a neighbour, or to a cell that is not free.
     """
     if not paths:
         raise ConfigurationError('{}: got no path; allowed: at least one'.format(where))
@@ -69,7 +74,7 @@ def _without_end(path: Sequence[Cell]) -> Tuple[Cell, ...]:
 
 
 def read_plan(path: str, blocked: Any = None) -> Plan:
-    """Return the :class:`Plan` in a file of any of the formats; ``blocked``: as of read_map(), for what is free.
+    """Return the :class:`Plan` in a file of any of the formats; ``blocked``: as from read_map(), or None.
 
     :raises ConfigurationError: naming file and line, or the robot and the step.
     """
@@ -100,7 +105,7 @@ def _of_steps(path: str, text: str) -> List[List[Cell]]:
     if not any(line.strip() == 'solution=' for _, line in lines):
         raise ConfigurationError('{}: got no line "solution="; allowed: one, and a line "0:(column,row),..." for each '
                                  'step behind it'.format(path))
-    for number, line in lines:  # behind it
+    for number, line in lines:  # the lines after it
         found = _STEP.fullmatch(line)
         cells = [] if found is None else [(int(column), int(row)) for column, row in _PLACE.findall(found.group(2))]
         if found is None or int(found.group(1)) != len(steps) or len(cells) != len((steps or [cells])[0]):
@@ -126,7 +131,7 @@ def _of_yaml(path: str, text: str) -> List[List[Cell]]:
 
 
 def _timed(entries: Any, where: str) -> List[Cell]:
-    """Return the cells of one robot; between two entries it stays where it was."""
+    """Return the cells of one robot; between two entries it stays in the cell of the first one."""
     path: List[Cell] = []
     for entry in entries if isinstance(entries, list) else [None]:
         values = [entry.get(key) for key in 'xyt'] if isinstance(entry, dict) else [None]
@@ -142,6 +147,6 @@ def _timed(entries: Any, where: str) -> List[Cell]:
 
 
 def written(plan: Plan) -> str:
-    """Return a :class:`Plan` as text of the first format."""
+    """Return a :class:`Plan` as text in the first format."""
     return ''.join('Agent {}: {}\n'.format(number, '->'.join('({},{})'.format(row, column) for column, row in path))
                    for number, path in enumerate(plan.paths))

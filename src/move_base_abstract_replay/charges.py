@@ -1,6 +1,6 @@
-"""The charge of robots over time: computed from their legs by the battery's own formulas, set right by the log's rows.
+"""The charge of robots over time: computed from their legs by the battery's formulas, and corrected by the log's rows.
 
-What a tool or work takes beside is not in the legs: it shows at the next row ``battery``.
+The energy of a tool or of work is not in the legs. It becomes visible at the next row ``battery``.
 """
 import json
 
@@ -9,12 +9,12 @@ from move_base_abstract.energy.consumption import GRAVITY, LegEnergy
 
 from .recording import is_number
 
-_TOLD = ('battery', 'charge')  # rows that say the charge
+_TOLD = ('battery', 'charge')  # the kinds of rows that contain the charge
 _KINDS = (*_TOLD, 'departed', 'stands', 'charging_began', 'charging_ended')
 
 
 class Charges:
-    """The batteries of a World's robots: ``knots`` {robot: [(time [ns], share)]}, straight in between."""
+    """The batteries of a World's robots. Between the ``knots`` the charge changes linearly."""
 
     def __init__(self, world, begin_ns):
         self._currents = world.currents
@@ -23,23 +23,23 @@ class Charges:
 
     @property
     def knots(self):
-        """{robot: [(time [ns], share 0..1)]} of those that have a battery."""
+        """The charge: {robot: [(time [ns], share 0..1)]} for the robots that have a battery."""
         return {name: meter.knots for name, meter in self._meters.items()}
 
     def drive(self, name, leg, end_ns):
-        """A robot has driven a leg (Leg or Route) up to ``end_ns`` [ns]."""
+        """Take the leg (Leg or Route) that a robot has driven up to ``end_ns`` [ns]."""
         meter = self._meters.get(name)
         if meter is not None:
             meter.drive(leg, end_ns)
 
     def drive_evenly(self, name, end_ns, length):
-        """A robot has driven ``length`` [m] up to ``end_ns`` [ns], by which law nobody knows."""
+        """Take a way of ``length`` [m] that a robot has driven up to ``end_ns`` [ns], by a law that is not known."""
         meter = self._meters.get(name)
         if meter is not None:
             meter.drive_evenly(length, end_ns)
 
     def take(self, time_ns, name, kind, text):
-        """Take a row of the log, after what :meth:`drive` was told of the time before it."""
+        """Take a row of the log. :meth:`drive` must have taken the legs before it."""
         meter = self._meters.get(name)
         if meter is None or kind not in _KINDS:
             return
@@ -57,13 +57,13 @@ class Charges:
             meter.charge(None)
 
     def close(self, end_ns):
-        """The log ends."""
+        """Bring all robots that stand up to the end of the log."""
         for meter in self._meters.values():
             meter.settle(end_ns)
 
 
 class _Meter:
-    """One battery (BatterySettings) from ``since_ns`` on: the charge as of then, and what is taken while it stands."""
+    """One battery (BatterySettings): its charge at ``since_ns``, and the power that it gives while the robot stands."""
 
     def __init__(self, settings, since_ns):
         self._settings = settings
@@ -74,28 +74,28 @@ class _Meter:
         self.knots = [(since_ns, self._soc)]
 
     def note(self):
-        """Note the charge as of now."""
+        """Add the present charge to the knots."""
         self.knots.append((self.since_ns, self._soc))
 
     def set(self, time_ns, soc):
-        """The log says the charge."""
+        """Set the charge to the value in the log (0 to 1)."""
         self.settle(time_ns)
         self.since_ns, self._soc = time_ns, soc
         self.note()
 
     def charge(self, current):
-        """A charger gives this current [A] from now on; True: the robot's own; None: there is none."""
+        """Set the charger's current [A] from now on; True: the robot's own one; None: no charger."""
         settings = self._settings
         self._power = settings.ambient_power if current is None else -settings.nominal_voltage * (
             settings.charging_current if current is True else current)
 
     def settle(self, time_ns):
-        """Take what a robot that stands has taken up to here."""
+        """Subtract the energy that a standing robot has used up to ``time_ns``."""
         if not self.drives and time_ns > self.since_ns:
             self._take(self._power * ((time_ns - self.since_ns) / NS_PER_S), time_ns)
 
     def drive(self, leg, end_ns):
-        """Take what a leg has taken up to here, if the charge was not told on the way; at its departure nothing yet."""
+        """Subtract the energy of a leg up to ``end_ns``, from its departure or the latest row with the charge on."""
         if end_ns <= leg.depart_ns:
             return
         energy = LegEnergy(leg, self._settings.mechanics)
@@ -105,7 +105,7 @@ class _Meter:
         self._take(taken + self._settings.ambient_power * ((end_ns - self.since_ns) / NS_PER_S), end_ns)
 
     def drive_evenly(self, length, end_ns):
-        """Take what a leg of so many metres has taken about: once up to its even speed, and down."""
+        """Subtract about the energy of a leg of ``length`` [m] at an even speed, with one start and one stop."""
         seconds = (end_ns - self.since_ns) / NS_PER_S
         if seconds > 0.0:
             mass, _, friction = self._settings.mechanics

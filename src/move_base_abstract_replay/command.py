@@ -3,7 +3,7 @@
     rosrun move_base_abstract replay RUN.jsonl [OTHER.jsonl] [--map MAP.yaml] [-o replay.html]
     rosrun move_base_abstract replay RUN.jsonl --mcap RUN.mcap --bag RUN.bag
 
-Exit codes: 0 written; 2 a file cannot be read or written, or wrong arguments.
+Exit codes: 0 the files are written; 2 a file cannot be read or written, or the arguments are wrong.
 """
 import argparse
 import math
@@ -17,10 +17,10 @@ _MOST_RATE = 1000.0  # Hz
 
 
 def main(words=None):
-    """Write what the command line asks for, and exit with the code."""
+    """Write the files that these arguments ask for (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # names may hold bytes that are no text
+        stream.reconfigure(errors='backslashreplace')  # names may contain bytes that are not valid text
     try:
         for output in _write(options):
             print(output)
@@ -59,9 +59,9 @@ def _parse(words):
 
 
 def _write(options):
-    """Write the files that are asked for; return an iterator over their names, each when it is there."""
+    """Write the files that are asked for; yield the name of each when it is written."""
     if options.output is not None:
-        from .page import write_page  # each of them takes a while to import
+        from .page import write_page  # these modules take a while to import
         for note in write_page(options.logs, options.output, options.map, options.scenario):
             print('replay: note: {}'.format(note), file=sys.stderr)
         yield options.output

@@ -1,16 +1,16 @@
-"""Legs with corners of which no law says how fast they were driven: along the corners, at an even speed."""
+"""Draw legs with corners whose law of motion is not known: along the corners, at an even speed."""
 import math
 
 from move_base_abstract.motion.geometry import share_along
 
-_ON_WAY = 0.01  # m; who ended as near as that to the way ended on it
+_ON_WAY = 0.01  # m; a leg that ended as near as this to its way ended on it
 
 
 def even_pieces(begin_ns, end_ns, way, end):
     """Return the pieces [(from [ns], to [ns], pose, pose), ...] of a leg that ended at ``end``; poses are (x, y, yaw).
 
-    ``way``: the pose at the start, the corners (x, y), and the goal's pose. Where the leg ended on its way it is drawn
-    along it up to there, else on a straight line.
+    ``way``: the pose at the start, the corners (x, y), and the goal's pose. If the leg ended on its way, it is drawn
+    along the way up to there, otherwise as a straight line.
     """
     points = [*_up_to(end, [place[:2] for place in way]), end[:2]]
     lengths = [math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
@@ -30,7 +30,7 @@ def even_pieces(begin_ns, end_ns, way, end):
 
 
 def _up_to(end, points):
-    """Return those of ``points`` that the way has passed where it is last nearest to ``end``; at least one."""
+    """Return the ``points`` of the way before its last point that is nearest to ``end``; at least the first one."""
     best = None
     for number, (one, other) in enumerate(zip(points, points[1:])):
         share = share_along(one, other, *end[:2])

@@ -1,4 +1,4 @@
-"""Files for the tools that read ROS messages: MCAP with the profile ros1, and rosbag. Equal logs give equal bytes."""
+"""Write files for tools that read ROS messages: MCAP with the profile ros1, and rosbag. Equal logs give equal bytes."""
 import contextlib
 import os
 
@@ -16,10 +16,10 @@ _LIBRARY = 'move_base_abstract replay'
 
 
 def write_mcap(log, output, rate=RATE, frame=FRAME):
-    """Write the run of an event log (path) as the MCAP file ``output``, which must not be there.
+    """Write the run of an event log (path) as the MCAP file ``output``, which must not exist.
 
-    ``rate`` and ``frame``: as of messages_of(). :raises EventLogError: if the log cannot be read.
-    :raises ConfigurationError: if something is there already. :raises OutputError: if it cannot be written.
+    ``rate`` [Hz, simulated] and ``frame``: see messages_of(). :raises EventLogError: if the log cannot be read.
+    :raises ConfigurationError: if ``output`` exists. :raises OutputError: if it cannot be written.
     """
     with _new_file(output) as part, open(part, 'xb') as stream:
         writer = McapWriter(stream, _LIBRARY)
@@ -29,7 +29,7 @@ def write_mcap(log, output, rate=RATE, frame=FRAME):
 
 
 def write_bag(log, output, rate=RATE, frame=FRAME):
-    """Write the run of an event log (path) as the bag ``output``; everything as of :func:`write_mcap`."""
+    """Write the run of an event log (path) as the bag ``output``; see :func:`write_mcap`."""
     import rosbag  # takes a while
     with _new_file(output) as part:
         with rosbag.Bag(part, 'w') as bag:
@@ -51,7 +51,7 @@ def _time(time_ns):
 
 @contextlib.contextmanager
 def _new_file(path):
-    """Give the path of a file to be written; at the end it gets the name ``path``. What is there already stays."""
+    """Give the path of a temporary file to write; at the end it gets the name ``path``. No file is replaced."""
     path = os.fspath(path)
     _check_free(path)
     _check_free(path + PART)

@@ -1,14 +1,14 @@
-"""When the links of a radio were up, of the rows `link` and `host` of a log."""
+"""Find when the links of a radio were up, from the rows `link` and `host` of a log."""
 import json
 
 from .recording import is_number
 
 
 def find_links(recording, robots):
-    """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] of links between what can be shown.
+    """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] for the links whose ends can be shown.
 
-    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] of a host that stands still.
-    Anybody may write rows: those of another form are left out.
+    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] for a host that stands still.
+    Any program may write rows; those of another form are left out.
     """
     numbers = {name: number for number, name in enumerate(robots)}
     places, links = {}, {}

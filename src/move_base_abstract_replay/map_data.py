@@ -1,4 +1,4 @@
-"""A map as the page has it: its cells, no more of them than a screen can show, and where they lie."""
+"""A map for the page: its cells, not more of them than a screen can show, and where they are."""
 import os
 
 import numpy as np
@@ -9,11 +9,11 @@ from move_base_abstract.motion.geometry import Pose2D
 from .packed import Packer
 
 _MOST_CELLS = 2048  # along a side
-_UNKNOWN = 255  # in the page; 0 to 100 as in a nav_msgs/OccupancyGrid
+_UNKNOWN = 255  # on the page; other cells are 0 to 100 as in a nav_msgs/OccupancyGrid
 
 
 def packed_map(path):
-    """Return (the text that data.js unpacks, its box [m], warnings) of the map of a YAML file.
+    """Return (the text for data.js, the box (x_min, y_min, x_max, y_max) [m], warnings) for the map of a YAML file.
 
     :raises ConfigurationError: if it cannot be read; the text names the file.
     """
@@ -37,7 +37,7 @@ def _box(grid):
 
 
 def _coarser(cells, step):
-    """Return the cells with ``step`` by ``step`` of them as one: the most occupied one counts."""
+    """Return the cells with each ``step`` by ``step`` of them joined: the most occupied one counts."""
     if step == 1:
         return cells
     rows, columns = (-(-side // step) * step for side in cells.shape)

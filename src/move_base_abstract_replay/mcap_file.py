@@ -1,7 +1,7 @@
-"""Writing MCAP files of ROS 1 messages: what a replay needs of the format, by its specification (mcap.dev/spec).
+"""Write MCAP files of ROS 1 messages: the part of the format that a replay needs, by its specification (mcap.dev/spec).
 
-Chunks without compression, with checksums (CRC-32) and all indexes, so that readers can seek. Debian has no library for
-it, and that of PyPI needs two compiled ones for compressions that are not used here.
+The chunks are not compressed and have checksums (CRC-32) and all indexes, so that readers can seek. Debian has no
+library for the format, and the one on PyPI needs two compiled libraries for compressions that are not used here.
 """
 import struct
 import zlib
@@ -26,9 +26,9 @@ def _record(code, data):
 
 
 class McapWriter:
-    """Writes messages of genpy's classes to a binary stream. Equal calls write equal bytes.
+    """Writes messages of genpy's classes to a binary stream. The same calls write the same bytes.
 
-    Times are ns; they need not ascend. Call :meth:`finish` at the end; the stream stays open.
+    Times are in ns and need not ascend. Call :meth:`finish` at the end; the stream stays open.
     """
 
     def __init__(self, stream, library):
@@ -56,7 +56,7 @@ class McapWriter:
             self._end_chunk()
 
     def finish(self):
-        """Write what comes behind the messages: all indexes."""
+        """Write the end of the file, with all indexes."""
         self._end_chunk()
         self._put(_record(_DATA_END, struct.pack('<I', self._crc)))
         self._crc = 0
@@ -84,7 +84,7 @@ class McapWriter:
         self._chunk_size += len(record)
 
     def _channel_of(self, topic, kind):
-        """Return the id of a topic's channel; channel and schema come before their first message."""
+        """Return the ID of a topic's channel. The first call for a topic writes its channel, and its schema if new."""
         if topic not in self._channels:
             name = kind._type
             if name not in self._schemas:

@@ -1,9 +1,9 @@
-"""Where robots are at any instant, found in the events of a log: legs by their closed form, and places.
+"""Find where robots are at any instant, from the events of a log: legs by their closed form, and standing poses.
 
-A log that says by which limits its robots travel (``motion``, see robot_trace) gives their legs exactly; each is
-compared with where the log says that it ended. Of other legs only the way is known: they are drawn at an even speed.
-A leg with corners (``route``), one of a calibrated robot (``phases``) and one at its own pace (``manner``) become even
-pieces: exact where it turns and at corners, and at their ends while the speed changes.
+If the log has the robots' limits of motion (rows ``motion``, see robot_trace), their legs are exact. Each is compared
+with the end that the log gives. Of other legs only the way is known, so they are drawn at an even speed. A leg with
+corners (``route``), a leg of a calibrated robot (``phases``) and a leg at a pace of its own (``manner``) become even
+pieces. They are exact in turns and at corners; while the speed changes, they are exact at their ends.
 """
 import json
 import math
@@ -22,23 +22,24 @@ from .charges import Charges
 from .constant_speed import even_pieces
 from .world import World
 
-#: how a robot gets from one pose to the other: it is there; evenly, heading where it drives; evenly, with its back to
-#: where it drives; by the limits with this number less LIMITED
+#: how a robot gets from one pose to the other. PLACED: it is there; EVEN: at an even speed, forwards; BACKWARDS: at an
+#: even speed, backwards; LIMITED + n: by the limits with number n
 PLACED, EVEN, BACKWARDS, LIMITED = 0, 1, 2, 3
-_CLOSE = 1e-6  # m, and rad: where a leg may end beside what the log says; texts of numbers are exact
-#: kinds of events that say where a robot is; :mod:`move_base_abstract.runs.trace`
+_CLOSE = 1e-6  # m, and rad; a leg may end this far from the end in the log
+#: the kinds of events that say where a robot is; see :mod:`move_base_abstract.runs.trace`
 KINDS = ('motion', 'phases', 'departed', 'route', 'manner', 'stands')
-_COUNTS = {'motion': 8, 'phases': 8, 'departed': 3, 'manner': 6, 'stands': 3}  # numbers of an event
-_RAMP_PIECES = 8  # of speeding up and slowing down on a leg with corners
-_PIECE_TURN = 1.0  # rad; a piece turns by less than half a turn, so that it is plain which way round
-_MOST_PIECES = 1000  # of one turn: anybody may write an event
-_LEAST, _MOST, _MOST_NS = 1e-9, 1e9, 1e18  # of numbers in events, so that what follows from them can be computed
+_COUNTS = {'motion': 8, 'phases': 8, 'departed': 3, 'manner': 6, 'stands': 3}  # how many numbers such an event has
+_RAMP_PIECES = 8  # the number of pieces for each change of speed on a leg with corners
+_PIECE_TURN = 1.0  # rad; a piece must turn by less than half a turn, so that its direction is clear
+_MOST_PIECES = 1000  # for one turn, because any program may write an event
+_LEAST, _MOST, _MOST_NS = 1e-9, 1e9, 1e18  # the bounds of numbers in events, so that a leg can be computed from them
 
 
 class Motion(NamedTuple):
-    """A leg or a place: from ``begin_ns`` on, until ``end_ns`` if it is a leg. Poses are (x, y, yaw) [m, m, rad].
+    """A piece of a leg, from ``begin_ns`` to ``end_ns``, or a standing pose from ``begin_ns`` on.
 
-    Of an even leg ``goal`` is where it ended; of one by limits it is the goal itself, before which it may have ended.
+    Poses are (x, y, yaw) [m, m, rad]. ``goal`` of an even piece is where it ended. With limits it is the goal of the
+    leg, which may have ended before it.
     """
 
     begin_ns: int
@@ -46,12 +47,12 @@ class Motion(NamedTuple):
     law: int
     start: tuple
     goal: tuple
-    is_last: bool = True  # of its leg
+    is_last: bool = True  # whether it is the last piece of its leg
 
 
 @dataclass
 class Track:
-    """What the log says of one robot's motion, in the order of time."""
+    """The motions of one robot, as the log says them, in the order of time."""
 
     name: str
     motions: List[Motion] = field(default_factory=list)
@@ -59,25 +60,25 @@ class Track:
     _limits: Optional[int] = None
     _phases: Optional[MotionPhases] = None
     _departed: Optional[tuple] = None  # (time, start, goal, limits) of the leg under way
-    _corners: tuple = ()  # of it
-    _manner: tuple = ()  # of it, as of PacedLeg
-    _law: CornerLaw = CornerLaw.KEEP  # as of the latest leg with corners that has ended
+    _corners: tuple = ()  # of the leg under way
+    _manner: tuple = ()  # of the leg under way: the numbers of its row `manner`
+    _law: CornerLaw = CornerLaw.KEEP  # the law of the latest leg with corners that has ended
 
 
 class Motions:
-    """The tracks of all robots of a log: ``tracks`` {name: Track}, ``limits`` the different ones, and what was missing.
+    """The tracks of all robots of a log: ``tracks`` {name: Track}, ``limits`` all different ones, and what was missing.
 
-    ``limits`` are (max_speed, acceleration, turn_rate, xy tolerance, yaw tolerance), 0 where there is no limit. A
-    ``world`` (World) says where robots stand at first, and by which limits they travel if the log does not; ``charges``
-    (Charges) is told of legs and rows as they come.
+    ``limits`` are (max_speed [m/s], acceleration [m/s^2], turn_rate [rad/s], xy tolerance [m], yaw tolerance [rad]); an
+    acceleration or turn rate of 0 is no limit. ``world`` (World) says where robots stand at first, and their limits if
+    the log does not. ``charges`` (Charges) gets legs and rows in their order.
     """
 
     def __init__(self, recording, world=World(), charges=None):
         self.tracks = {}
         self.limits = []
-        self.even = 0  # legs of which the log says no limits
-        self.astray = 0  # legs that end elsewhere than their limits say
-        self.startless = 0  # legs of which nobody says where they began
+        self.even = 0  # the number of legs without limits in the log
+        self.astray = 0  # the number of legs that end elsewhere than their limits say
+        self.startless = 0  # the number of legs whose start is not known
         self._numbers = {}
         self._charges = charges or Charges(World(), 0)
         for name, start in world.starts.items():
@@ -142,7 +143,10 @@ class Motions:
         track.motions.append(Motion(time_ns, time_ns, PLACED, pose, pose))
 
     def _close(self, track, time_ns, pose):
-        """End the leg under way at ``pose``, None if nobody says where; return whether that says where it is."""
+        """End the leg under way; return whether the robot's pose is known then.
+
+        ``pose``: where it ends, or None if that is not known.
+        """
         if track._departed is None:
             return False
         begin_ns, start, goal, limits = track._departed
@@ -166,7 +170,7 @@ class Motions:
             if track._corners and pose is not None:
                 return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         if pose is None:
-            return False  # under way at the end of the log, nobody knows how far
+            return False  # it is under way at the end of the log, and it is not known how far
         if law == EVEN:
             self._charges.drive_evenly(track.name, time_ns, math.dist(start[:2], pose[:2]))
         track.motions.append(Motion(begin_ns, time_ns, law, start, goal if law >= LIMITED else pose))
@@ -183,7 +187,10 @@ class Motions:
         return True
 
     def _close_way(self, track, time_ns, pose, trip):
-        """As _close, of a leg that is more than its limits; which law it kept to at corners shows in where it ended."""
+        """End a leg with corners, phases or a manner, as _close() does. Its end shows which law it followed at corners.
+
+        ``trip``: (time of departure [ns], start, goal, limits).
+        """
         begin_ns, start, goal, _ = trip
         for law in (track._law, *CornerLaw):
             way = _make_way(track, trip, law)
@@ -201,7 +208,7 @@ class Motions:
 
 
 def _make_way(track, trip, law):
-    """Return the leg of a Track as the core makes it; ``trip`` is (time [ns], start, goal, limits)."""
+    """Return the leg of a Track as the simulator makes it; ``trip``: (time [ns], start, goal, limits)."""
     begin_ns, start, goal, limits = trip
     limits, tolerances = _of_limits(limits)
     rest_ns, travel_ns, *tail = track._manner or (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
@@ -214,19 +221,19 @@ def _make_way(track, trip, law):
 
 
 def _pieces_of(way, end_ns):
-    """Return the Motions of a leg (Route or PacedLeg) up to ``end_ns`` [ns]."""
+    """Yield the Motions of a leg (Route, PhasedRoute or TimedLeg) up to ``end_ns`` [ns]."""
     instants = _instants_ns(way, end_ns)
     for one_ns, other_ns in zip(instants, instants[1:]):
         begin, end = way.pose_at(one_ns), way.pose_at(other_ns)
         is_last, forward = other_ns == end_ns, way.velocity_at((one_ns + other_ns) // 2)[0]
-        place = (end.x, end.y) if forward else (begin.x, begin.y)  # where it stands or turns, to the last digit
-        yaw = end.yaw if is_last else way.pose_at(other_ns - 1).yaw  # before it heads elsewhere, at once
+        place = (end.x, end.y) if forward else (begin.x, begin.y)  # exactly where it stands or turns
+        yaw = end.yaw if is_last else way.pose_at(other_ns - 1).yaw  # the yaw before it jumps to another course
         yield Motion(one_ns, other_ns, BACKWARDS if forward < 0.0 else EVEN, (begin.x, begin.y, begin.yaw),
                      (*place, yaw), is_last)
 
 
 def _instants_ns(way, end_ns):
-    """Return the instants [ns] between which a leg's pieces lie, up to ``end_ns``."""
+    """Return the instants [ns] at which a leg's pieces begin and end, up to ``end_ns``."""
     even = [instant for instant in way.even_instants_ns(_RAMP_PIECES) if instant < end_ns] + [end_ns]
     instants = even[:1]
     for one_ns, other_ns in zip(even, even[1:]):
@@ -237,7 +244,7 @@ def _instants_ns(way, end_ns):
 
 
 def make_leg(start, goal, limits, depart_ns):
-    """Return the core's Leg between two poses (x, y, yaw) by ``limits`` as of :class:`Motions`."""
+    """Return the simulator's Leg between two poses (x, y, yaw), with ``limits`` as in :class:`Motions`."""
     return Leg(Pose2D(*start), Pose2D(*goal), *_of_limits(limits), depart_ns)
 
 
@@ -247,7 +254,7 @@ def _of_limits(limits):
 
 
 def _is_whole(kind, count):
-    """Return whether an event of a kind that is understood has as many numbers as it ought to."""
+    """Return whether an event of one of KINDS has the right number of numbers."""
     return count >= 2 and count % 2 == 0 if kind == 'route' else count == _COUNTS[kind]
 
 
@@ -257,7 +264,7 @@ def _is_close(end, pose):
 
 
 def _numbers(text):
-    """Return a JSON array as a tuple of finite floats, or None: anybody may write a line of this kind."""
+    """Return a JSON array as a tuple of finite floats, or None if it is not one: any program may write such a row."""
     values = json.loads(text)
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
         return None

@@ -1,4 +1,4 @@
-"""Orders, from the rows of a dispatcher: when each is open, assigned and over, and where its next stop is."""
+"""Find the phases of orders from the rows of a dispatcher: when each is open and assigned, and its next stop."""
 import json
 from typing import NamedTuple
 
@@ -7,13 +7,16 @@ from move_base_abstract.runs.run_difference import MESSAGES
 from .recording import is_number
 
 OPEN, ASSIGNED = 0, 1
-#: how orders end, as the columns of counts have it
+#: the ways in which orders end, in the order of the columns of counts
 ENDINGS = ('done', 'late', 'failed', 'refused')
 _STOP = 4  # values of a stop: place, x, y, action
 
 
 class Phase(NamedTuple):
-    """An ``order`` (its name) is OPEN, or ASSIGNED to ``robot`` ('': nobody), and goes to its stop at (x, y) [m]."""
+    """A time in which ``order`` (its name) is OPEN (``robot`` is ''), or ASSIGNED to ``robot``.
+
+    Its next stop is at (x, y) [m].
+    """
 
     begin_ns: int
     end_ns: int
@@ -22,12 +25,16 @@ class Phase(NamedTuple):
     robot: str
     x: float
     y: float
-    stop: int  # from 1 on
-    stops: int
+    stop: int  # the number of the next stop, from 1 on
+    stops: int  # the number of all stops
 
 
 class Orders:
-    """``phases``: [Phase], as they began; ``counts``: [(time [ns], open, assigned, done, late, failed, refused)]."""
+    """The orders of a Recording.
+
+    ``phases``: [Phase], in the order of their begins; ``counts``: [(time [ns], open, assigned, done, late, failed,
+    refused)].
+    """
 
     def __init__(self, recording):
         self.phases = []
@@ -47,7 +54,7 @@ class Orders:
                     handlers[kind](time_ns, name, values)
                     self._count(time_ns)
         for order in list(self._present):
-            self._close(recording.end_ns + 1, order)  # open still at the last instant
+            self._close(recording.end_ns + 1, order)  # it is still there at the last instant
         self.phases = [phase for _, phase in sorted(self._found)]
 
     def _arrived(self, time_ns, _name, values):

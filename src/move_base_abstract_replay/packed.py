@@ -1,18 +1,19 @@
-"""Columns of numbers and texts as one text in a page: a head in JSON and the columns' bytes, deflated, in base64."""
+"""Pack columns of numbers and texts into one text for a page: a JSON head and the columns' bytes, deflated, base64."""
 import base64
 import json
 import sys
 import zlib
 from array import array
 
-_ALIGNED = 8  # bytes; typed arrays begin at multiples of what they hold
+_ALIGNED = 8  # bytes; typed arrays must begin at a multiple of the size of their elements
 
 
 class Packer:
-    """Collects columns; :meth:`text` is what the page's unpack() (data.js) reads.
+    """Collects columns. The page's unpack() (data.js) reads the result of :meth:`text`.
 
-    Layout, little endian: length of the head (u32), the head {'about': ..., 'columns': {name: [type, begin, count]}},
-    spaces up to a multiple of 8, the columns, each from a multiple of 8 bytes on. ``begin`` counts from the first.
+    The layout, little endian: the length of the head (u32), the head {'about': ..., 'columns': {name: [type, begin,
+    count]}}, spaces up to a multiple of 8 bytes, then the columns, each from a multiple of 8 bytes on. ``begin`` counts
+    bytes from the first column on.
     """
 
     def __init__(self):
@@ -21,7 +22,7 @@ class Packer:
         self._size = 0
 
     def add(self, name, kind, values):
-        """Add a column: 'f8' numbers, 'u4', 'u2' or 'u1' whole ones, or 'text' (of no newline)."""
+        """Add a column of this kind: 'f8' (numbers), 'u4', 'u2', 'u1' (whole numbers), or 'text' (without newlines)."""
         if kind == 'text':
             data = '\n'.join(values).encode('utf-8', 'replace')
             count = len(data)
@@ -36,7 +37,7 @@ class Packer:
         self._size += len(data)
 
     def text(self, about):
-        """Return all of it with ``about``, what JSON can hold."""
+        """Return all columns, and ``about``, a value for JSON, as one text."""
         head = json.dumps({'about': about, 'columns': self._columns}, allow_nan=False).encode()
         head += b' ' * (-(len(head) + 4) % _ALIGNED)
         data = b''.join([len(head).to_bytes(4, 'little'), head, *self._parts])

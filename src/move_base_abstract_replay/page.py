@@ -1,4 +1,4 @@
-"""The page: one file of HTML that shows one or two runs, and needs nothing else, no network either."""
+"""The page: a single HTML file that shows one or two runs. It needs no other file and no network."""
 import json
 from pathlib import Path
 
@@ -24,13 +24,14 @@ _LEGEND = ('moving', 'waiting', 'task', 'charging', 'failed', IDLE)
 
 
 def write_page(logs, output, map_file=None, scenario=None):
-    """Write the page ``output`` of one or two event logs (paths), with the map of a YAML file if one is given.
+    """Write the page ``output`` for one or two event logs (paths); return notes for the user, as texts.
 
-    ``scenario``: the world that is shown (a path, or a Scenario), None: ``scenario.yaml`` beside the first log, if it
-    is there. A page that this program made is replaced, nothing else is. Returns notes for the user, as texts.
+    ``map_file``: the YAML file of the map behind the robots, or None. ``scenario``: the world that is shown (a path, or
+    a Scenario); None: ``scenario.yaml`` beside the first log, if there is one. Only a page that this program has made
+    is replaced.
 
-    :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if map or scenario cannot be, or
-        something else than a page of ours is in the way. :raises OutputError: if the page cannot be written.
+    :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if the map or the scenario cannot be
+        read, or ``output`` is another file. :raises OutputError: if the page cannot be written.
     """
     logs = [str(log) for log in logs]
     if not 1 <= len(logs) <= _MOST_LOGS:
@@ -41,25 +42,25 @@ def write_page(logs, output, map_file=None, scenario=None):
     map_file = map_file or world.map_file
     ground = packed_map(map_file) if map_file else None
     text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None, world)
-    # A log may hold bytes that are no text.
+    # A log may contain bytes that are not valid text.
     with own_files.whole_file(output, 'w', encoding='utf-8', errors='backslashreplace') as stream:
         stream.write(text)
     return ground[2] if ground else []
 
 
 def find_difference(recordings):
-    """Return the first run_difference.Difference of the logs of two Recordings, and how many events come before it.
+    """Return the first run_difference.Difference of the logs of two Recordings, and the number of events before it.
 
-    The difference is None where there is none.
+    If the logs are the same, the difference is None.
     """
     compared = run_difference.compare(*(recording.path for recording in recordings))
     return compared.difference, compared.events + compared.messages
 
 
 def render(recordings, ground=None, difference=None, world=World()):
-    """Return the page of some Recordings in a World.
+    """Return the page of one or two Recordings in a World, as text.
 
-    ``ground``: as of packed_map(); ``difference``: as of find_difference().
+    ``ground``: the result of packed_map(), or None; ``difference``: the result of find_difference(), or None.
     """
     runs = [Run(recording, world) for recording in recordings]
     notes = ['{}: {}'.format(run.name, note) if len(runs) > 1 else note for run in runs for note in run.notes]
@@ -81,7 +82,7 @@ def render(recordings, ground=None, difference=None, world=World()):
 
 
 def _signs(runs, world):
-    """Return which signs on the map have to be explained."""
+    """Return {sign: whether it is on the map and needs an explanation}."""
     return {'counts': any(thing['capacity'] is not None for thing in world.things),
             'charge': any(start.battery is not None for start in world.starts.values()),
             'orders': any(run.orders.phases for run in runs)}
@@ -102,7 +103,7 @@ def _legend(runs):
 
 
 def _told(difference):
-    """Return what the page says of a Difference."""
+    """Return the words of the page about a Difference."""
     return {'at': '{:.9f} s'.format(difference.time_ns * 1e-9), 'place': difference.place,
             'told': [told_lines(event).partition(': ')[2] if event else 'no more events'
                      for event in (difference.first, difference.second)]}

@@ -1,4 +1,4 @@
-"""What the page shows of a log, as columns: events, motions, rows of the timeline, notes."""
+"""The data of a log for the page, as columns: events, motions, rows of the timeline, notes."""
 import os
 
 from move_base_abstract.common.shown import shown_text
@@ -12,12 +12,12 @@ from .states import NAMES, find_timelines
 from .stays import find_stays
 from .world import World
 
-NOBODY = 2 ** 32 - 1  # in the place of a robot's number
+NOBODY = 2 ** 32 - 1  # stands for a robot's number where there is no robot
 _MOTION_COLUMNS = ('x', 'y', 'yaw', 'goal_x', 'goal_y', 'goal_yaw')
 
 
 class Run:
-    """One log as the page has it: packed for the script, ``facts`` and ``notes`` for people, ``box`` [m]."""
+    """The data of one log for the page: packed() for the script, ``facts`` and ``notes`` for people, ``box`` [m]."""
 
     def __init__(self, recording, world=World()):
         self.name = shown_text(os.path.basename(recording.path))
@@ -33,10 +33,10 @@ class Run:
 
     @property
     def facts(self):
-        """What the log holds, in a few words each."""
+        """The facts about the log, in a few words each."""
         recording = self.recording
         robots = sum(timeline.is_robot for timeline in self.timelines)
-        # Not the motions: a leg with corners is several of them.
+        # Motions do not count: a leg with corners consists of several motions.
         legs = sum(kind == 'departed' and name in self.motions.tracks for _, name, kind, _ in recording)
         nodes = len(self.timelines) - robots
         return [*([_count(robots, 'robot')] if robots or not nodes else []),
@@ -47,23 +47,23 @@ class Run:
 
     @property
     def notes(self):
-        """What must be known to read the page rightly, as sentences."""
+        """What a reader must know to understand the page, as sentences."""
         recording, motions = self.recording, self.motions
         notes = ['The run: {}.'.format(remark) for remark in recording.remarks]
         if motions.even:
-            notes.append('{} of which the log does not say by which limits: drawn straight and at an even speed, from '
-                         'start to end (log_motion: true has the robots say it).'.format(_count(motions.even, 'leg')))
+            notes.append('{} whose limits of motion the log does not say: drawn straight and at an even speed, from '
+                         'start to end (with log_motion: true robots log them).'.format(_count(motions.even, 'leg')))
         if motions.astray:
-            notes.append('{} not where the limits in the log say: drawn straight and at an even speed.'.format(
+            notes.append('{} elsewhere than the limits in the log say: drawn straight and at an even speed.'.format(
                 _count(motions.astray, 'leg') + (' ends' if motions.astray == 1 else ' end')))
         if motions.startless:
-            notes.append('{} of which the log does not say where the robot stood before: it is shown from its arrival '
-                         'on.'.format(_count(motions.startless, 'leg')))
+            notes.append('{} before which the log does not say where the robot stood: the robot is shown from its '
+                         'arrival on.'.format(_count(motions.startless, 'leg')))
         if recording.left_out:
             notes.append('{} not in the list of events: too many for a page.'.format(
                 _count(recording.left_out, 'message') + (' is' if recording.left_out == 1 else ' are')))
         if not motions.tracks:
-            notes.append('No robot of this log says where it is: there is a timeline and a list of events, and no map.')
+            notes.append('No robot of this log says where it is: there is a timeline and a list of events, but no map.')
         return notes
 
     def packed(self):
@@ -141,7 +141,7 @@ class Run:
 
 
 def _pack_spans(packer, name, spans):
-    """Pack when spans begin and end, and as one row of changes: at which time which of them begins (1) or ends (0)."""
+    """Pack the begins and ends of spans as one row of changes: at which time which span begins (1) or ends (0)."""
     changes = sorted([(span.end_ns, 0, number) for number, span in enumerate(spans)]
                      + [(span.begin_ns, 1, number) for number, span in enumerate(spans)])
     packer.add(name + '_change_time', 'f8', (time_ns for time_ns, _, _ in changes))
@@ -150,7 +150,7 @@ def _pack_spans(packer, name, spans):
 
 
 def _firsts(groups):
-    """Return where each group begins in all of them behind one another, and where the last one ends."""
+    """Return where each group begins if all are joined, and where the last one ends."""
     firsts = [0]
     for group in groups:
         firsts.append(firsts[-1] + len(group))
@@ -158,7 +158,7 @@ def _firsts(groups):
 
 
 def _box(motions, links, world):
-    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, a world, and a radio's fixed hosts; or None."""
+    """Return (x_min, y_min, x_max, y_max) [m] around all robots, the world and a radio's fixed hosts, or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
               for place in (motion.start, motion.goal)]
     places += world.points
@@ -174,5 +174,5 @@ def _count(number, what):
 
 
 def _seconds(duration_ns):
-    """Return a duration as text, in s, to the millisecond where that says anything."""
+    """Return a duration as text in s, to the millisecond, without trailing zeros."""
     return '{:,.3f}'.format(duration_ns / 1e9).rstrip('0').rstrip('.').replace(',', '\u202f')

@@ -1,4 +1,4 @@
-"""An event log in memory, as columns: what the page lists, and what legs and states are found in."""
+"""An event log in memory, as columns: the page lists it, and legs and states are found in it."""
 from array import array
 
 from move_base_abstract.common.errors import SimulatorError
@@ -7,19 +7,19 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.runs.run_difference import MESSAGES
 
-#: events that are kept of a log at most; robots' own are all kept, messages only as far as there is room
+#: so many events of a log are kept at most; more messages are left out, but never events of robots
 MOST_EVENTS = 500_000
 
 
 class ReplayError(SimulatorError):
-    """A replay that cannot be made; the text says of what, and why."""
+    """A replay cannot be made; the text says of which file, and why."""
 
 
 class Recording:
     """The events of one log, in their order: ``times`` [ns], ``names``, ``kinds`` and ``values`` (JSON), side by side.
 
-    ``name_of`` and ``kind_of`` hold the texts behind the numbers in ``names`` and ``kinds``. ``begin_ns`` and
-    ``end_ns`` are the instants between which the log says anything; ``remarks`` what must be known of the run.
+    ``names`` and ``kinds`` hold numbers; ``name_of`` and ``kind_of`` have the texts for them. ``begin_ns`` and
+    ``end_ns`` are the instants of the begin and the end of the log; ``remarks`` are what a reader must know of the run.
     """
 
     def __init__(self, path):
@@ -29,8 +29,8 @@ class Recording:
         self.kinds = array('L')
         self.values = []
         self.name_of, self.kind_of = [], []
-        self.events = 0  # of the log
-        self.left_out = 0  # messages for which there was no room
+        self.events = 0  # the number of events of the log
+        self.left_out = 0  # the number of messages that were left out
         self.begin_ns = self.end_ns = 0
         self.remarks = []
         self.is_repeatable = True
@@ -46,10 +46,10 @@ class Recording:
 
 
 def read_recording(path, most=MOST_EVENTS):
-    """Return the :class:`Recording` of an event log. Of more than ``most`` events messages are left out.
+    """Return the :class:`Recording` of an event log. If it has more than ``most`` events, messages are left out.
 
-    :raises EventLogError: if the file is no event log, or damaged; it names file and line.
-    :raises ReplayError: if its times are none of a run's; it names file and line.
+    :raises EventLogError: if the file is no event log, or is damaged; it names file and line.
+    :raises ReplayError: if its times are not in order, or out of range; it names file and line.
     """
     recording = Recording(path)
     names, kinds = _Numbers(recording.name_of), _Numbers(recording.kind_of)
@@ -75,7 +75,7 @@ def read_recording(path, most=MOST_EVENTS):
 
 
 def is_number(value):
-    """Return whether a value of a row is a number that a page can hold: anybody may write rows."""
+    """Return whether a value of a row is a number that a page can hold. Any program may write rows."""
     return type(value) in (int, float) and -1e300 < value < 1e300
 
 
@@ -86,7 +86,7 @@ def _check_time(event, recording):
 
 
 class _Numbers:
-    """Gives texts numbers, in the order in which they come."""
+    """Numbers texts in the order in which they come."""
 
     def __init__(self, texts):
         self._texts = texts

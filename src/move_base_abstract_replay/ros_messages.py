@@ -1,4 +1,4 @@
-"""A run as ROS messages: what its robots would have told on their topics, computed from the log."""
+"""A run as ROS messages: those that its robots would have published, computed from the log."""
 import heapq
 import io
 import json
@@ -18,7 +18,7 @@ from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaterni
 
 from .motions import BACKWARDS, EVEN, LIMITED, make_leg
 
-EVENTS_TOPIC = '/event_log'  # every event of the log, a line of JSON each
+EVENTS_TOPIC = '/event_log'  # has each event of the log as a line of JSON
 
 
 class Told(NamedTuple):
@@ -37,17 +37,17 @@ class Told(NamedTuple):
 
 
 def messages_of(recording, motions, rate, frame):
-    """Return an iterator over the Told of a run, in the order of time; of one instant first poses, then events.
+    """Return an iterator over the messages (Told) of a run in the order of time; at one instant poses come first.
 
-    ``rate`` [Hz, simulated]: poses of robots under way, on multiples of its period, and where a leg begins and ends.
-    ``frame``: what the poses are in.
+    ``rate`` [Hz, simulated]: that of the poses of moving robots, at multiples of its period; there is also a pose where
+    a leg begins and ends. ``frame``: the frame of the poses.
     """
     poses = [_poses(track, motions.limits, rate, frame) for track in motions.tracks.values()]
     return heapq.merge(*poses, _events(recording, motions, frame), key=lambda told: told.time_ns)
 
 
 def _instants(motion, period_ns):
-    """Return the instants [ns] of a motion at which its pose is told: its ends, and the grid between them."""
+    """Yield the instants [ns] of a motion at which there is a pose: its ends, and the grid between them."""
     yield motion.begin_ns
     if motion.end_ns > motion.begin_ns:
         yield from range((motion.begin_ns // period_ns + 1) * period_ns, motion.end_ns, period_ns)
@@ -65,7 +65,7 @@ def _poses(track, limits, rate, frame):
 
 
 def _state_at(motion, leg, time_ns):
-    """Return the pose (Pose2D) and (forward [m/s], turning [rad/s]) in a motion."""
+    """Return the pose (Pose2D) and the speeds (forward [m/s], turning [rad/s]) in a motion."""
     if leg is not None:
         return leg.pose_at(time_ns), (0.0, 0.0) if time_ns >= motion.end_ns else leg.velocity_at(time_ns)
     if motion.law not in (EVEN, BACKWARDS) or time_ns >= motion.end_ns:
@@ -96,7 +96,7 @@ def _told_pose(name, time_ns, pose, speeds, frame):
 
 
 def _events(recording, motions, frame):
-    """Return the Told of all events, and of robots' goals and results."""
+    """Yield the messages of all events, and of robots' goals and results."""
     goals = _goal_ids(recording, motions)
     for number, (time_ns, name, kind, values) in enumerate(recording):
         line = json.dumps({'time_ns': time_ns, 'robot': name, 'kind': kind, 'values': json.loads(values)})
@@ -108,7 +108,7 @@ def _events(recording, motions, frame):
 
 
 def _goal_ids(recording, motions):
-    """Return {place of a departure among the events: id of its goal}, which the log tells when the goal ends."""
+    """Return {place of a departure among the events: ID of its goal}. The log has the ID only when the goal ends."""
     found, open_departures = {}, {}
     for number, (_, name, kind, values) in enumerate(recording):
         if kind == 'departed':
@@ -140,7 +140,7 @@ def _result(prefix, time_ns, values, _goal_id, _frame):
 
 
 def _plain(text):
-    """Return a text that UTF-8 can hold: a log may hold bytes that are no text."""
+    """Return a text that UTF-8 can hold. A log may contain bytes that are not valid text."""
     return text.encode('utf-8', 'replace').decode('utf-8')
 
 

@@ -1,6 +1,6 @@
-"""What robots are doing between the events of a log: one table says which event begins a state, and which ends it.
+"""The states of robots between the events of a log. One table says which events begin a state, and which end it.
 
-A line of any participant of kind ``X_began`` begins the state X, ``X_ended`` ends it, where X is a state of the table.
+If X is a state of the table, a row ``X_began`` of any participant begins it, and a row ``X_ended`` ends it.
 """
 import json
 import re
@@ -8,19 +8,19 @@ from typing import NamedTuple
 
 from move_base_abstract.runs.run_difference import MESSAGES
 
-#: of the radio between hosts, which are no names of the timeline
+#: the kinds of events of the radio; hosts get no rows in the timeline
 RADIO = ('radio', 'radio_lost', 'link', 'host')
 
 
 class State(NamedTuple):
-    """A state of the timeline: its name, which is shown, and the kinds of events that begin and end it."""
+    """A state of the timeline: its name on the page, and the kinds of events that begin and end it."""
 
     name: str
     begin: tuple = ()
     end: tuple = ()
 
 
-#: first the states that hide those behind them while both hold; a robot in none of them is idle
+#: if several states hold at the same time, the first one is shown; a robot in none of them is idle
 STATES = (
     State('failed', ('failed', 'failed_began'), ('repaired', 'failed_ended')),
     State('charging', ('charging_began',), ('charging_ended',)),
@@ -30,10 +30,10 @@ STATES = (
 )
 IDLE = 'idle'
 NAMES = tuple(state.name for state in STATES) + (IDLE,)
-#: the endings of a goal or task that are marked: what was wanted did not come to pass
+#: the endings of a goal or task that the page marks as failures
 FAILED_ENDINGS = ('ABORTED', 'REJECTED', 'LOST')
-_ENDINGS = {'ended': 1, 'task_ended': 1}  # kind: where among its values the ending is
-_GOALS = '/move_base/goal'  # a message there, of a log with messages: the robot has something to do
+_ENDINGS = {'ended': 1, 'task_ended': 1}  # {kind: the place of the ending among its values}
+_GOALS = '/move_base/goal'  # in a log with messages, a message on this topic gives the robot something to do
 _BEGINS = {kind: number for number, state in enumerate(STATES) for kind in state.begin}
 _ENDS = {kind: number for number, state in enumerate(STATES) for kind in state.end}
 _WAITING = [state.name for state in STATES].index('waiting')
@@ -48,7 +48,10 @@ class Span(NamedTuple):
 
 
 class Timeline:
-    """One row of the timeline: of a robot its ``spans``, idle left out, and ``failures`` [ns]; of others ``ticks``."""
+    """One row of the timeline.
+
+    A robot has ``spans`` (without those in which it is idle) and ``failures`` [ns]; other names have ``ticks`` [ns].
+    """
 
     def __init__(self, name, is_robot):
         self.name = name
@@ -56,32 +59,32 @@ class Timeline:
         self.spans = []
         self.failures = []
         self.ticks = []
-        self._holds = [0] * len(STATES)  # how often each was begun and not ended
+        self._holds = [0] * len(STATES)  # per state, how often it has begun and not ended
         self._shown = len(STATES)
         self._since_ns = 0
 
     def begin(self, state, time_ns):
-        """The state begins, or once more: two tasks at a time are two."""
+        """Begin a state, perhaps once more: two tasks at the same time must both end."""
         self._holds[state] += 1
         self._show(time_ns)
 
     def begin_once(self, state, time_ns):
-        """The state begins, if it has not begun."""
+        """Begin a state, unless it has begun already."""
         self._holds[state] = max(1, self._holds[state])
         self._show(time_ns)
 
     def end(self, state, time_ns):
-        """The state ends; what never began has no end."""
+        """End a state once; a state that has not begun stays so."""
         self._holds[state] = max(0, self._holds[state] - 1)
         self._show(time_ns)
 
     def end_once(self, state, time_ns):
-        """The state ends, however often it began."""
+        """End a state, however often it has begun."""
         self._holds[state] = 0
         self._show(time_ns)
 
     def close(self, time_ns):
-        """The log ends."""
+        """End all states at the end of the log."""
         self._holds = [0] * len(STATES)
         self._show(time_ns)
 
@@ -97,7 +100,7 @@ class Timeline:
 def find_timelines(recording, robots):
     """Return the Timelines of a Recording: those of ``robots`` (names) in natural order, then those of other names.
 
-    Who wrote lines of its own comes before nodes of which the log has messages only.
+    Of these, names with rows of their own come before nodes of which the log has only messages.
     """
     found = {name: Timeline(name, True) for name in sorted(robots, key=natural)}
     owners, others, nodes = {}, {}, {}
@@ -122,13 +125,13 @@ def find_timelines(recording, robots):
 
 
 def natural(name):
-    """Return a key that sorts names as people count: robot_2 before robot_10."""
+    """Return a key that sorts names with their numbers by value: robot_2 before robot_10."""
     return [(0, int(text), '') if text[0] in '0123456789' else (1, 0, text) for text in
             re.findall(r'[0-9]+|[^0-9]+', name)], name
 
 
 def _owner(name, robots):
-    """Return the Timeline of the robot that a name is of: its own, or that of something in its namespace."""
+    """Return the Timeline of the robot whose name this is, or in whose namespace it lies; None if there is none."""
     parts = name.strip('/').split('/')
     for count in range(len(parts), 0, -1):
         robot = robots.get('/'.join(parts[:count]))
@@ -138,14 +141,14 @@ def _owner(name, robots):
 
 
 def _take(timeline, time_ns, kind, values):
-    """A line about a robot."""
+    """Take a row about a robot."""
     if kind in _ENDINGS:
         texts = json.loads(values)
         if len(texts) > _ENDINGS[kind] and texts[_ENDINGS[kind]] in FAILED_ENDINGS:
             timeline.failures.append(time_ns)
     if kind == 'departed':
         timeline.end_once(_BEGINS[kind], time_ns)
-    if kind == 'held':  # may say anew, for other reasons, what is so
+    if kind == 'held':  # a robot that is held already may be held again for other reasons
         timeline.begin_once(_WAITING, time_ns)
     elif kind in _BEGINS:
         timeline.begin(_BEGINS[kind], time_ns)
@@ -156,6 +159,6 @@ def _take(timeline, time_ns, kind, values):
 
 
 def _take_goal(timeline, kind, time_ns):
-    """A goal was sent to a robot: until it has ended, the robot that does not move waits."""
+    """Take a goal that was sent to a robot. Until the goal has ended, the robot waits whenever it does not move."""
     if timeline is not None and kind == 'message':
         timeline.begin(_WAITING, time_ns)

@@ -1,4 +1,4 @@
-"""Who was where and waited for what, from the rows of a log: stays of robots in zones, on lanes and at places."""
+"""Find the stays of robots in zones, on lanes and at places, and their waits for these, from the rows of a log."""
 import json
 import math
 from typing import NamedTuple
@@ -19,10 +19,10 @@ class Stay(NamedTuple):
 
 
 def find_stays(recording, world):
-    """Return [Stay] of a Recording in a World, in the order in which they began.
+    """Return the Stays of a Recording in a World, in the order in which they began.
 
-    Anybody may write rows: those that name nothing of the world say nothing here. Work at a place without a capacity
-    has no row with its name: the place counts where the robot stands.
+    Any program may write rows; those that name nothing of the world are ignored. Rows about work at a place without a
+    capacity do not name the place, so it is found from where the robot stands.
     """
     if not world.things:
         return []
@@ -36,14 +36,14 @@ def find_stays(recording, world):
         if handler is not None:
             reader.now_ns = time_ns
             handler(name, json.loads(text))
-    reader.now_ns = recording.end_ns + 1  # what is so when the log ends is so at its last instant, too
+    reader.now_ns = recording.end_ns + 1  # a stay that has not ended lasts through the last instant, too
     for robot in list(reader.robots):
         reader.keep(robot, lambda _thing, _kind: False)
     return [stay for _, stay in sorted(reader.found)]
 
 
 class _Reader:
-    """Takes rows in, one after the other; ``found``: stays that have ended, each with the number of its beginning."""
+    """Takes rows one after the other; ``found``: the stays that have ended, each with the number of its begin."""
 
     def __init__(self, world):
         self.now_ns = 0
@@ -62,7 +62,7 @@ class _Reader:
             self._begun += 1
 
     def keep(self, robot, is_kept):
-        """End the stays of a robot but for those for which ``is_kept(thing, kind)``."""
+        """End the stays of a robot, except those for which ``is_kept(thing, kind)`` is true."""
         own = self.robots.get(robot, {})
         for thing, kind in [key for key in own if not is_kept(*key)]:
             number, since_ns = own.pop((thing, kind))
@@ -77,15 +77,15 @@ class _Reader:
         return self._things[thing]['kind'] == 'place'
 
     def entered(self, robot, values):
-        """It got a place in a zone or on a lane."""
+        """Take a row: the robot got room in a zone or on a lane."""
         self._begin(robot, _text(values, 0), INSIDE)
 
     def left(self, robot, values):
-        """It gave the place back."""
+        """Take a row: the robot left the zone or lane."""
         self._end(robot, _text(values, 0), INSIDE)
 
     def held(self, robot, values):
-        """It is held for these reasons, and for no others: a reason names zones and lanes, each after a comma."""
+        """Take a row: the robot is held for these reasons only. A reason names zones and lanes, separated by commas."""
         wanted = {}
         for value in values:
             names = [value] if str(value) in self._numbers else str(value).split(', ')
@@ -95,11 +95,11 @@ class _Reader:
             self._begin(robot, name, WAITS)
 
     def works_at(self, robot, values):
-        """It works at a place with room for some."""
+        """Take a row: the robot works at a place with a capacity."""
         self._begin(robot, 'place ' + _text(values, 1), INSIDE)
 
     def task_began(self, robot, _values):
-        """It works, perhaps at a place of which the log has not told."""
+        """Take a row: the robot works, perhaps at a place that the log has not named."""
         x, y = self._positions.get(robot, (math.inf, math.inf))
         if any(self._is_place(thing) and kind == INSIDE for thing, kind in self.robots.get(robot, ())):
             return
@@ -109,31 +109,31 @@ class _Reader:
                 return
 
     def task_ended(self, robot, _values):
-        """It works no more, and waits for no place."""
+        """Take a row: the robot neither works any more nor waits for a place."""
         self.keep(robot, lambda thing, _kind: not self._is_place(thing))
 
     def waits_at(self, robot, values):
-        """It waits for a place to work at."""
+        """Take a row: the robot waits for a place to work at."""
         self._begin(robot, 'place ' + _text(values, 1), WAITS)
 
     def waited_at(self, robot, values):
-        """It waits no more."""
+        """Take a row: the robot does not wait for the place any more."""
         self._end(robot, 'place ' + _text(values, 1), WAITS)
 
     def charging_began(self, robot, values):
-        """It is charged; who is in a zone with a capacity has a row of its own."""
+        """Take a row: the robot is charged. In a zone with a capacity, `entered` has said so already."""
         number = self._numbers.get('zone ' + _text(values, 0))
         if number is not None and self._things[number]['capacity'] is None:
             self._begin(robot, number, INSIDE)
 
     def charging_ended(self, robot, values):
-        """It is charged no more."""
+        """Take a row: the robot is not charged any more."""
         number = self._numbers.get('zone ' + _text(values, 0))
         if number is not None and self._things[number]['capacity'] is None:
             self._end(robot, 'zone ' + _text(values, 0), INSIDE)
 
     def stands(self, robot, values):
-        """It stands here: (x, y, yaw)."""
+        """Take a row: the robot stands at (x, y, yaw)."""
         if len(values) == 3 and all(map(is_number, values)):
             self._positions[robot] = tuple(values[:2])
 

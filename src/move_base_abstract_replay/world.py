@@ -1,4 +1,4 @@
-"""The world of a scenario as the page has it: zones, lanes, places, and where robots stand before they leave."""
+"""The world of a scenario for the page: zones, lanes, places, and where robots stand at first."""
 import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
@@ -15,7 +15,7 @@ _MOST_THINGS = 20_000
 
 
 class Start(NamedTuple):
-    """Where a robot stands at first (x, y, yaw), its limits as of :class:`.Motions`, its BatterySettings or None."""
+    """Where a robot stands at first (x, y, yaw), its limits as in :class:`.Motions`, its BatterySettings or None."""
 
     pose: Tuple[float, float, float]
     limits: Tuple[float, ...]
@@ -24,8 +24,9 @@ class Start(NamedTuple):
 
 @dataclass
 class World:
-    """``things``: zones, lanes and places as dictionaries for the page; ``nodes``: [name, x, y] of lanes [m].
+    """The world that the page shows.
 
+    ``things``: zones, lanes and places as dictionaries for the page; ``nodes``: [name, x, y] of the lanes' nodes [m];
     ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``:
     the map beside the scenario, None if there is none.
     """
@@ -38,22 +39,23 @@ class World:
 
     @property
     def numbers(self):
-        """The place of each thing among ``things``, by what the log calls it: 'zone gate', 'place dock'."""
+        """The place of each thing among ``things``, by its name in the log: 'zone gate', 'place dock'."""
         return {'{kind} {name}'.format(**thing): number for number, thing in enumerate(self.things)}
 
     @property
     def points(self):
-        """All places that must be in sight [(x, y)] [m]."""
+        """All points that the map must show, [(x, y)] [m]."""
         return ([tuple(point) for thing in self.things for point in thing['points']]
                 + [tuple(node[1:]) for node in self.nodes] + [start.pose[:2] for start in self.starts.values()])
 
 
 def find_world(scenario, recordings):
-    """Return the :class:`World` of a ``scenario`` (a path, a Scenario, None: the file beside the first log, if any).
+    """Return the :class:`World` of a ``scenario``: a path, a Scenario, or None for the file beside the first log.
 
-    A file beside the log counts only if the log (of some Recordings) names a robot of it.
+    A file beside the log counts only if one of the Recordings names a robot of it. Otherwise the World is empty.
 
-    :raises ConfigurationError: if the file cannot be read. :raises ReplayError: if it is of other robots than the log.
+    :raises ConfigurationError: if the file cannot be read. :raises ReplayError: if a scenario that was given has none
+        of the robots in the logs.
     """
     is_given = scenario is not None
     if not is_given:

@@ -1,4 +1,4 @@
-"""Scenarios checked before they run, and made by sizes: the program ``scenario``.
+"""Check scenarios before they run, and make scenarios from sizes: the program ``scenario``.
 
-A program, no node: it reads scenarios and maps, and writes files.
+This is a program, not a node: it reads scenarios and maps, and writes files.
 """

@@ -1,4 +1,4 @@
-"""The command scenario, where there is no ROS: python3 -m move_base_abstract_worlds check FILE."""
+"""The command scenario without ROS: python3 -m move_base_abstract_worlds check FILE."""
 import sys
 
 from .command import main

@@ -1,12 +1,12 @@
-"""Capacities that can lock: circles of zones and lanes whose robots may all wait for the next one, for ever.
+"""Find capacities that can lock: circles of zones and lanes in which each robot waits for room in the next, for ever.
 
-A robot that waits at the border of an area keeps its place in those that it comes out of (:mod:`.traffic.control`). So
-there is an arrow from area to area wherever a way of some robot comes into the second one before it has left the
-first. Robots wait for one another for ever only where full areas lie in a circle of arrows; the fewest robots that
-do it are the least sum of capacities over such a circle. Where all who would wait are in one more area, which has
-place for fewer, it cannot be: such an area is a guard. With ``blocks`` a robot asks for room in areas farther ahead,
-too. Then the last one that came into a circle was let in though its next area there was full, so that it cannot have
-looked for room in it: at least one arrow of a circle must be of that kind.
+A robot that waits at the border of an area keeps its room in the areas that it leaves (:mod:`.traffic.control`). So
+there is an arrow from one area to another if the way of some robot enters the second one before it has left the first.
+Robots can wait for one another for ever only if full areas form a circle of arrows. The fewest robots that can do so
+are the least sum of capacities over such a circle. It cannot happen if all these robots would be in one more area that
+has room for fewer robots: such an area is a guard. With ``blocks``, a robot asks for room in areas farther ahead, too.
+Then the last robot that came into a circle was let in although its next area there was full. So it has not asked for
+room in that area, and at least one arrow of a circle must be of that kind (``late``).
 """
 import os
 
@@ -24,11 +24,11 @@ from .findings import Finding
 from .ways import MOST_WAYS, leg_between
 
 _MOST_CIRCLES = 5_000
-_SLACK = 0.01  # m, by which boxes are larger than what they hold
+_SLACK = 0.01  # m; boxes are larger than their content by this much
 
 
 def check_capacities(world):
-    """Yield one :class:`.Finding` for each set of areas that hang together by circles: the least of these."""
+    """Yield one :class:`.Finding` for each set of areas that circles connect: the circle with the fewest robots."""
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
@@ -51,9 +51,9 @@ def check_capacities(world):
 
 
 class Areas:
-    """All zones, lanes and groups of a World in which robots have places; known by their numbers in ``all``.
+    """The zones, lanes and groups of a World in which robots are counted. Each has a number.
 
-    In ``all`` are those that may keep robots waiting: not those with room for as many robots as their group.
+    ``all`` has the numbers of those that can make robots wait, so not of those with as much room as their group.
     """
 
     def __init__(self, world):
@@ -79,7 +79,7 @@ class Areas:
         self.all = [number for area, number in self._numbers.items() if area.capacity is not None and (
             area.group is None or area.capacity < area.group.capacity)]
         self._counted = frozenset(self.all)
-        #: whether any zone may keep robots waiting
+        #: whether any zone can make robots wait
         self.has_zones = any(area.outline is not None for area in (self._areas[number] for number in self.all)) or any(
             zone.group is not None for zone in world.scenario.zones)
 
@@ -98,7 +98,7 @@ class Areas:
         return self._groups[name]
 
     def touch(self):
-        """Return whether any two of them may touch: else nobody comes from one into another."""
+        """Return whether any two areas may touch. If none do, no robot comes from one into another."""
         boxes = []
         for way, area in zip(self._ways, self._areas):
             if area.capacity is None and area.group is None:
@@ -115,26 +115,26 @@ class Areas:
         return False
 
     def capacity(self, number):
-        """Return for how many robots there is place."""
+        """Return the number of robots for which an area has room."""
         return self._areas[number].capacity
 
     def name(self, number):
-        """Return the name of an area, as 'zone gate'."""
+        """Return the name of an area, such as 'zone gate'."""
         return self._areas[number].name
 
     def where(self, number):
-        """Return where in which file it is said."""
+        """Return where an area is defined: the file and the place in it."""
         return self._wheres[number]
 
     def way(self, number):
-        """Return its line ((x, y), ...) [m]: the lane, or the border of the zone."""
+        """Return the line of an area, ((x, y), ...) [m]: the lane, or the border of the zone."""
         return self._ways[number]
 
     def arrows(self, drivers, begin, end):
-        """Return [(area, area, held, late), ...] of a way (x, y) to (x, y): who is in the first asks for the second.
+        """Return the arrows of a way from (x, y) to (x, y): [(area, area, held, late), ...].
 
-        ``held``: all areas in which it is then (frozenset of numbers); ``late``: it has not looked for room in the
-        second one when it came into the first.
+        A robot in the first area asks for room in the second one. ``held``: all areas in which it is then (frozenset of
+        numbers); ``late``: whether it did not ask for room in the second one when it came into the first.
         """
         leg = leg_between(drivers, Pose2D(*begin), Pose2D(*end))
         if leg is None or not leg.distance > BORDER:
@@ -146,14 +146,14 @@ class Areas:
             is_at_node = any(abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
                              for pose in drivers.lanes.nodes.values())
             at_rest += [stay.area for stay in on_lanes if stay.begin <= BORDER and not is_at_node]
-            stays += on_lanes  # who ended its goal before on a lane has its place still
+            stays += on_lanes  # a robot that ended its last goal on a lane still has its room there
         held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)
         return list(self._arrows_along(crossings(with_groups(stays), held), held))
 
     def _arrows_along(self, ahead, held):
-        """Yield the arrows of who comes to the crossings ``ahead`` with places in ``held``, as a Traveller does."""
+        """Yield the arrows of a robot with room in ``held`` that comes to the crossings ``ahead``, as a Traveller."""
         blocks = self._rules.blocks
-        seen = dict.fromkeys(held, ())  # for room in which areas it looked when it came in
+        seen = dict.fromkeys(held, ())  # {area: those in which the robot asked for room when it came in}
         for number, crossing in enumerate(ahead):
             enters = [area for area in crossing.enters if area not in held]
             wanted = list(enters)
@@ -172,10 +172,11 @@ class Areas:
 
 
 def _pairs(world, drivers, takes_all):
-    """Yield ((x, y), (x, y)) of the ways that show all arrows of robots between nodes, starts and targets.
+    """Yield the ends ((x, y), (x, y)) of ways that together show all arrows between nodes, starts and targets.
 
-    On lanes alone ways over two lanes do: of a longer way each part is a way of the planner, too, also where several
-    are equally short. What lies on a lane stands for itself. With zones and blocks all ways are needed (``takes_all``).
+    With lanes alone, ways over two lanes are enough, because each part of a longer way is a way of the planner, too,
+    also if several are equally short. Starts and targets on a lane need ways of their own. With zones or blocks
+    (``takes_all``), all ways are needed.
     """
     others = dict.fromkeys([start.xy for start in drivers.starts] + [target.xy for target in world.targets])
     nodes = {} if drivers.lanes is None else {(pose.x, pose.y): name for name, pose in drivers.lanes.nodes.items()}
@@ -199,17 +200,17 @@ def _pairs(world, drivers, takes_all):
 
 
 def _parts(arrows):
-    """Return the sets of areas that hang together by circles, each sorted, by their first areas."""
+    """Return the sets of areas that circles connect, each sorted, in the order of their first areas."""
     return sorted(sorted(part) for part in networkx.strongly_connected_components(arrows) if len(part) > 1)
 
 
 def _least_circle(world, areas, arrows, part):
-    """Yield the Finding of the least circle in a part, if there are as many robots as it takes, and no guard."""
+    """Yield the Finding of the least circle in a part, if there are enough robots for it, and no guard."""
     graph = arrows.subgraph(part)
     best, circle = len(world.starts) + 1, None
     is_guarded = False
     for begin in part:
-        left = best - areas.capacity(begin) - 1  # what all others may sum up to, to be less
+        left = best - areas.capacity(begin) - 1  # the sum of all others must not be larger than this
         if left < 0:
             continue
         sums, paths = networkx.single_source_dijkstra(graph, begin, cutoff=left,
@@ -220,7 +221,7 @@ def _least_circle(world, areas, arrows, part):
                 best, circle = total + areas.capacity(begin), paths[end]
                 break
             is_guarded = True
-    if circle is None and is_guarded:  # the shortest circles cannot be: any other one?
+    if circle is None and is_guarded:  # the shortest circles cannot lock; another one may
         circle, is_over = _any_circle(areas, graph, len(world.starts))
         if is_over:
             yield Finding('not_checked', 'capacities', 'of the circles among {} zones and lanes the first {} cannot '
@@ -245,7 +246,7 @@ def _sum(areas, circle):
 
 
 def _is_possible(areas, graph, circle):
-    """Return whether the last robot comes in, and no guard keeps so many robots out as it takes to fill a circle."""
+    """Return whether a circle can fill: its last robot is let in, and no guard keeps out robots that it needs."""
     if not any(graph.edges[one, other]['late'] for one, other in zip(circle, circle[1:] + circle[:1])):
         return False
     held = [graph.edges[one, other]['held'] for one, other in zip(circle, circle[1:] + circle[:1])]
@@ -254,7 +255,7 @@ def _is_possible(areas, graph, circle):
 
 
 def _any_circle(areas, graph, most):
-    """Return (a circle that is possible with ``most`` robots, or None; whether there were too many to look at)."""
+    """Return (a circle that can fill with ``most`` robots, or None; whether there were too many circles to try)."""
     for number, circle in enumerate(networkx.simple_cycles(graph)):
         if number == _MOST_CIRCLES:
             return None, True

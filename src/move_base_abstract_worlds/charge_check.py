@@ -1,4 +1,4 @@
-"""Charge: which chargers robots reach with what they start with, and places too far from any charger."""
+"""Check charge: chargers that robots cannot reach with their first charge, and places too far from any charger."""
 import os
 
 from move_base_abstract.common.units import NS_PER_S
@@ -11,7 +11,7 @@ _ADVICE = 'start with more (battery_start), take a larger battery (battery_capac
 
 
 def check_charge(world):
-    """Yield the :class:`.Finding` values of robots that have batteries, by the batteries' own formula."""
+    """Yield a :class:`.Finding` for each charger, robot and place with such a problem, by the batteries' formula."""
     chargers = [target for target in world.targets if target.what == 'charger']
     places = [target for target in world.targets if target.what == 'place']
     groups = [drivers for drivers in world.drivers if drivers.settings.battery is not None]
@@ -34,7 +34,7 @@ def check_charge(world):
 
 
 def energy_between(drivers, begin, goal):
-    """Return what a robot of ``drivers`` takes from ``begin`` to ``goal`` (Pose2D) [J], None: no way."""
+    """Return the energy [J] that a robot of ``drivers`` needs from ``begin`` to ``goal`` (Pose2D); None: no way."""
     leg, battery = leg_between(drivers, begin, goal), drivers.settings.battery
     if leg is None:
         return None
@@ -68,7 +68,7 @@ def _of_robot(start, needs):
 
 
 def _of_place(place, chargers, groups):
-    """A place to which a robot with a full battery comes from no charger so that it gets on to one."""
+    """Yield the Finding of a place if a full battery is not enough from the nearest charger to it and on to one."""
     short, worst = [], None
     for drivers in groups:
         there = [energy_between(drivers, charger.pose, place.pose) for charger in chargers]

@@ -12,12 +12,12 @@ _CHECKS = (check_ground, check_net, check_charge, check_capacities, check_range)
 
 
 def findings_of(world):
-    """Return all that is found in a :class:`.World`: [:class:`.Finding`, ...] in the order of KINDS."""
+    """Return all findings in a :class:`.World`: [:class:`.Finding`, ...] in the order of KINDS."""
     findings = []
     for check in _CHECKS:
         try:
             findings += check(world)
-        except (ArithmeticError, ValueError, MemoryError) as error:  # numbers with which no way can be computed
+        except (ArithmeticError, ValueError, MemoryError) as error:  # numbers from which no way can be computed
             findings.append(Finding('not_checked', check.__name__, 'its numbers cannot be computed with: {}'.format(
                 error or type(error).__name__), os.path.basename(world.path),
                 'bring places and limits into the range of real ones'))

@@ -1,9 +1,10 @@
-"""Check a scenario before it runs, or make one by sizes.
+"""Check a scenario before it runs, or make one from sizes.
 
     rosrun move_base_abstract scenario check FILE [--map MAP.yaml] [--picture OUT.png] [--json OUT.json]
     rosrun move_base_abstract scenario make warehouse --out FOLDER [--aisles 10] [--robots 50]
 
-Exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written, or wrong arguments.
+Exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written, or the arguments are
+wrong.
 """
 import argparse
 import json
@@ -24,10 +25,10 @@ _MOST_OF_A_KIND = 20  # in the terminal; the JSON has all
 
 
 def main(words=None):
-    """Do what the command line asks for, and exit with the code."""
+    """Run the command with these arguments (default: those of the shell); exit with its code."""
     options = _parse(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # names may hold what a terminal cannot show
+        stream.reconfigure(errors='backslashreplace')  # names may contain characters that a terminal cannot show
     try:
         code = options.run(options)
     except SimulatorError as error:
@@ -38,7 +39,7 @@ def main(words=None):
 
 def _parse(words):
     parser = argparse.ArgumentParser(
-        prog='scenario', description='Check a scenario before it runs, or make one by sizes.',
+        prog='scenario', description='Check a scenario before it runs, or make one from sizes.',
         epilog='exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written')
     commands = parser.add_subparsers(metavar='COMMAND', required=True)
     check = commands.add_parser('check', help='report problems of a scenario', description=(
@@ -57,7 +58,7 @@ def _parse(words):
 
 
 def _add_make(commands):
-    make = commands.add_parser('make', help='make a scenario from sizes', description='Make a scenario by sizes: '
+    make = commands.add_parser('make', help='make a scenario from sizes', description='Make a scenario from sizes: '
                                'net of '
                                'lanes, places, chargers, map. The same sizes give the same files.')
     kinds = make.add_subparsers(metavar='KIND', required=True)
@@ -72,7 +73,7 @@ def _add_make(commands):
 
 
 def _whole(size):
-    """Return the type of an argument: a whole number within the bounds of a Size."""
+    """Return the type of an argument for argparse: a whole number within the bounds of a Size."""
     def convert(text):
         if not text.isdecimal() or not size.least <= int(text[:20]) <= size.most:
             raise argparse.ArgumentTypeError('got {}; allowed: a whole number in {}..{}'.format(
@@ -131,6 +132,6 @@ def _tell(world, findings):
 
 
 def _json_text(world, findings):
-    """Return the findings as JSON, whose first line says what it is."""
+    """Return the findings as JSON text. Its first line names the format."""
     content = {'scenario': world.path, 'map': world.map_path, 'findings': [one.record() for one in findings]}
     return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'

@@ -1,7 +1,7 @@
-"""What is found in a scenario: a value each, in the words that the user reads."""
+"""The findings in a scenario, in the words that the user reads."""
 from typing import NamedTuple, Tuple
 
-#: in the order in which they are told: (kind, what it is about)
+#: the kinds of findings, in the order in which they are shown: (kind, headline)
 KINDS = (
     ('start_in_wall', 'robots that start where they cannot be'),
     ('starts_overlap', 'robots that start on one another'),
@@ -18,9 +18,11 @@ KINDS = (
 
 
 class Finding(NamedTuple):
-    """One finding: its ``kind`` (of KINDS), ``name`` of what it is about, ``what`` was found, ``where``, ``advice``.
+    """One finding.
 
-    ``points``: ((x, y), ...) [m, global frame], for the picture; ``ways``: ((x, y), ...) each, likewise.
+    ``kind``: one of KINDS; ``name``: of the robot, place or lane; ``what`` was found; ``where`` in the file it is
+    defined; ``advice``: what to do. For the picture: ``points``: ((x, y), ...) [m, global frame]; ``ways``: lines of
+    such points.
     """
 
     kind: str
@@ -32,23 +34,23 @@ class Finding(NamedTuple):
     ways: Tuple[Tuple[Tuple[float, float], ...], ...] = ()
 
     def text(self) -> str:
-        """Return it as the lines of a terminal."""
+        """Return the finding as lines for a terminal."""
         return '{}: {}\n    where: {}\n    do: {}'.format(self.name, self.what, self.where, self.advice)
 
     def record(self) -> dict:
-        """Return it as a value of JSON."""
+        """Return the finding as a mapping for JSON."""
         return {'kind': self.kind, 'name': self.name, 'what': self.what, 'where': self.where, 'advice': self.advice,
                 'points': [list(point) for point in self.points]}
 
 
 def in_order(findings):
-    """Return ``findings`` by kind, and of one kind as they came."""
+    """Return ``findings`` sorted by kind; those of one kind keep their order."""
     order = [kind for kind, _ in KINDS]
     return sorted(findings, key=lambda one: order.index(one.kind))
 
 
 def listed(names, most=5):
-    """Return some names as a text: 'a, b and 3 more'."""
+    """Return the first ``most`` names as a text: 'a, b and 3 more'."""
     names = list(names)
     if len(names) <= most:
         return ', '.join(names)

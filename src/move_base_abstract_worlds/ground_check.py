@@ -1,4 +1,4 @@
-"""Where robots, places and lanes are: in walls, out of bounds, on one another, or where no way leads."""
+"""Check where robots, places and lanes are: not in walls, out of bounds, on one another, or where no way leads."""
 import os
 
 from move_base_abstract.maps.way_clearance import way_clearance
@@ -9,7 +9,7 @@ from .ways import MOST_WAYS, alike
 
 
 def check_ground(world):
-    """Yield the :class:`.Finding` values of starts, targets and nets against map, bounds and one another."""
+    """Yield the findings about starts, targets and nets of lanes: against the map, the bounds and one another."""
     if world.occupancy is None and any(drivers.planner is None for drivers in world.drivers):
         yield Finding('not_checked', 'map', 'robots have routes: grid, and there is no map: their ways were not looked '
                       'at', os.path.basename(world.path), 'name the map: --map MAP.yaml')
@@ -32,7 +32,7 @@ def _starts_in_walls(world):
                 *start.xy, world.occupancy.ground_at(*start.xy).value)
         else:
             clearance = way_clearance(world.occupancy, [start.xy])
-            if clearance >= start.radius - world.occupancy.resolution:  # as exactly as it is known
+            if clearance >= start.radius - world.occupancy.resolution:  # the clearance is known to one cell
                 continue
             what = 'starts {:.2f} m from what is occupied; its radius is {:.2f} m'.format(clearance, start.radius)
         yield Finding('start_in_wall', start.spec.name, what, start.where, 'put it where it is free: start_x, start_y',
@@ -40,7 +40,7 @@ def _starts_in_walls(world):
 
 
 def _overlaps(world):
-    """Each robot whose circle lies on that of one before it, with the first such one."""
+    """Yield a Finding for each robot whose circle overlaps that of a robot before it; it names the first such one."""
     widest = max((start.radius for start in world.starts), default=0.0)
     side = 2.0 * widest or 1.0
     cells = {}
@@ -54,12 +54,12 @@ def _overlaps(world):
             yield Finding('starts_overlap', start.spec.name, 'starts at ({:g}, {:g}) on robot {}, which starts at '
                           '({:g}, {:g})'.format(x, y, other.spec.name, *other.xy), start.where,
                           'put it elsewhere: start_x, start_y, or step_x, step_y of a group', (start.xy,))
-        else:  # those that lie on others are not compared with again: a thousand at one place are a thousand findings
+        else:  # robots on others are not compared with again: a thousand at one place give a thousand findings only
             cells.setdefault((column, row), []).append(start)
 
 
 def _targets(world):
-    """Targets that are refused, and those to which no way leads from some starts."""
+    """Yield a Finding for each target that is refused, or to which no way leads from some starts."""
     batteries = any(start.spec.settings.battery is not None for start in world.starts)
     targets = [target for target in world.targets if target.what != 'charger' or batteries]
     groups = [(drivers, starts) for drivers in world.drivers for starts in alike(drivers)]

@@ -1,4 +1,4 @@
-"""A site that is being laid out: nodes, lanes, places, zones, starts, walls; and the files of its scenario."""
+"""Lay out a site (nodes, lanes, places, zones, starts, walls), and write the files of its scenario."""
 import os
 from dataclasses import dataclass, field
 
@@ -9,26 +9,26 @@ from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
 
 FOLDER = own_files.FolderKind('scenario', ['scenario.yaml', 'lanes.yaml', 'map.yaml', 'map.pgm', 'orders.csv'])
-#: who does the orders of a site
+#: the settings of the dispatcher that assigns the orders of a site
 DISPATCHER = {'policy': 'nearest', 'charge_below': 0.3, 'charge_until': 0.9, 'charge_when_idle': 0.6}
 _DEADLINE = 600.0  # s, from the arrival of an order
-_MOST_CELLS = 4_000  # of a side of the map
+_MOST_CELLS = 4_000  # along a side of the map
 _FREE, _OCCUPIED = 254, 0
 
 
 @dataclass
 class Site:
-    """What lies where [m]; names are given once. ``walls``: [(x_min, y_min, x_max, y_max), ...] that are occupied."""
+    """A site, lengths in m; each name occurs once. ``walls``: occupied boxes [(x_min, y_min, x_max, y_max), ...]."""
 
-    #: (x_min, y_min, x_max, y_max), around which there is a wall
+    #: (x_min, y_min, x_max, y_max) of the map; there is a wall around it
     box: tuple
     nodes: dict = field(default_factory=dict)  # {name: (x, y)}
     edges: list = field(default_factory=list)
     places: list = field(default_factory=list)
     zones: list = field(default_factory=list)
-    starts: list = field(default_factory=list)  # (x, y) where robots may start, the first ones first
+    starts: list = field(default_factory=list)  # (x, y) where robots may start, in the order in which they are used
     walls: list = field(default_factory=list)
-    orders: list = field(default_factory=list)  # (s, name of a place), or (s, names of two: from where to where)
+    orders: list = field(default_factory=list)  # (arrival [s], name of a place, or (place to load, place to unload))
 
     def lane(self, begin, end, one_way=True, capacity=None):
         """Add a lane from node to node."""
@@ -36,25 +36,26 @@ class Site:
                            **({'capacity': capacity} if capacity else {})})
 
     def place(self, name, node, **work):
-        """Add a place where a node is."""
+        """Add a place at a node; ``work``: further keys of the place."""
         x, y = self.nodes[node]
         self.places.append({'name': name, 'x': x, 'y': y, **work})
 
     def charger(self, name, x, y, half=0.8):
-        """Add a charger with room for one robot, the node in its middle, too."""
+        """Add a charger with room for one robot, and a node in its middle. ``half``: half of its side [m]."""
         self.nodes[name] = x, y
         self.zones.append({'name': name, 'rectangle': [x - half, y - half, x + half, y + half], 'capacity': 1,
                            'charger': True})
 
     @property
     def goes_to_and_fro(self):
-        """Whether its orders have two stops, so that a dispatcher does them."""
+        """Whether its orders have two stops, so that it needs a dispatcher."""
         return bool(self.orders) and not isinstance(self.orders[0][1], str)
 
     def draw_orders(self, count, seconds, names, ends, dice):
-        """Have ``count`` orders arrive within ``seconds``, each at one of the places ``names``; ``dice``: a Random.
+        """Draw ``count`` orders that arrive within ``seconds``, each for one of the places ``names``.
 
-        ``ends``: to which of them goods are brought from there; none: work is done there, and that is all.
+        ``dice``: a Random. ``ends``: the places to which goods are brought from there; if there are
+        none, an order is work at its place.
         """
         instants = sorted(round(dice.uniform(0.0, seconds), 3) for _ in range(count))
         places = [dice.choice(names) for _ in instants]
@@ -64,9 +65,11 @@ class Site:
 
 
 def write_site(site, robots, defaults, words, folder):
-    """Write the files of a scenario with so many ``robots`` into a ``folder``; ``words``: how it was asked for.
+    """Write the files of a scenario into a ``folder``.
 
-    :raises ConfigurationError: if something is in the folder that this program did not make, or robots have no room.
+    ``robots``: their number; ``defaults``: their settings; ``words``: the command, for a comment in the files.
+
+    :raises ConfigurationError: if a file in the folder is not of this program, or there are not enough starts.
     :raises OutputError: if it cannot be written.
     """
     if robots > len(site.starts):
@@ -101,7 +104,7 @@ def _yaml(value):
 
 
 def _rounded(value):
-    """Return ``value`` with numbers to the millimetre, lists in place of tuples."""
+    """Return ``value`` with numbers rounded to the millimetre, and lists instead of tuples."""
     if isinstance(value, float):
         return round(value, 3)
     if isinstance(value, dict):
@@ -113,7 +116,7 @@ def _write_map(folder, head, site):
     left, low, right, high = site.box
     resolution = 0.1 * 2 ** max(0, int(np.ceil(np.log2(max(right - left, high - low) / 0.1 / _MOST_CELLS))))
     columns, rows = (int(round(side / resolution)) for side in (right - left, high - low))
-    shades = np.full((rows, columns), _FREE, np.uint8)  # the first row in the south
+    shades = np.full((rows, columns), _FREE, np.uint8)  # the first row is in the south
     for x_min, y_min, x_max, y_max in site.walls:
         begin = [int(round(value / resolution)) for value in (x_min - left, y_min - low)]
         end = [int(round(value / resolution)) for value in (x_max - left, y_max - low)]

@@ -1,4 +1,4 @@
-"""The net of lanes: nodes that nobody gets to, dead ends, and what lies off it."""
+"""Check the net of lanes: nodes that no robot reaches, dead ends, and targets off the net."""
 import os
 
 import networkx
@@ -9,7 +9,7 @@ from .findings import Finding, listed
 
 
 def check_net(world):
-    """Yield the :class:`.Finding` values of all nets of lanes."""
+    """Yield the findings (:class:`.Finding`) about all nets of lanes."""
     for net in world.nets.values():
         graph = graph_of(net)
         yield from _dead_ends(net, graph)
@@ -29,12 +29,15 @@ def graph_of(net):
 
 
 def node_place(net, name):
-    """Return where in which file a node stands, as a text."""
+    """Return where a node is defined, as a text: the file and the place in it."""
     return '{}: nodes[{}]'.format(os.path.basename(net.source), list(net.nodes).index(name))
 
 
 def _dead_ends(net, graph):
-    """Parts of the net that robots come into and never out of: components without a lane that leads out of them."""
+    """Yield a Finding for each part of the net that robots can enter and never leave.
+
+    Such a part is a strongly connected component without a lane that leads out of it.
+    """
     order = {name: number for number, name in enumerate(net.nodes)}
     parts = networkx.condensation(graph)
     sinks = [sorted(parts.nodes[part]['members'], key=order.get) for part in parts
@@ -49,7 +52,7 @@ def _dead_ends(net, graph):
 
 
 def _unreachable(world, net, graph):
-    """Nodes to which no lanes lead from where robots start."""
+    """Yield a Finding for each node to which no lanes lead from the start of some robot."""
     reached = dict.fromkeys(net.nodes, 0)
     without = {name: [] for name in net.nodes}
     known = {}
@@ -74,7 +77,7 @@ def _unreachable(world, net, graph):
 
 
 def _off_net(world, net):
-    """Targets that are reached by leaving the net: from the nearest node straight, whatever lies between."""
+    """Yield a Finding for each target off the net: robots go straight to it from the nearest node, through anything."""
     ways = LaneWays.on(net, world.drivers_on(net)[0].settings.limits.max_speed)
     for target in world.targets:
         far = ways.distance_to(target.xy)

@@ -1,4 +1,4 @@
-"""A picture of a scenario: map, lanes with their direction, zones, places, chargers, starts; findings in red."""
+"""Draw a scenario: map, lanes with their direction, zones, places, chargers, starts; and the findings in red."""
 import math
 import textwrap
 
@@ -6,29 +6,29 @@ from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
 
 _SOFTWARE = 'move_base_abstract scenario'
-_SIZE = 10.0  # in, of the longer side
+_SIZE = 10.0  # inches; the longer side
 _DPI = 120
-_MOST_NAMES = 60  # of nodes, or of starts, beyond which they are not written
-_MOST_LISTED = 14  # findings below the picture
+_MOST_NAMES = 60  # if there are more nodes or targets, their names are not written
+_MOST_LISTED = 14  # the number of findings in words below the picture
 _KEY = ('orange: starts; black squares: places; green: chargers; blue: zones and lanes with a capacity; arrows: '
         'one-way lanes; red: findings')
 _RED, _GREEN, _BLUE, _DARK = '#d62728', '#2ca02c', '#1f77b4', '#333333'
 
 
 def write_picture(world, findings, path):
-    """Write the PNG file ``path``: the :class:`.World` and what was found in it.
+    """Write the PNG file ``path`` with the :class:`.World` and the findings in it.
 
-    One that this program made is replaced, nothing else is.
+    Only a picture that this program has made is replaced.
 
-    :raises ConfigurationError: if something else is in the way, or there is no matplotlib.
+    :raises ConfigurationError: if ``path`` is another file, or matplotlib is not installed.
     :raises OutputError: if it cannot be written.
     """
     own_files.check_file(path, lambda line: line.startswith(b'\x89PNG') and _is_own(path))
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise ConfigurationError('--picture: matplotlib is not installed; allowed: with it (pip install '
-                                 'matplotlib)') from None
+        raise ConfigurationError('--picture: matplotlib is not installed; install it (pip install matplotlib), or '
+                                 'leave --picture out') from None
     box = _box(world)
     width, height = _size(box)
     lines = _lines(findings, width)
@@ -52,7 +52,7 @@ def _is_own(path):
 
 
 def _box(world):
-    """Return (x_min, y_min, x_max, y_max) [m] of all that is drawn, with a margin."""
+    """Return (x_min, y_min, x_max, y_max) [m] around everything that is drawn, with a margin."""
     points = [start.xy for start in world.starts] + [target.xy for target in world.targets]
     points += [(pose.x, pose.y) for net in world.nets.values() for pose in net.nodes.values()]
     points += [point for net in world.nets.values() for edge in net.edges for point in edge.points]
@@ -66,14 +66,14 @@ def _box(world):
 
 
 def _size(box):
-    """Return (width, height) [in]."""
+    """Return (width, height) of the picture [inches]."""
     wide, high = box[2] - box[0], box[3] - box[1]
     scale = _SIZE / max(wide, high)
     return max(6.0, wide * scale), min(_SIZE, max(3.0, high * scale))
 
 
 def _lines(findings, width):
-    """Return what stands below the picture: [(text, colour), ...]."""
+    """Return the lines below the picture: [(text, colour), ...]."""
     if not findings:
         return [('nothing found', _GREEN)]
     lines = [('{}  {}: {}'.format(number, one.name, one.what), _RED)
@@ -84,7 +84,7 @@ def _lines(findings, width):
 
 
 def _plain(text):
-    """Return ``text`` without what matplotlib takes for mathematics."""
+    """Return ``text`` so that matplotlib does not take parts of it for mathematics."""
     return text.replace('$', r'\$')
 
 

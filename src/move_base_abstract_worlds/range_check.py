@@ -1,4 +1,4 @@
-"""Goals that lie beyond what the robots' calibration was fitted to: too far, too near, behind them, too narrow."""
+"""Check for goals beyond what a calibration was fitted to: too far, too near, with too large a turn, too narrow."""
 import os
 
 from .findings import Finding
@@ -6,7 +6,7 @@ from .ways import MOST_WAYS, leg_between
 
 
 def check_range(world):
-    """Yield the :class:`.Finding` values of legs from starts to targets, and from target to target."""
+    """Yield a :class:`.Finding` for each target to which legs from starts or other targets are beyond that."""
     for drivers in world.drivers:
         recorded = getattr(drivers.settings.durations, 'recorded', None)
         if recorded is None or drivers.planner is None:

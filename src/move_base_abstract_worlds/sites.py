@@ -1,4 +1,4 @@
-"""Sites by sizes: a warehouse, a field, a ward. The same sizes and seed are the same files, to the byte."""
+"""Make sites from sizes: a warehouse, a field, a ward. The same sizes and seed give the same files, to the byte."""
 import random
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from .layout import Site
 
 
 class Size(NamedTuple):
-    """One size: its name, what is taken without it, the least and the most, and what it is."""
+    """One size of a site: its name, its default, its smallest and largest value, and ``what`` it is, for --help."""
 
     name: str
     default: int
@@ -17,18 +17,18 @@ class Size(NamedTuple):
     what: str
 
 
-_SEED = Size('seed', 1, 0, 2 ** 31 - 1, 'of the orders')
-_ORDERS = Size('orders', 200, 0, 100_000, 'how many arrive within an hour')
+_SEED = Size('seed', 1, 0, 2 ** 31 - 1, 'seed of the orders')
+_ORDERS = Size('orders', 200, 0, 100_000, 'orders that arrive within an hour')
 #: {kind: (what it is, sizes, settings of all robots)}
 KINDS = {
     'warehouse': ('one-way aisles between shelves, stations in front, chargers behind', (
-        Size('aisles', 12, 2, 500, 'aisles, up and down in turn'), Size('bays', 6, 3, 500, 'nodes of an aisle'),
+        Size('aisles', 12, 2, 500, 'aisles, up and down in turn'), Size('bays', 6, 3, 500, 'nodes in an aisle'),
         Size('stations', 4, 1, 499, 'stations, fewer than aisles'),
         Size('chargers', 7, 1, 499, 'chargers, fewer than aisles'), Size('robots', 50, 1, 100_000, 'robots'),
-        Size('lane_capacity', 0, 0, 1000, 'robots for which there is place on a lane; 0: any number'), _ORDERS, _SEED),
+        Size('lane_capacity', 0, 0, 1000, 'robots for which there is room on a lane; 0: any number'), _ORDERS, _SEED),
         {'max_speed': 1.5, 'acceleration': 0.8, 'robot_radius': 0.3, 'battery_capacity': 24.0}),
     'field': ('rows of a crop between two headlands, a yard with chargers', (
-        Size('rows', 20, 2, 2000, 'rows'), Size('length', 60, 10, 10_000, 'of a row [m]'),
+        Size('rows', 20, 2, 2000, 'rows'), Size('length', 60, 10, 10_000, 'length of a row [m]'),
         Size('chargers', 2, 1, 100, 'chargers'), Size('robots', 5, 1, 4000, 'robots'), _ORDERS, _SEED),
         {'max_speed': 1.0, 'acceleration': 0.5, 'robot_radius': 0.5, 'battery_capacity': 48.0}),
     'ward': ('rooms for one robot each on both sides of a corridor, a desk, chargers', (
@@ -38,18 +38,25 @@ KINDS = {
 
 
 def make_site(kind, sizes):
-    """Return the :class:`.Site` of a ``kind`` (of KINDS) by ``sizes``, {name: number}."""
+    """Return the :class:`.Site` of a ``kind`` (one of KINDS) with ``sizes``, {name: number}.
+
+    :raises ConfigurationError: if the sizes do not fit one another.
+    """
     site, names = {'warehouse': _warehouse, 'field': _field, 'ward': _ward}[kind](sizes)
     ends = [place['name'] for place in site.places if place['name'].startswith('station')]
     site.draw_orders(sizes['orders'], 3600.0, names, ends, random.Random(sizes['seed']))
     return site
 
 
-_APART, _BAY, _ASIDE = 4.0, 3.0, 4.0  # m: aisles, bays of an aisle, stations and chargers from the cross aisles
+_APART, _BAY, _ASIDE = 4.0, 3.0, 4.0  # m; distances of aisles, of bays in an aisle, of stations from the cross aisle
 
 
 def _warehouse(sizes):
-    """Aisles go up and down in turn, the last one down; the front leads west, the back east: all is one circle."""
+    """Lay out a warehouse, and return it with the places of orders.
+
+    Aisles go up and down in turn, the last one down. The front lane leads west, the back lane east, so that robots can
+    get from everywhere to everywhere.
+    """
     aisles, bays, capacity = sizes['aisles'], sizes['bays'], sizes['lane_capacity'] or None
     for name in ('stations', 'chargers'):
         if sizes[name] >= aisles:
@@ -89,7 +96,7 @@ def _bay(aisle, bay):
 
 
 def _with_bays(site, aisles, bays):
-    """Add the places between the shelves, and the starts: at bays, then between two of an aisle."""
+    """Add the places between the shelves, and the starts: first at bays, then between two bays of an aisle."""
     names = [_bay(aisle, bay) for aisle in range(aisles) for bay in range(1, bays - 1)]
     for name in names:
         site.place(name, name, duration=10.0)
@@ -100,12 +107,15 @@ def _with_bays(site, aisles, bays):
 
 
 def _spread(count, most):
-    """Yield (1.., place in 1..most) of things that are spread evenly, at most so many."""
+    """Yield (number from 1 on, place in 1..most) for ``count`` things that are spread evenly; count <= most."""
     yield from ((number + 1, 1 + number * most // count) for number in range(count))
 
 
 def _field(sizes):
-    """Each row has a node at both headlands and one in the middle, where robots work."""
+    """Lay out a field, and return it with the places of orders.
+
+    Each row has a node at both headlands and one in the middle, where robots work.
+    """
     rows, length, chargers = sizes['rows'], float(sizes['length']), sizes['chargers']
     wide = 3.0 * (rows - 1)
     site = Site((-6.0, -12.0, max(wide, 3.0 * (chargers + 1)) + 6.0, length + 6.0))
@@ -137,7 +147,10 @@ def _row_of_chargers(site, node, count, y):
 
 
 def _ward(sizes):
-    """Two rooms to each door node of the corridor; a zone for one robot in each."""
+    """Lay out a ward, and return it with the places of orders.
+
+    Each door node of the corridor leads to two rooms; each room is a zone for one robot.
+    """
     rooms, chargers = sizes['rooms'], sizes['chargers']
     doors = (rooms + 1) // 2
     right = 5.0 * doors

@@ -1,4 +1,4 @@
-"""Ways and legs of robots that do not drive yet, by the planners and laws by which they will."""
+"""Ways and legs of robots before they drive, by the planners and laws that they will use."""
 import networkx
 
 from move_base_abstract.maps.lane_planner import NEAR, LaneWays
@@ -7,14 +7,14 @@ from move_base_abstract.motion.route import CornerLaw
 
 from .net_check import graph_of
 
-#: so many ways are asked for by one check at most; beyond, it says that it did not look
+#: the largest number of ways that one check computes; if there are more, it says that it was not made
 MOST_WAYS = 100_000
 
 
 def leg_between(drivers, begin, goal):
-    """Return the leg of a robot of ``drivers`` from ``begin`` to ``goal`` (Pose2D), from rest to rest, or None.
+    """Return the leg of a robot of ``drivers`` from ``begin`` to ``goal`` (Pose2D), from rest to rest; None: no way.
 
-    At full speed, as :meth:`.Robot.depart` makes it: without overhead, factors and traffic.
+    It is at full speed, as :meth:`.Robot.depart` makes it, without overhead, factors and traffic.
     """
     corners = None if drivers.planner is None else drivers.planner.corners(begin, goal)
     if corners is None:
@@ -24,12 +24,12 @@ def leg_between(drivers, begin, goal):
                   settings.phases, 1, settings.original)
     try:
         return robot.depart(goal, 0, corners)
-    except ValueError:  # so far away that no number holds it
+    except ValueError:  # the goal is too far away for the numbers of a leg
         return None
 
 
 def alike(drivers):
-    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]: those of one reach the same places."""
+    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]. Those of one group reach the same places."""
     values = drivers.settings.values
     if drivers.planner is None or values['routes'] == 'none':
         return [list(drivers.starts)]
@@ -43,7 +43,7 @@ def alike(drivers):
     groups = {}
     for start in drivers.starts:
         nodes = ways.meeting_nodes(start.xy)
-        # who is on a lane may have a goal ahead on it, to which nobody else gets
+        # A robot on a lane may have a goal ahead on it that no other robot reaches.
         is_alone = start.xy not in places and ways.distance_to(start.xy) <= NEAR
         groups.setdefault(start.xy if is_alone else parts[nodes[0]], []).append(start)
     return list(groups.values())

@@ -1,4 +1,4 @@
-"""A scenario as the checks see it: who starts where, with which planner, and where robots may be sent."""
+"""A scenario for the checks: where robots start, their planners, and where they may be sent."""
 import os
 from dataclasses import dataclass
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
@@ -13,12 +13,12 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.tasks.arrivals import Listed
 
-_MAP = 'map.yaml'  # beside a scenario: what `scenario make` writes
-_MOST_GOALS = 2_000  # of files of tasks
+_MAP = 'map.yaml'  # the name of the map beside a scenario, as `scenario make` writes it
+_MOST_GOALS = 2_000  # the largest number of goals from files of tasks that are checked
 
 
 class Target(NamedTuple):
-    """Where robots may be sent: ``what`` it is ('place', 'charger', 'goal'), its name, its pose, where it is said."""
+    """A target of robots: ``what`` it is ('place', 'charger', 'goal'), its name, its pose, ``where`` it is defined."""
 
     what: str
     name: str
@@ -27,48 +27,48 @@ class Target(NamedTuple):
 
     @property
     def xy(self):
-        """Its place (x, y) [m]."""
+        """The position (x, y) [m]."""
         return self.pose.x, self.pose.y
 
 
 class Start(NamedTuple):
-    """A robot (RobotSpec) and where in the file it is said."""
+    """A robot (RobotSpec), and ``where`` in the file it is defined."""
 
     spec: Any
     where: str
 
     @property
     def xy(self):
-        """Where it starts (x, y) [m]."""
+        """The position (x, y) [m] at which the robot starts."""
         return self.spec.settings.start.x, self.spec.settings.start.y
 
     @property
     def radius(self):
-        """The radius of the circle in its footprint [m]."""
+        """The radius of the largest circle in the robot's footprint [m]."""
         return self.spec.settings.costmaps.global_footprint.inscribed_radius
 
 
 class Drivers(NamedTuple):
-    """Robots (Start) that find their ways alike, by one ``planner``; None: it asks for a map, and there is none."""
+    """Robots (Start) that plan their ways alike, by one ``planner``; None: they need a map, and there is none."""
 
     planner: Any
     starts: Tuple[Start, ...]
 
     @property
     def settings(self):
-        """The settings of the first of them."""
+        """The settings of the first robot."""
         return self.starts[0].spec.settings
 
     @property
     def lanes(self) -> Optional[LaneMap]:
-        """The net of lanes by which they drive, if they do."""
+        """The net of lanes on which they drive, or None."""
         network = self.settings.network
         return network if isinstance(network, LaneMap) else None
 
 
 @dataclass
 class World:
-    """The scenario in the file ``path``, the map (OccupancyMap) in the file ``map_path``, and what they mean."""
+    """A scenario, from the file ``path``, and its map (OccupancyMap), from ``map_path``, prepared for the checks."""
 
     path: str
     scenario: Any
@@ -80,16 +80,18 @@ class World:
 
     @property
     def nets(self) -> Dict[str, LaneMap]:
-        """The nets of lanes by which robots drive, {path: LaneMap}."""
+        """The nets of lanes on which robots drive, {path: LaneMap}."""
         return {drivers.lanes.source: drivers.lanes for drivers in self.drivers if drivers.lanes is not None}
 
     def drivers_on(self, net) -> List[Drivers]:
-        """Return those who drive on a net (LaneMap)."""
+        """Return the Drivers on a net (LaneMap)."""
         return [drivers for drivers in self.drivers if drivers.lanes is not None and drivers.lanes.source == net.source]
 
 
 def read_world(path, map_path=None):
-    """Return the :class:`World` of a scenario; ``map_path``: the map's YAML file, None: ``map.yaml`` beside it, if any.
+    """Return the :class:`World` of a scenario.
+
+    ``map_path``: the YAML file of the map; None: ``map.yaml`` beside the scenario, if there is one.
 
     :raises ConfigurationError: if a file cannot be read or used.
     """
@@ -104,7 +106,7 @@ def read_world(path, map_path=None):
 
 
 def _wheres(path):
-    """Return where in the file each robot is said, in the order of their indices."""
+    """Return where in the file each robot is defined, in the order of the robots."""
     name = os.path.basename(path)
     return ['{}: robots[{}]'.format(name, index) for index, group in enumerate(load_yaml_file(path).get('robots') or [])
             for _ in range(group.get('count', 1))]

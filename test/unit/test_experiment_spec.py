@@ -39,7 +39,7 @@ def read_used(factors, **others):
     ({'verify': 1.5}, 'in 0..1'),
     ({'command': ['x']}, 'got launch, command'),
     ({'function': 'a:b'}, 'got launch, function'),
-    ({'prepare': 'a:b'}, "'prepare' is of a function"),
+    ({'prepare': 'a:b'}, "'prepare' is an option for a function"),
     ({'stored_topics': ['/a b']}, 'NODE=TOPIC'),
     ({'stored_topics': ['/a'], 'lookahead': 0.1}, 'all takes time'),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),
@@ -188,10 +188,10 @@ def function(**others):
 
 @pytest.mark.parametrize('others, text', [
     ({'function': 'model.run'}, 'module:function'), ({'until': {'seconds': 3}}, 'ends by itself'),
-    ({'replace': {'a/b': 'c/d'}}, "'replace' is of a launch file"),
+    ({'replace': {'a/b': 'c/d'}}, "'replace' is an option for a launch file"),
     ({'record': {'messages': ['/a']}}, 'ends by itself'), ({'lookahead': 0.1}, 'has no participants'),
     ({'stored_topics': ['/a']}, 'has no participants'),
-    ({'cores': 'one'}, "'cores' is of a launch file or a command")])
+    ({'cores': 'one'}, "'cores' is an option for a launch file or a command")])
 def test_a_function_has_no_nodes(others, text):
     with pytest.raises(ConfigurationError, match=text):
         function(**others)

@@ -28,8 +28,8 @@ def test_an_order_is_shown_where_no_mean_is_and_no_amount_is_said(tmp_path):
     (verdict, text), = told(read(tmp_path, TWO, 30, slower, metrics=BOUND, **LIMITED))
     assert verdict == 'order'
     assert text == ('Lower with auction than with greedy, by order alone: in all 30 pairs (test of signs, Holm p < '
-                    '0.001). By how much is not known: the limit of time ended 0 of 30 trials with auction and 15 of '
-                    '30 trials with greedy; their values are lower bounds.')
+                    '0.001). The size of the difference is not known: the limit of time ended 0 of 30 trials with '
+                    'auction and 15 of 30 trials with greedy; their values are lower bounds.')
 
 
 def test_a_metric_of_which_nobody_says_what_it_is_at_the_limit_has_no_order(tmp_path):
@@ -52,7 +52,7 @@ def test_pairs_whose_order_is_hidden_do_not_count_and_are_told(tmp_path):
             return trial(3600.0, is_cut=True)
         return slower(configuration, 1 if replication < 15 else 2)
     (verdict, text), = told(read(tmp_path, TWO, 25, measure, metrics=BOUND, **LIMITED))
-    assert verdict == 'order' and 'in all 20 pairs' in text and ' Of 5 more pairs it is not known.' in text
+    assert verdict == 'order' and 'in all 20 pairs' in text and ' The order of 5 more pairs is not known.' in text
 
 
 def test_too_few_pairs_show_no_order(tmp_path):
@@ -92,7 +92,7 @@ def test_of_several_levels_each_order_that_is_shown_is_told(tmp_path):
     (verdict, text), = told(found)
     assert verdict == 'order' and text.count('by order alone') == 3
     assert 'Higher with c than with b, by order alone: in all 24 pairs' in text
-    assert 'Of 6 more pairs it is not known.' in text
+    assert 'The order of 6 more pairs is not known.' in text
 
 
 def test_a_level_that_is_cut_off_is_told_apart_from_the_best_by_order(tmp_path):

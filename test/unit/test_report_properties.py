@@ -51,7 +51,7 @@ def test_the_page_names_each_with_the_first_break(tmp_path):
         *([(*KEYS['always'], 5_000_000_000), ('charged', NASTY, 'its battery is empty', 2_500_000_000)]
           if configuration['robots'] == 4 and replication else []), stated=stated))
     said = reader.said
-    assert said.index('What must hold was broken: ') < said.index('Trials complete')
+    assert said.index('Properties were broken: ') < said.index('Trials complete')
     assert 'always: k stays small (/bad) (in 2 trials): see Properties.' in said
     assert 'charged: no robot stands with an empty battery away from a charger 4 2 0 0005-abc 1001 2.5' in said
     assert 'always: k stays small (/bad) 0 2 4 0005-abc 1001 5 (k=3)' in said

@@ -127,8 +127,8 @@ def test_few_failures_are_not_said_to_differ(tmp_path):
 
 def test_all_against_none_in_few_pairs_is_told_as_it_was_seen(tmp_path):
     found = read(tmp_path, TWO, 3, lambda c, k: FAILED if c['method'] == 'auction' else {'makespan_s': 1.0 + k})
-    assert ended(found) == [('always', '3 of 3 trials failed with auction, 0 of 3 with greedy: in every pair, of which '
-                             'there are too few for a test (3 pairs).')]
+    assert ended(found) == [('always', '3 of 3 trials failed with auction, 0 of 3 with greedy: in every pair, but '
+                             'there are too few pairs for a test (3 pairs).')]
 
 
 def limited(configuration, replication):

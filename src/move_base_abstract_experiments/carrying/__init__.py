@@ -1,1 +1,1 @@
-"""Who carries trials out: warm processes, workers, clusters, and what goes to them."""
+"""Carry trials out: on warm processes, workers and clusters."""

@@ -1,7 +1,7 @@
-"""The process that carries out trials that are functions, one after another, forked from a warm process.
+"""A process that carries out trials that are functions, one after another. It is forked from a warm process.
 
-Each function runs in a process of its own, as functions.call() forks it, and all that it has started ends with that. So
-nothing of one trial is left for the next one, and a fork for each trial is saved.
+functions.call() forks a process of its own for each function, and ends everything that it has started. So a trial
+leaves nothing behind for the next one, and one fork per trial is saved.
 """
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from move_base_abstract.common import processes
 from ..description.job import Job
 from ..trials import run_folders
 
-_MOST_TRIALS = 1000  # of one process; then another one takes its place, so that what it may keep never grows
+_MOST_TRIALS = 1000  # in one process; then another one takes its place, so that its memory cannot grow without end
 _DONE = b'd'
 
 
 class Carrier:
-    """Runs jobs in such a process, which it starts when there is none. descriptors: to be closed in it."""
+    """Runs jobs in such a process, and starts one if there is none. descriptors: those that the process closes."""
 
     def __init__(self, descriptors: Tuple[int, ...]) -> None:
         self._descriptors = descriptors
@@ -30,22 +30,22 @@ class Carrier:
         self._count = 0
 
     def run(self, job: Job, path: str, problem: Optional[str], client: socket.socket, wake: int) -> Optional[int]:
-        """Carry out a job as execution.carry_out(); return 0, the exit code of the process if it died, or None.
+        """Carry out a job, as execution.carry_out() does. Return 0, or the exit code of the process if it died.
 
-        None: the socket ``client`` was closed meanwhile; the process still runs then. wake: a descriptor that can be
-        read when a child has ended.
+        Return None if the socket ``client`` was closed meanwhile; the process still runs then. wake: a descriptor that
+        can be read when a child has ended.
         """
         if self._count >= _MOST_TRIALS:
             self.end()
         pid, connection = self._child = self._child or self._start()
         self._count += 1
-        with contextlib.suppress(OSError):  # it has died before
+        with contextlib.suppress(OSError):  # the process may have died before
             connection.sendall(pickle.dumps((job, path, problem)))
         while True:
             ready, _, _ = select.select([client, connection, wake], [], [])
             if connection in ready and _received(connection) == _DONE:
                 return 0
-            if client in ready:  # nobody says anything meanwhile: it is closed
+            if client in ready:  # the worker sends nothing meanwhile, so it has closed the socket
                 return None
             drain(wake)
             found, status = os.waitpid(pid, 0 if connection in ready else os.WNOHANG)
@@ -55,7 +55,7 @@ class Carrier:
                 return processes.code_of(status)
 
     def end(self) -> None:
-        """End the process, if there is one; between two trials it has no child."""
+        """End the process, if there is one. To be called between two trials, when it has no child."""
         if self._child is not None:
             pid, connection = self._child
             connection.close()
@@ -72,7 +72,7 @@ class Carrier:
 
 
 def drain(wake: int) -> None:
-    """Read all that a pipe which does not block holds."""
+    """Read everything from a non-blocking pipe."""
     with contextlib.suppress(BlockingIOError):
         while os.read(wake, 512):
             pass
@@ -86,7 +86,7 @@ def _received(connection: socket.socket) -> bytes:
 
 
 def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
-    """Carry out what is asked for until nobody can ask any more."""
+    """Carry out the jobs that are asked for, until the connection is closed."""
     from ..trials import execution, series
     for descriptor in descriptors:
         os.close(descriptor)

@@ -1,8 +1,8 @@
-"""Dask distributed carries the trials: workers on this computer, or those of a scheduler that is running.
+"""Run trials by Dask distributed: on workers on this computer, or on those of a running scheduler.
 
-Short trials go in batches. A worker that dies costs the trial that it was running, which runs again elsewhere, a
-bounded number of times. A trial that fails runs once more; then its failure is recorded. Only as many trials are under
-way as keep the workers busy, so that the memory of all who take part does not grow with the number of trials.
+Short trials go in batches. If a worker dies, the trial that it was running runs again elsewhere, a bounded number of
+times. A trial that fails runs once more; then its failure is recorded. Only as many trials are under way as keep the
+workers busy, so that the memory of client, scheduler and workers does not grow with the number of trials.
 """
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ from ..description.job import Job
 from . import batches, jobs, spool, temporary
 from .workers import LOST_S, Workers, key_of
 
-TRIES = 2  # of a trial that fails by itself
-LOSSES = 8  # of workers, before a trial counts as failed
+TRIES = 2  # the attempts of a trial that fails by itself
+LOSSES = 8  # so many workers may be lost before a trial counts as failed
 AHEAD = 2  # batches under way per thread of a worker
-_MOST_LOGGED = 1000  # of what Dask does, in its own memory
+_MOST_LOGGED = 1000  # entries in the logs that Dask keeps in memory
 _LOOK_S = 0.5  # wall
-_SPOOL = 'outputs'  # beside what Dask has in its folder
-_HTTP = '127.0.0.1:0'  # Dask serves pages in any case: without an address on all of the computer's
-#: Only Dask's page shows what it keeps for an hour of each process: a profile, a hundred times a second, and its load.
+_SPOOL = 'outputs'  # the name of the spool, in the temporary folder of Dask
+_HTTP = '127.0.0.1:0'  # Dask serves pages in any case; without an address, on all addresses of the computer
+#: Dask keeps, for an hour, a profile of each process (100 times a second) and its load. Only Dask's page shows them.
 _UNSEEN = {'distributed.worker.profile.enabled': False, 'distributed.worker.profile.interval': '1h',
            'distributed.worker.profile.cycle': '1h', 'distributed.admin.system-monitor.interval': '10s'}
 _CONNECT_S = 30.0  # wall
@@ -58,10 +58,11 @@ class ClusterError(SimulatorError):
 
 @contextlib.contextmanager
 def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iterator[Tuple[Any, Workers]]:
-    """Give (a Client, its Workers) of a cluster of ``workers`` processes here, or of the scheduler at an address.
+    """Give (a Client, its Workers) of a new cluster on this computer, or of a running scheduler.
 
-    has_dashboard: of a cluster here. Whoever has an account on this computer can look at it.
-    :raises ClusterError: if there is none.
+    workers: the number of processes of a new cluster. scheduler: the address of a running one, or None.
+    has_dashboard: whether a new cluster serves Dask's page; everybody with an account on this computer can see it.
+    :raises ClusterError: if Dask is not installed, or the scheduler cannot be reached.
     """
     try:
         import dask
@@ -101,7 +102,7 @@ def _configure(dask: Any, has_dashboard: bool) -> None:
                      'distributed.scheduler.transition-log-length': _MOST_LOGGED,
                      'distributed.scheduler.events-log-length': _MOST_LOGGED,
                      'distributed.admin.low-level-log-length': _MOST_LOGGED,
-                     # Else it reads the program's text each time that something is handed over.
+                     # Otherwise Dask reads the program's text each time that a task is submitted.
                      'distributed.diagnostics.computations.ignore-modules': ['.*'],
                      'distributed.diagnostics.computations.nframes': 0})
     _quiet()
@@ -111,8 +112,8 @@ def _configure(dask: Any, has_dashboard: bool) -> None:
 
 @contextlib.contextmanager
 def _ctrl_c_is_ours() -> Iterator[None]:
-    """Have threads and processes that are started meanwhile not see Ctrl-C: who asked for all of them ends them."""
-    resource_tracker.ensure_running()  # started by the first child, it would take the block off again
+    """Let threads and processes that are started in this context not see Ctrl-C. This process ends them itself."""
+    resource_tracker.ensure_running()  # the first child would start it otherwise, and that unblocks the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -134,9 +135,9 @@ def _close(what: Any) -> None:
 
 
 def _close_all(cluster: Any) -> None:
-    """Close a cluster of this computer; end the workers that closing has not ended, as they are stopped, say.
+    """Close a cluster on this computer; kill workers that are left, for example because they are stopped.
 
-    Python would wait for them at its end, and Dask, which would once more wait for their answers, start others.
+    Otherwise Python would wait for them at its end, and Dask would wait for their answers once more and start others.
     """
     _close(cluster)
     with contextlib.suppress(Exception):
@@ -151,17 +152,17 @@ class _Piece(NamedTuple):
 
     job: Job
     attempts: int = 1
-    losses: int = 0  # of workers that died while they ran it
-    is_alone: bool = False  # whether it goes in no batch with others
+    losses: int = 0  # the number of workers that died while they ran it
+    is_alone: bool = False  # whether it must be alone in its batch
 
 
 class Runner:
     """Runs jobs on a Client with its Workers.
 
-    ``done(job, worker, outputs, problem, attempts)`` is called for each in the order they end. ``outputs``:
-    bytes, or None with a text in ``problem``. ``again(outputs, job)``: the job by which a trial that has failed
-    is to run again, or None. ``look(runner)`` is called now and then. ``together``: gives a context in which done()
-    is called for those of one batch.
+    ``done(job, worker, outputs, problem, attempts)`` is called for each job, in the order in which they end.
+    ``outputs``: bytes, or None with a text in ``problem``. ``again(outputs, job)`` returns the job with which a failed
+    trial runs again, or None. ``look(runner)`` is called now and then. ``together()`` gives a context, in which done()
+    is called for the jobs of one batch.
     """
 
     def __init__(self, client: Any, watch: Workers, done: Callable[..., None],
@@ -173,16 +174,16 @@ class Runner:
         self._again = again
         self._look = look
         self._together = together
-        self._ended: Any = queue.SimpleQueue()  # of keys
-        self._running: Dict[str, Tuple[List[_Piece], Any]] = {}  # by keys; with their futures
-        self._returned: Deque[_Piece] = collections.deque()  # Pieces that run again, or were not begun
+        self._ended: Any = queue.SimpleQueue()  # the keys of batches that have ended
+        self._running: Dict[str, Tuple[List[_Piece], Any]] = {}  # {key: (the batch, its future)}
+        self._returned: Deque[_Piece] = collections.deque()  # pieces that run again, or were not begun
         self._sizes = batches.Sizes()
         self._left = 0
         self._count = 0
         self.workers = 0
 
     def run(self, all_jobs: Iterable[Job], count: int) -> None:
-        """Run all jobs of an iterable, which are so many. Whatever ends it, no trial of it is under way afterwards."""
+        """Run all jobs; ``count``: their number. However this ends, no trial is under way afterwards."""
         waiting, self._left = iter(all_jobs), count
         last_look = 0.0
         try:
@@ -200,7 +201,7 @@ class Runner:
 
     @property
     def under_way(self) -> int:
-        """The number of trials that were handed over and have not come back."""
+        """The number of trials that were submitted and have not come back."""
         return sum(len(pieces) for pieces, _ in self._running.values())
 
     def _fill(self, waiting: Iterator[Job]) -> None:
@@ -211,7 +212,7 @@ class Runner:
             self._submit(pieces)
 
     def _next(self, waiting: Iterator[Job]) -> List[_Piece]:
-        """Return the Pieces of the next batch."""
+        """Return the pieces of the next batch."""
         size = self._sizes.size(self._left + len(self._returned), self.workers)
         pieces: List[_Piece] = []
         while len(pieces) < size:
@@ -261,19 +262,19 @@ class Runner:
                     self._end(piece, batches.Answer(*answer), notes, number)
                 elif len(pieces) == 1:
                     self._lost(piece, error)
-                else:  # by itself it shows whether a worker dies of it
+                else:  # alone in a batch, a trial shows whether it kills its worker
                     self._returned.append(piece._replace(is_alone=True))
         self._returned.extend(pieces[len(answers):])
         if notes:
             notes.remove(len(pieces))
 
     def _found(self, pieces: List[_Piece], notes: Optional[spool.Notes]) -> List[Optional[Tuple[Any, ...]]]:
-        """Return, of a batch without an answer, the Answer of each trial whose outputs are there, else None."""
+        """Return, for a batch without an answer, the Answer of each trial whose outputs are in the spool, or None."""
         found = [notes is not None and notes.has(number) for number in range(len(pieces))]
         return [tuple(batches.Answer('', None, None)) if is_there else None for is_there in found]
 
     def _end(self, piece: _Piece, answer: batches.Answer, notes: Optional[spool.Notes], number: int) -> None:
-        """Take the Answer of a Piece."""
+        """Take the Answer of a piece."""
         if answer.is_lost:
             self._lost(piece, answer.problem)
             return
@@ -298,6 +299,6 @@ class Runner:
             with contextlib.suppress(Exception):
                 self._client.cancel([future for _, future in self._running.values()], force=True)
             with contextlib.suppress(Exception):
-                # One that is stopped would be waited for for ever.
+                # Without a limit this would wait for a stopped worker for ever.
                 self._client.sync(self._client._run, jobs.end_all, callback_timeout=_STOP_S)
         self._running.clear()

@@ -1,4 +1,4 @@
-"""What goes to a worker, and what it does there with its warm process."""
+"""Make the jobs that go to a worker, and run them there with the worker's warm process."""
 from __future__ import annotations
 
 import contextlib
@@ -23,23 +23,23 @@ from ..trials import bundle, functions, run_folders
 from . import spool, warm_ros
 
 _END_S = 10.0  # wall
-#: names of modules by which a function may start nodes
+#: the names of modules with which a function may start nodes
 _OF_ROS = {'actionlib', 'move_base_abstract_experiments', 'move_base_abstract_ros', 'rosgraph', 'roslaunch', 'roslib',
            'rospy', 'soil_mapping', 'tf', 'tf2_ros'}
-_BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
+_BESIDE_S = 300.0  # wall; the time that a trial may take besides its runs: for metrics and packing
 _state = threading.local()
 _all: List[WarmProcess] = []
 _ends = [0]
 
 
 def common_of(experiment: Experiment) -> Common:
-    """Return what the jobs of all trials of an experiment share, looked at now."""
+    """Return the part that the jobs of all trials of an experiment share, with the files as they are now."""
     return Common(functions.sources(experiment.functions.values(), experiment.folder), plan.package_version(),
                   worker_files.view(), _to_be_warm(experiment))
 
 
 def _to_be_warm(experiment: Experiment) -> Tuple[str, ...]:
-    """Return what a warm process is to have imported: what nobody imports makes each fork of it dearer."""
+    """Return what a warm process imports. Modules that no function needs would only make each fork slower."""
     names = ingredients.names_from_elsewhere(experiment)
     if not experiment.function or names & _OF_ROS:
         return ROS, NUMPY
@@ -47,7 +47,7 @@ def _to_be_warm(experiment: Experiment) -> Tuple[str, ...]:
 
 
 def make_job(trial: Trial, common: Optional[Common] = None, **others: Any) -> Job:
-    """Return the Job of a Trial. common: of common_of()."""
+    """Return the Job of a Trial. common: the result of common_of(), if known. others: further fields of the Job."""
     made = ingredients.of_trial(trial)
     return Job(trial, common or common_of(trial.experiment), plan.made_of(trial, made), ingredients.name_of(made),
                ingredients.files_of(made), worker_files.parameters(trial), **others)
@@ -58,16 +58,19 @@ class WorkerError(SimulatorError):
 
 
 class TrialError(SimulatorError):
-    """The process of a trial died and left nothing; the warm process goes on."""
+    """The process of a trial died without outputs; the warm process goes on."""
 
 
 class WarmProcess:
-    """A warm process and the connection to it; for one thread at a time. wanted: of Common.warm."""
+    """A warm process and the connection to it, for one thread at a time. wanted: what it imports, as Common.warm.
+
+    :raises WorkerError: if it does not start.
+    """
 
     def __init__(self, wanted: Sequence[str] = (ROS, NUMPY)) -> None:
         own, other = socket.socketpair()
-        # A pipe that nobody reads would stop it when it is full.
-        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is there as long as this
+        # A file: a full pipe that nobody reads would stop the process.
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it lasts as long as this object
         with other:
             os.set_inheritable(other.fileno(), True)
             python = _python(interpreter_of(warm_ros.launcher()) if warm_ros.is_there() else '')
@@ -84,13 +87,13 @@ class WarmProcess:
             raise WorkerError(f'the warm process did not start: {self._last_words()}')
 
     def run(self, job: Job, target: Optional[str] = None) -> Optional[bytes]:
-        """Run the trial of a job; return its outputs as bytes, or None where they have gone to the path ``target``.
+        """Run the trial of a job; return its outputs as bytes, or None if they are moved to the path ``target``.
 
-        :raises TrialError: if there are none. :raises WorkerError: if the warm process is lost.
+        :raises TrialError: if there are no outputs. :raises WorkerError: if the warm process is lost.
         """
         limit = job.wall_limit + _BESIDE_S
         try:
-            self._socket.settimeout(limit)  # the process, or the trial's, may be stopped
+            self._socket.settimeout(limit)  # the warm process, or that of the trial, may be stopped
             self._socket.sendall(pickle.dumps(job))
             line = self._answers.readline()
             answer = json.loads(line) if line else None
@@ -115,7 +118,7 @@ class WarmProcess:
         return self._said.read().decode('utf-8', 'replace').strip()[-500:] or 'no text'
 
     def close(self) -> None:
-        """End it, and with it whatever it has started."""
+        """End the process, and with it everything that it has started."""
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
@@ -127,7 +130,7 @@ class WarmProcess:
 
 
 def _python(nodes: str) -> str:
-    """Return the Python of a warm process: that of the nodes, or the worker's own where it is an environment over it.
+    """Return the Python of a warm process: that of the nodes, or the worker's own if it is a virtual environment of it.
 
     nodes: the path of the interpreter of this package's nodes, or ''.
     """
@@ -136,7 +139,7 @@ def _python(nodes: str) -> str:
 
 
 def _taken(path: str, target: Optional[str]) -> Optional[bytes]:
-    """Move a trial's outputs to ``target``, or return them as bytes where that is None."""
+    """Move a trial's outputs to the path ``target``; if that is None, return them as bytes."""
     if target is not None:
         spool.move(path, target)
         return None
@@ -153,11 +156,11 @@ def _end_of(path: str) -> str:
 
 
 def carry_out(job: Job, target: Optional[str] = None) -> Tuple[str, Optional[bytes], Optional[str]]:
-    """Run a job on this worker; return (who ran it, the outputs as bytes or None, why there are none or None).
+    """Run a job on this worker; return (the worker's name, the outputs as bytes or None, the error or None).
 
-    target: the path at which the outputs are left, if not None; then they are not returned.
-    The warm process stays for the next one, but not for one that is prepared in another way, or by another text: what
-    was imported stays imported.
+    target: the path to which the outputs are moved, or None; with a path they are not returned.
+    The warm process stays for the next job. If that needs another preparation, or other texts of modules, the process
+    is replaced, because modules stay imported.
     """
     wanted = job.prepared, job.common.warm
     if getattr(_state, 'warm', None) is not None and _state.wanted != wanted:
@@ -185,12 +188,12 @@ def forget(warm: WarmProcess) -> None:
 
 
 def ends() -> int:
-    """Return how often end_all() was called on this worker."""
+    """Return the number of calls of end_all() on this worker."""
     return _ends[0]
 
 
 def end_all() -> None:
-    """End all warm processes of this worker, and with them what they run; batches begin no more trials."""
+    """End all warm processes of this worker, and with them their trials. Running batches begin no more trials."""
     _ends[0] += 1
     while _all:
         forget(_all[-1])

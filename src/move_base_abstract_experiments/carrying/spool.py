@@ -1,10 +1,10 @@
-"""Where workers on this computer leave the outputs of trials, so that one that dies takes none with it.
+"""The spool: the folder for outputs of trials of workers on this computer, so that they survive if a worker dies.
 
-    SPOOL/KEY/0003.tar    the outputs of the trial of this number of the batch KEY, complete
+    SPOOL/KEY/0003.tar    the complete outputs of the trial with this number in the batch KEY
     SPOOL/KEY/begun       the number of the trial that was begun last
 
-The spool is a temporary folder of the client's own. Whoever runs a batch after a worker has died in it finds there
-which of its trials are complete, and which one was under way.
+The spool is a temporary folder of the client. If a worker dies in a batch, the next one finds here which of the batch's
+trials are complete, and which one was under way.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BEGUN = 'begun'
 
 
 class Notes:
-    """What is known of one batch; ``path``: its folder."""
+    """The notes about one batch; ``path``: its folder."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -42,11 +42,11 @@ class Notes:
         return os.path.join(self.path, f'{number:04d}.tar')
 
     def has(self, number: int) -> bool:
-        """Return whether a trial is complete, that is, has left outputs, as a failed one does."""
+        """Return whether a trial has left outputs, as a failed one does, too."""
         return os.path.exists(self.place(number))
 
     def take(self, number: int) -> Optional[bytes]:
-        """Return the outputs of a trial (bytes), which then are here no more; None if there are none."""
+        """Return the outputs of a trial (bytes) and remove them here; None if there are none."""
         try:
             with open(self.place(number), 'rb') as stream:
                 content = stream.read()
@@ -56,7 +56,7 @@ class Notes:
         return content
 
     def remove(self, count: int) -> None:
-        """Remove all that a batch of so many trials may have left."""
+        """Remove everything that a batch of ``count`` trials may have left."""
         with contextlib.suppress(FileNotFoundError):
             names = set(os.listdir(self.path))
             for path in (os.path.join(self.path, _BEGUN), *map(self.place, range(count))):
@@ -67,7 +67,7 @@ class Notes:
 
 
 def move(source: str, target: str) -> None:
-    """Move a file, which appears as a whole."""
+    """Move a file so that it appears as a whole, also between file systems."""
     try:
         os.rename(source, target)
     except OSError as problem:

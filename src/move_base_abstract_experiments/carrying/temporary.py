@@ -1,7 +1,7 @@
-"""Temporary folders of this program's own: marked, locked while they are used, removed at the end or by the next run.
+"""Temporary folders of this program: marked, locked while they are in use, removed at the end or by the next run.
 
-A process that is killed leaves its folder. Only a folder that carries our mark, is this user's and that nobody has
-locked is ever removed.
+A process that is killed leaves its folder. A folder is removed only if it has our marker, belongs to this user and is
+not locked.
 """
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ KIND = FolderKind('temporary folder')
 
 @contextlib.contextmanager
 def folder(prefix: str) -> Iterator[str]:
-    """Give a new folder, whose name begins with the prefix, in the system's folder for such; remove it at the end.
+    """Give a new temporary folder, whose name begins with the prefix; remove it at the end.
 
-    Those by the prefix that killed processes have left are removed first.
+    Folders with the prefix that killed processes have left are removed first.
     """
     remove_left(prefix)
     path = tempfile.mkdtemp(prefix=prefix)
@@ -35,14 +35,14 @@ def folder(prefix: str) -> Iterator[str]:
 
 
 def remove_left(prefix: str) -> List[str]:
-    """Remove the folders by the prefix that killed processes have left; return their paths."""
+    """Remove the temporary folders with the prefix that killed processes have left; return their paths."""
     removed = []
     for path in sorted(glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), glob.escape(prefix) + '*'))):
         with contextlib.suppress(SimulatorError, OSError):
             status = os.lstat(os.path.join(path, MARKER))
             if os.path.islink(path) or status.st_size == 0 or status.st_uid != os.getuid():
                 continue
-            marker = KIND.make(path)  # it is ours, and nobody has it locked, or an error
+            marker = KIND.make(path)  # an error if it is not ours, or is locked
             try:
                 shutil.rmtree(path, ignore_errors=True)
                 removed.append(path)

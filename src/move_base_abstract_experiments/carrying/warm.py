@@ -1,13 +1,13 @@
-"""The warm process of a worker: it has imported all, and forks a process for each trial. It has one thread.
+"""The warm process of a worker. It has imported all modules that trials need, and forks a process for each trial.
 
     python3 -m move_base_abstract_experiments.carrying.warm [ros] [numpy] SOCKET_DESCRIPTOR
 
-A request on the socket is a pickled Job; the answer is a line of JSON, when the trial has ended: {"code": 0, "path":
-...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
-has ended in whatever way, the trial is ended and its folder removed.
+It has one thread. A request on the socket is a pickled Job. When the trial has ended, the answer is a line of JSON:
+{"code": 0, "path": ...}. The outputs of the trial are in this folder. If the worker ends, in whatever way, the other
+end of the socket is closed. Then the trial is ended, and its folder is removed.
 
-Trials that are a function share the process that carries them out: none of their own code runs in it, as each function
-has a process of its own.
+Trials that are functions share one process that carries them out (see carriers.py). Their own code does not run in it,
+because each function has a process of its own.
 """
 from __future__ import annotations
 
@@ -40,13 +40,14 @@ def main(words: List[str]) -> None:
     is_new = _HASH_SEED not in os.environ or any(os.environ.get(name) != value
                                                  for name, value in processes.ONE_THREAD.items())
     if (warm_ros.prepare(os.environ, is_new) if warm_ros.is_there() else is_new):
-        # Once: with one order of sets, one layout of memory and one library in front of libc, as the launcher does it.
+        # Start Python anew, once, as the launcher does: with a fixed order of sets, a fixed layout of memory and our
+        # library in front of libc.
         os.environ.setdefault(_HASH_SEED, '0')
         os.environ.update(processes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
     processes.keep_memory()
     _import(words[:-1])
-    from ..trials import execution  # noqa: F401 - for the forks
+    from ..trials import execution  # noqa: F401 - so that the forks have it
     _share()
     processes.assert_one_thread()
     processes.adopt_orphans()
@@ -59,11 +60,11 @@ def main(words: List[str]) -> None:
 
 
 def _import(wanted: Sequence[str]) -> None:
-    """Import what the trials do, of Common.warm; whatever else is there each fork has to be given."""
+    """Import what the trials need, as Common.warm says. More would make each fork slower."""
     if ROS in wanted and warm_ros.is_there():
         warm_ros.import_all()
     if NUMPY in wanted:
-        importlib.import_module('numpy.random')  # numpy itself leaves that to the first who asks for it, from 2.3 on
+        importlib.import_module('numpy.random')  # from 2.3 on, numpy imports it only when it is used
 
 
 def _serve(client: socket.socket, folder: str) -> None:
@@ -88,7 +89,7 @@ def _serve(client: socket.socket, folder: str) -> None:
             known = len(problems)
             problem = _prepare(job, problems)
             if len(problems) > known or not job.trial.experiment.function:
-                carrier.end()  # what was imported is not in it; or else it would be ended with all that a trial leaves
+                carrier.end()  # it lacks what was imported since; and after a trial of a graph, all children are ended
             code = _run(job, path, problem, carrier, client, descriptors)
             if code is None:
                 return
@@ -102,7 +103,7 @@ def _serve(client: socket.socket, folder: str) -> None:
 
 
 def _is_emptied(path: str) -> bool:
-    """Empty a trial's folder for the next one; return whether it is as a new one."""
+    """Empty a trial's folder for the next trial; return whether it is as new."""
     shutil.rmtree(os.path.join(path, 'again'), ignore_errors=True)
     with os.scandir(path) as entries:
         for entry in entries:
@@ -113,10 +114,10 @@ def _is_emptied(path: str) -> bool:
 
 def _run(job: Job, path: str, problem: Optional[str], carrier: carriers.Carrier, client: socket.socket,
          descriptors: Tuple[int, ...]) -> Optional[int]:
-    """Return the exit code of the process that has carried out a job, or None if the worker has gone."""
+    """Carry out a job; return the exit code of the process that did it, or None if the worker has ended."""
     if job.trial.experiment.function:
         code = carrier.run(job, path, problem, client, descriptors[1])
-        if code != 0:  # it has died, or has left who knows what
+        if code != 0:  # the process has died, and may have left children; or the worker has ended
             processes.end_all_children()
         return code
     pid = processes.fork(lambda: _carry_out(job, path, problem, descriptors),
@@ -127,7 +128,7 @@ def _run(job: Job, path: str, problem: Optional[str], carrier: carriers.Carrier,
 
 
 def _prepare(job: Job, problems: Dict[str, Optional[str]]) -> Optional[str]:
-    """Call the function that a job wants called in this process, once; return what is wrong with it, or None."""
+    """Call the function that prepares this process for a job, once; return its error, or None."""
     if not job.prepared:
         return None
     key = json.dumps([*job.prepared[:3], job.modules])
@@ -142,7 +143,7 @@ def _prepare(job: Job, problems: Dict[str, Optional[str]]) -> Optional[str]:
 
 
 def _share() -> None:
-    """Have no collection in a fork touch, and so copy, what there is now."""
+    """Keep the garbage collector of forks away from the present objects, so that their memory is not copied."""
     gc.collect()
     gc.freeze()
 
@@ -155,10 +156,10 @@ def _carry_out(job: Job, path: str, problem: Optional[str], descriptors: Tuple[i
 
 
 def _await(pid: int, client: socket.socket, wake: int) -> Optional[int]:
-    """Return the exit code of the trial's process, or None if the worker has gone."""
+    """Wait for the trial's process; return its exit code, or None if the worker has ended."""
     while True:
         ready, _, _ = select.select([client, wake], [], [])
-        if client in ready:  # nobody says anything meanwhile: it is closed
+        if client in ready:  # the worker sends nothing meanwhile, so it has closed the socket
             return None
         carriers.drain(wake)
         found, status = os.waitpid(pid, os.WNOHANG)

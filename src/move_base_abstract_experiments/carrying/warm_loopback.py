@@ -1,6 +1,7 @@
-"""A ROS master of our own and nodes under it, as Loopback starts them, but forked from this process where that can be.
+"""A ROS master and nodes of a trial, as Loopback starts them, but forked from this process where possible.
 
-This process has one thread until all are started: before rospy.init_node. The kernel ends what it has forked with it.
+This process must have one thread until all nodes are started, so start them before rospy.init_node. When it ends, the
+kernel ends the processes that it has forked.
 """
 from __future__ import annotations
 
@@ -14,12 +15,12 @@ from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 
-ended = []  # fields of runs.ends.Process: nodes that had ended when their Loopback was closed
+ended = []  # the nodes that had ended before their Loopback was closed, as fields of runs.ends.Process
 
 
 @functools.lru_cache(maxsize=None)
 def _launcher():
-    """Return the path of our launcher; the search walks through all packages, so that it is made once."""
+    """Return the path of our launcher. The search walks through all packages, so it is made only once."""
     return loopback.find_executable('lockstep')
 
 
@@ -27,7 +28,7 @@ class WarmLoopback(Loopback):
     """A Loopback whose master and Python nodes of this package are forks of this process."""
 
     def close(self, keep_logs=False):
-        """As Loopback.close."""
+        """Take note of nodes that have ended, then close as Loopback.close does."""
         for child in self._children[1:]:  # the first is the ROS master
             code = child.process.poll()
             if code is not None:
@@ -37,11 +38,11 @@ class WarmLoopback(Loopback):
 
     @property
     def environment(self):
-        """As Loopback.environment."""
+        """The environment variables of nodes: those of Loopback.environment, and the settings of logs."""
         return warm_nodes.with_log_settings(super().environment)
 
     def run(self, executable, name, namespace='/', parameters=None, arguments=()):
-        """As Loopback.run."""
+        """Run a node as Loopback.run does, as a fork of this process if it is a Python node of this package."""
         full_name = ns_join(namespace, name)
         ros_master.set_parameters(self.uri, [(ns_join(full_name, key), value)
                                              for key, value in (parameters or {}).items()])

@@ -1,4 +1,4 @@
-"""What a warm process has of ROS. Where that is not installed, trials that are functions run all the same."""
+"""The ROS part of a warm process. Without ROS, trials that are functions still run."""
 from __future__ import annotations
 
 import importlib
@@ -9,7 +9,7 @@ from ..description import launch_files
 
 
 def is_there() -> bool:
-    """Return whether ROS is, and with it this package's shell around it."""
+    """Return whether ROS and this package's ROS modules are installed."""
     return all(importlib.util.find_spec(name) for name in ('move_base_abstract_ros', 'rospy'))
 
 
@@ -20,9 +20,9 @@ def launcher() -> str:
 
 
 def prepare(environment: MutableMapping[str, str], is_new: bool) -> bool:
-    """Write into the environment what only a new Python takes from it; return whether there has to be one.
+    """Add variables to the environment that only a new process can take; return whether one must be started.
 
-    is_new: whether there has to be one in any case.
+    is_new: whether one must be started in any case.
     """
     from move_base_abstract_ros.lockstep.programs import address_layout, native_library
     is_new = address_layout.choose(environment) or is_new
@@ -30,7 +30,7 @@ def prepare(environment: MutableMapping[str, str], is_new: bool) -> bool:
 
 
 def import_all() -> None:
-    """Import and look up what the processes of trials need."""
+    """Import the modules, and look up the paths, that the processes of trials need."""
     from move_base_abstract_ros.launching import look_ups, warm_nodes
     from move_base_abstract_ros.replacing import replaced
     for name in warm_nodes.MODULES:

@@ -1,8 +1,8 @@
-"""Whether the workers of a cluster still live: those here that say nothing are ended, so that others take their place.
+"""Watch the workers of a cluster: end those on this computer that are silent, so that others take their place.
 
-A worker is heard several times a second. One that is stopped, or hangs, keeps its trial for ever; one that was killed
-and does not come back in time is given up by Dask, and nobody starts another. Silence counts only while this process
-itself is awake: after a computer has slept nobody is at fault.
+The scheduler hears a worker several times a second. A worker that is stopped, or hangs, would keep its trial for ever.
+A worker that was killed and does not come back in time is given up by Dask, which starts no other. Silence counts only
+while this process itself is awake: after a computer has slept, no worker is at fault.
 """
 from __future__ import annotations
 
@@ -19,32 +19,34 @@ from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.shown import shown_text
 
 FILE = 'workers.json'
-LOST_S = 30.0  # wall, after which Dask gives up a worker that does not come back; then we ask for another
-_SILENT_S = 20.0  # wall, after which a worker here is ended
-_NONE_S = 60.0  # wall, without any worker that is heard: the sweep ends
-_ANSWER_S = 10.0  # wall, for the scheduler to answer
-_MOST_COUNTED_S = 2.0  # wall, of the time between two looks
+LOST_S = 30.0  # wall; then Dask gives up a worker that does not come back, and we ask for another
+_SILENT_S = 20.0  # wall; then a silent worker on this computer is ended
+_NONE_S = 60.0  # wall; if no worker is heard for this time, the sweep ends
+_ANSWER_S = 10.0  # wall; the time in which the scheduler must answer
+_MOST_COUNTED_S = 2.0  # wall; of the time between two looks, at most this counts as silence
 _TELL_S, _HEARD_S, _OLD_S = 2.0, 5.0, 60.0  # wall
 _MOST_SHOWN = 1000
 _TASKS = '/proc/{}/task'
 
 
 class NoWorkerError(SimulatorError):
-    """There has been no worker for a while."""
+    """No worker has been heard for a while."""
 
 
 class Worker(NamedTuple):
-    """One worker, for people."""
+    """One worker, in a form for people."""
 
     name: str
-    trials: Tuple[str, ...]  # ids of those that it has, or of the first of a batch: the first runs, the others wait
+    trials: Tuple[str, ...]  # its tasks by their first trials, '0007-abcdef and 15 more'; the first task runs
     silent_s: float  # wall
 
 
 class Workers:
-    """The workers of a Client; ``cluster``: that of this computer with as many as are wanted, or None: of others.
+    """The workers of a Client.
 
-    :param clock: returns wall seconds. :param spool: a folder that the client and all workers see, or None.
+    :param cluster: the cluster on this computer, or None if a running scheduler is used. :param wanted: the number of
+        workers of that cluster. :param clock: returns wall time [s]. :param spool: a folder that the client and all
+        workers see, or None.
     """
 
     def __init__(self, client: Any, cluster: Any, wanted: int, clock: Callable[[], float] = time.monotonic,
@@ -55,16 +57,16 @@ class Workers:
         self._clock = clock
         self._last_look: Optional[float] = None
         self._without_s = 0.0
-        #: of addresses: when the scheduler last heard it, for how long nothing new was heard
+        #: {address: (when the scheduler last heard the worker, for how long nothing new was heard [s])}
         self._silent: Dict[str, Tuple[Any, float]] = {}
         self._ended: Set[str] = set()
         self.known: Tuple[Worker, ...] = ()
         self.spool = spool
 
     def look(self) -> int:
-        """Return how many threads of workers are heard; ``known`` has a Worker for each.
+        """Look at all workers: return the number of threads of those that are heard; ``known`` has all as Workers.
 
-        :raises NoWorkerError: if there has been none for a minute.
+        :raises NoWorkerError: if none has been heard for a minute.
         """
         begin = self._clock()
         passed = min(_MOST_COUNTED_S, begin - self._last_look) if self._last_look is not None else 0.0
@@ -85,7 +87,7 @@ class Workers:
 
     def _ask(self) -> Tuple[Dict[str, Any], Dict[str, Any]]:
         """Return ({address: what the scheduler knows of a worker}, {address: keys of its tasks})."""
-        with contextlib.suppress(Exception):  # whatever it raises, nobody was heard
+        with contextlib.suppress(Exception):  # whatever it raises, no worker was heard
             known = self._client.sync(self._client.scheduler.identity, callback_timeout=_ANSWER_S)['workers']
             return known, self._client.sync(self._client.scheduler.processing, workers=None, callback_timeout=_ANSWER_S)
         return {}, {}
@@ -103,7 +105,7 @@ class Workers:
         return next((one.pid for one in nannies if getattr(one, 'worker_address', None) == address), None)
 
     def _replace(self, silent: List[str], count: int) -> None:
-        """End workers here that are silent; Dask starts others in their place, and is asked to if it does not."""
+        """End silent workers on this computer. Dask starts others in their place; if it does not, ask it to."""
         for address in silent:
             pid = self._pid(address)
             if pid and address not in self._ended:
@@ -115,23 +117,26 @@ class Workers:
 
 
 def key_of(number: int, names: Sequence[str]) -> str:
-    """Return the key of a task of Dask that runs trials. All begin alike: Dask keeps something for each beginning."""
+    """Return the key of a task of Dask that runs trials.
+
+    All keys begin with the same word, because Dask keeps some memory for each first word.
+    """
     return f'trials-{os.getpid()}-{number}-{len(names) - 1}-{names[0]}'
 
 
 def _trials_of(key: object) -> str:
-    """Return which trials the task of a key runs, for people: '0007-abcdef and 15 more'."""
+    """Return the trials of a task by its key, in words for people: '0007-abcdef and 15 more'."""
     words = str(key).split('-', 4)
     if len(words) < 5:
-        return str(key)  # somebody else's
+        return str(key)  # a task of another program
     return words[4] if words[3] == '0' else f'{words[4]} and {words[3]} more'
 
 
 @contextlib.contextmanager
 def workers_file(folder: Any) -> Iterator[Callable[..., None]]:
-    """Give a function that writes Workers into an OutputFolder, now and then; at the end it is written that none is.
+    """Give a function that writes Workers into an OutputFolder, but not too often. `experiment status` reads them.
 
-    That is for `experiment status`.
+    At the end an empty list is written.
     """
     last = [-math.inf]
 
@@ -147,7 +152,7 @@ def workers_file(folder: Any) -> Iterator[Callable[..., None]]:
 
 
 def lines(folder: str, now: float) -> Iterator[str]:
-    """Yield what is told of the workers of an experiment that runs: a line each. now: as of time.time() [s].
+    """Yield lines about the workers of a running experiment: a headline, then one for each. now: of time.time() [s].
 
     :raises ConfigurationError: if the file cannot be understood.
     """
@@ -172,7 +177,7 @@ def lines(folder: str, now: float) -> Iterator[str]:
 
 
 def _end(pid: int) -> None:
-    """Kill a process; have its children, which may be stopped as well, go on: they then see that it has gone."""
+    """Kill a process. Let its children go on if they are stopped, too, so that they notice its end."""
     children: List[int] = []
     with contextlib.suppress(OSError):
         for task in os.listdir(_TASKS.format(pid)):

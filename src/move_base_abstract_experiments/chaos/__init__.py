@@ -1,1 +1,4 @@
-"""Chaos: seeds that choose other legal orders of equal events, until something fails; the fewest decisions for that."""
+"""Chaos: try seeds, which choose other legal orders of equal events, until a run fails; then find the fewest decisions.
+
+The decisions of a seed are those that make its run differ from one in the stated order.
+"""

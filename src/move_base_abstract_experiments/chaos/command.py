@@ -18,11 +18,11 @@ from .runs import PARTS, Chosen, Runs, Told, document_of
 
 GOOD, FAILED, OTHER = 0, 1, 3
 _LARGEST_SEED = 2147483647
-_OWN = ('chaos_seed', 'chaos_delay', 'chaos_only', 'lookahead')  # of RunOptions, which this command sets itself
+_OWN = ('chaos_seed', 'chaos_delay', 'chaos_only', 'lookahead')  # RunOptions that are not allowed here
 
 
 def main(words: Sequence[str]) -> int:
-    """Run the command line; return the exit code."""
+    """Run the command with these arguments; return the exit code, which the epilog of --help explains."""
     parser, options = _parse(words)
     return ending.exit_code('chaos', lambda: _replay(options) if options.replay else _search(parser, options))
 
@@ -58,7 +58,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
         if getattr(options, name):
             parser.error(f"--{name.replace('_', '-')}: not here; --seeds and --delay say what is tried")
     if options.replay and options.command:
-        parser.error(f'--replay: the file says what is run, got {" ".join(options.command)} besides')
+        parser.error(f'--replay: the file says what is run; got also {" ".join(options.command)}')
     return parser, options
 
 
@@ -85,7 +85,7 @@ def _count(text: str) -> int:
 
 
 def _document_options(options: argparse.Namespace) -> Dict[str, Any]:
-    """Return the keys of an experiment's file that the options say, and those of PARTS."""
+    """Return the options as keys of an experiment's file, and as those of PARTS."""
     record = kinds.of_arguments(RunOptions, options)
     found = {one.key or one.field: list(value) if isinstance(value, tuple) else value
              for one, value in kinds.collected(record, lambda _one: True)}
@@ -103,7 +103,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
     begin = time.monotonic()
     with Runs(document_of(path, arguments, dict(more)), os.getcwd(), options.workers, options.delay,
               options.property) as runs:
-        # The stated order comes first: what fails there needs no chaos.
+        # The stated order, seed 0, comes first. If it fails, no chaos is needed.
         seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
         gathered = Gathering()
         found = _first_failing(runs.each(seeds), gathered)
@@ -119,7 +119,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
 
 
 def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
-    """Return the first that fails; ``gathered`` takes what all up to that one have stated."""
+    """Return the first run that fails, or None. ``gathered`` takes the statements of all runs up to that one."""
     for one in told:
         if one.judged is not None:
             gathered.take(f'seed {one.chosen.seed}', one.chosen.seed, one.judged.told())
@@ -129,7 +129,7 @@ def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
 
 
 def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
-    """Shrink what failed, say it, and write the file that runs it again."""
+    """Shrink a failure, print it, and write the file that runs it again; return the exit code."""
     assert found.failure is not None
     shrunk = found
     if found.chosen.seed == 0:
@@ -160,7 +160,7 @@ def _counted(count: int, what: str = 'decision') -> str:
 
 
 def _said(decision: Dict[str, Any]) -> str:
-    """Return what a decision was, in words: "/b's message on /x reached /a before /c's message on /y, at 41.3 s"."""
+    """Return a decision in words: "/b's message on /x reached /a before /c's message on /y, at 41.3 s"."""
     return f"{decision['says']}, at {decision['time_ns'] * 1e-9:.9g} s"
 
 

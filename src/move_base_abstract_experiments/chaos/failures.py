@@ -1,4 +1,4 @@
-"""What is wrong with a run: one Failure, or none. Whoever adds a property adds a function to FINDERS."""
+"""Find what is wrong with a run: one Failure, or none. To add a property, add a function to FINDERS."""
 from __future__ import annotations
 
 import io
@@ -14,23 +14,23 @@ from move_base_abstract.runs.event_log import Event, EventLog
 
 from ..records import Result
 
-#: the kinds of events of a robot with which something goes wrong, also on purpose: buggify
+#: the kinds of events in which something goes wrong with a robot, also on purpose by buggify
 _GOES_WRONG = ('failed', 'lapse_began')
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while',
               MUTE: 'drove on without a pose or feedback for a while'}
-_OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # of others there are finders of their own
-_DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
+_OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # other properties have finders of their own
+_DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # the beginnings of the reasons for such ends
 
 
 class Failure(NamedTuple):
-    """A property that failed. ``name``: the same in each run that fails so; ``text``: what happened, and when."""
+    """A property that failed. ``name``: equal in all runs that fail in this way; ``text``: what happened, and when."""
 
     name: str
     text: str
 
 
 class Seen(NamedTuple):
-    """What is known of a run.
+    """All that the finders need to know about a run.
 
     ``events``: those of the kinds that count here; ``end``: the log's end record, or {}; ``judged``: its properties.
     """
@@ -42,7 +42,7 @@ class Seen(NamedTuple):
 
 
 def seen(result: Result, log: Optional[bytes]) -> Seen:
-    """Return what is known of a run by its event log, as bytes, if it left one."""
+    """Return the Seen of a run. ``log``: the bytes of its event log, or None."""
     events: List[Event] = []
     end: Dict[str, Any] = {}
     judged = Judgement((), {})
@@ -56,7 +56,7 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
 
 
 def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
-    """Yield the decisions of robots that went wrong on purpose, as chaos_decisions has others."""
+    """Yield a decision for each robot that went wrong on purpose, in the form of those of chaos_decisions."""
     for event in run.events:
         values = json.loads(event.values) if event.kind in _GOES_WRONG else []
         if len(values) >= 2 and str(values[1]).startswith(CAUSE):
@@ -65,7 +65,7 @@ def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
 
 
 def _words(values: List[Any]) -> str:
-    """Return what a robot did that went wrong, of the values of its event."""
+    """Return in words what went wrong with a robot, from the values of its event."""
     if values[0] == JUMP:
         x, y, yaw = values[2:]
         return f'took itself to be {math.hypot(x, y):.2f} m and {abs(yaw):.2f} rad beside where it was, for a while'
@@ -73,7 +73,7 @@ def _words(values: List[Any]) -> str:
 
 
 def _broken_properties(run: Seen) -> Iterator[Failure]:
-    """Statements of nodes that are broken; the name of one is its text."""
+    """Yield the broken statements of nodes; the text of a statement is the name of its Failure."""
     for one in run.judged.broken:
         if one.property in statements.KINDS:
             yield Failure(one.text, f'{one.property}: {one.text}, said by {one.node}{_at(one.instant_ns or 0)}'
@@ -81,13 +81,13 @@ def _broken_properties(run: Seen) -> Iterator[Failure]:
 
 
 def _crashes(run: Seen) -> Iterator[Failure]:
-    """A node ended with an exit code other than 0 or by a signal, or nobody caught an exception in it."""
+    """Yield the crashes: a node ended by a signal or with an exit code other than 0, or had an uncaught exception."""
     for text in run.result.crashes:
         yield Failure(f'crash {text.split(" ")[0]}', text)
 
 
 def _standstill(run: Seen) -> Iterator[Failure]:
-    """Nothing happens any more, but somebody waits; or too much happens at one instant."""
+    """Yield a deadlock (a participant waits, but nothing happens any more) or a zero-delay loop (time stands still)."""
     reason = str(run.end.get('reason', ''))
     for name in (_DEADLOCK, _LOOP):
         if reason.startswith(name) or run.result.error and f': {name} at ' in run.result.error:
@@ -95,14 +95,14 @@ def _standstill(run: Seen) -> Iterator[Failure]:
 
 
 def _of_robots(run: Seen) -> Iterator[Failure]:
-    """Goals never end, places are not kept, batteries are empty."""
+    """Yield the broken properties of robots: goals that never end, overfull places, empty batteries."""
     for one in run.judged.broken:
         if one.property in _OF_ROBOTS:
             yield Failure(one.property, one.words())
 
 
 def _unfinished(run: Seen) -> Iterator[Failure]:
-    """It did not come to its end."""
+    """Yield a Failure if the run did not come to its end."""
     if not run.result.is_complete:
         yield Failure('unfinished', str(run.result.error))
 
@@ -112,7 +112,10 @@ FINDERS: Sequence[Callable[[Seen], Iterator[Failure]]] = (
 
 
 def of_run(run: Seen, wanted: Sequence[str] = ()) -> Optional[Failure]:
-    """Return the first Failure of a run. wanted: names, or how they begin; no others count; empty: all do."""
+    """Return the first Failure of a run, or None.
+
+    wanted: the names that count, or their first words; empty: all count.
+    """
     for find in FINDERS:
         for failure in find(run):
             if not wanted or any(failure.name == name or failure.name.startswith(name + ' ') for name in wanted):

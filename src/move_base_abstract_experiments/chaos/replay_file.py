@@ -1,4 +1,4 @@
-"""The file that runs a failure again: what was run, the seed, the decisions, and what failed."""
+"""The file that runs a failure again: the launch file, the seed, the decisions, and the failure."""
 from __future__ import annotations
 
 import json
@@ -19,23 +19,23 @@ _NAME = re.compile('[0-9a-f]{12}')
 
 @dataclass
 class Replay:
-    """One failing run. ``launch``: a path, then ARG:=VALUE words; ``document``: other keys of an experiment's file."""
+    """One failing run."""
 
-    launch: List[str]
-    seed: int
-    delay: float
-    only: List[str]
-    failure: str
-    text: str
-    document: Dict[str, Any] = field(default_factory=dict)
-    happened: List[str] = field(default_factory=list)
-    sha256: str = ''
+    launch: List[str]  # a path, then ARG:=VALUE words
+    seed: int  # of chaos; 0: the stated order
+    delay: float  # the largest delay of messages [s, simulated]
+    only: List[str]  # the names of the decisions
+    failure: str  # the name of the Failure
+    text: str  # its text
+    document: Dict[str, Any] = field(default_factory=dict)  # other keys of an experiment's file
+    happened: List[str] = field(default_factory=list)  # the decisions in words
+    sha256: str = ''  # the digest of the event log
 
     @property
     def words(self) -> List[str]:
-        """The options of lockstep_launch, without the launch file; a crash is compared, too.
+        """The options of lockstep_launch for this run, without the launch file. Crashes are allowed, and so compared.
 
-        :raises ConfigurationError: if they are none.
+        :raises ConfigurationError: if they are not valid.
         """
         given = self.document
         nodes = {key: f"--{key.replace('_', '-')}" for key in ('participant', 'onlooker', 'leave_out')}
@@ -49,18 +49,18 @@ class Replay:
 
 
 def write(path: str, replay: Replay) -> None:
-    """Write a file of ours, whole, in the place of one of ours at most.
+    """Write a Replay as a whole file. It replaces only a file that `chaos` has written.
 
-    :raises OutputError, ConfigurationError: if it cannot be written, or something else is there.
+    :raises OutputError, ConfigurationError: if it cannot be written, or another file is there.
     """
     check_file(path, lambda start: start.startswith(b'{"chaos": '))
     with whole_file(path, encoding='utf-8') as stream:
         text = json.dumps(vars(replay), indent=1)
-        stream.write('{"chaos": %d,%s\n' % (FORMAT, text[1:]))  # so that it is known by its first line
+        stream.write('{"chaos": %d,%s\n' % (FORMAT, text[1:]))  # the first line identifies the file
 
 
 def read(path: str) -> Replay:
-    """Return what is in a file. :raises ConfigurationError: naming the file, what is wrong and what is allowed."""
+    """Return the Replay in a file. :raises ConfigurationError: naming the file, what is wrong and what is allowed."""
     try:
         content = load_json_mapping(path)
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Runs of one launch file with chaos, each of a seed, on several warm processes."""
+"""Run one launch file with chaos, each run with a seed of its own, on several warm processes."""
 from __future__ import annotations
 
 import concurrent.futures
@@ -20,30 +20,36 @@ from ..trials.run_folders import LOG
 from ..trials.run_plan import DECISIONS
 from . import failures, shrinking
 
-PARTS = ('participant', 'onlooker')  # options: names of nodes that take part, and look on, whatever they look like
+PARTS = ('participant', 'onlooker')  # options that name nodes: these take part, those look on, whatever the rule says
 _TIME_LIMIT_S = 120.0  # wall, of a run
 
 
 class Chosen(NamedTuple):
-    """What a run is of. ``only``: the names of the decisions that are applied; None: all."""
+    """The choice of a run. ``only``: the names of the decisions that are applied; None: all that the seed makes."""
 
     seed: int
     only: Optional[Tuple[str, ...]] = None
 
 
 class Told(NamedTuple):
-    """What came out. ``decisions``: [{'name', 'time_ns', 'what', 'says'}]; ``digest``: of the event log, or ''."""
+    """The result of a run.
+
+    ``decisions``: [{'name', 'time_ns', 'what', 'says'}]; ``digest``: that of the event log, or ''.
+    """
 
     chosen: Chosen
     failure: Optional[failures.Failure]
     decisions: List[Dict[str, Any]]
     digest: str
-    problem: str = ''  # why nothing is known of it
-    judged: Optional[Judgement] = None  # its properties
+    problem: str = ''  # why the run has left no outputs
+    judged: Optional[Judgement] = None  # the run's properties
 
 
 def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) -> Dict[str, Any]:
-    """Return what an experiment's file would say of a launch file, ARG:=VALUE words and further options."""
+    """Return a launch file, its ARG:=VALUE words and further options as the content of an experiment's file.
+
+    ``options``: keys of an experiment's file, or of PARTS; it is changed.
+    """
     args = dict(word.split(':=', 1) for word in arguments)
     parts = [tuple(options.pop(name, ())) for name in PARTS]
     if any(parts):
@@ -55,7 +61,7 @@ def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) ->
 
 def _participants(path: str, arguments: Sequence[str], options: Dict[str, Any], forced: Tuple[str, ...],
                   kept_out: Tuple[str, ...]) -> List[str]:
-    """Return who takes part by the rule of lockstep_launch, if these nodes do and those do not."""
+    """Return the participants by the rules of lockstep_launch, with the nodes ``forced`` and without ``kept_out``."""
     from move_base_abstract_ros.launching.plan import Wishes, name_anonymous_ones_alike, plan_of
     name_anonymous_ones_alike()
     wishes = Wishes({}, forced=forced, kept_out=kept_out, left_out=tuple(options.get('leave_out', ())), replaced=[
@@ -64,7 +70,7 @@ def _participants(path: str, arguments: Sequence[str], options: Dict[str, Any], 
 
 
 class Runs:
-    """Warm processes, and what runs on them. ``wanted``: names of the properties that count; empty: all."""
+    """Runs on several warm processes; a context manager. ``wanted``: the names of failures that count; empty: all."""
 
     def __init__(self, document: Dict[str, Any], folder: str, workers: int, delay: float,
                  wanted: Sequence[str]) -> None:
@@ -76,7 +82,7 @@ class Runs:
         self._all = [jobs.WarmProcess() for _ in range(workers)]
         for warm in self._all:
             self._idle.put(warm)
-        # Threads that only wait: nothing is forked in this process.
+        # These threads only wait; this process does not fork.
         self._pool = concurrent.futures.ThreadPoolExecutor(workers)
         self._workers = workers
         self._is_over = False
@@ -87,13 +93,13 @@ class Runs:
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        self._is_over = True  # whoever has lost its process now starts no other
+        self._is_over = True  # a thread that loses its process now does not start another one
         for warm in list(self._all):
             warm.close()
         self._pool.shutdown()
 
     def each(self, chosen: Iterable[Chosen]) -> Iterator[Told]:
-        """Yield what came out of each, in their order; so many at the same time as there are processes."""
+        """Yield the result of each run, in the order given. As many run at the same time as there are processes."""
         ahead: List[Any] = []  # Futures of Told
         waiting = iter(chosen)
         try:
@@ -112,13 +118,13 @@ class Runs:
                 future.cancel()
 
     def one(self, chosen: Chosen) -> Told:
-        """Return what came out of one."""
+        """Return the result of one run."""
         return next(self.each([chosen]))
 
     def shrunk(self, found: Told) -> Told:
-        """Return a run of as few of the decisions of ``found`` as still fail in the same way.
+        """Return the result of a run with as few of the decisions of ``found`` as still fail in the same way.
 
-        :raises ConfigurationError: if they do not when they run again.
+        If its ``failure`` is None, the run is not repeatable.
         """
         failure = found.failure
         assert failure is not None

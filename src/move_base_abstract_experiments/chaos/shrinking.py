@@ -1,4 +1,4 @@
-"""The fewest of some things that still fail: delta debugging, ddmin.
+"""Find a smallest set of decisions that still fails: delta debugging, ddmin.
 
 Zeller, Hildebrandt: Simplifying and isolating failure-inducing input. IEEE Trans. on Software Engineering 28, 2002.
 """
@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from typing import Callable, List, Optional, Sequence, Tuple
 
-#: of candidates: (which is the first that fails, what of it was there in that run at all), or None
+#: takes candidates; returns (the place of the first that fails, those of its names that occurred in its run), or None
 Try = Callable[[List[List[str]]], Optional[Tuple[int, List[str]]]]
 
 
 def ddmin(names: Sequence[str], first_failing: Try) -> List[str]:
-    """Return some of the names that still fail together, and none of which can be left out alone.
+    """Return some of the names that still fail together, and of which none can be left out by itself.
 
-    first_failing: of several candidates the first that fails, in their order, whatever is tried at the same time.
+    first_failing: finds the first of several candidates that fails, in their order. It may try several at once.
     """
     left, parts = list(names), 2
     while left:

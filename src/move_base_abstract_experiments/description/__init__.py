@@ -1,1 +1,1 @@
-"""What an experiment is: its file, its plan, and what its trials are made of."""
+"""The description of an experiment: its file, its plan, and the files and parameters on which its trials depend."""

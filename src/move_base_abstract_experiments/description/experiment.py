@@ -1,7 +1,7 @@
-"""An Experiment: what its file may say. Each option is written here once, with all that is known of it.
+"""The class Experiment: the options of an experiment's file. Each option is written here once, with all about it.
 
-How a file is read and checked, its JSON Schema, the table in the docs, what makes a trial another one and what the time
-master gets are made of this.
+From these options follow: how a file is read and checked, its JSON Schema, the table in the docs, which options a trial
+depends on, and the parameters of the time master.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from move_base_abstract.lockstep.run_options import OF_NODES, RunOptions
 
 from .metric_names import BUILT_IN, Metric
 
-SYSTEMS = ('launch', 'command', 'function')  # one of them is run
+SYSTEMS = ('launch', 'command', 'function')  # an experiment runs exactly one of them
 _LAUNCH = ('launch',)
 ALL = 'all'
 TRIAL, BATCH = 'trial', 'batch'  # isolation
@@ -42,7 +42,7 @@ OWN_COLUMNS = ('id', 'replication', 'seed', 'status', 'simulated_seconds', 'wall
 
 
 def in_words(systems: Iterable[str]) -> str:
-    """Return some of SYSTEMS in words."""
+    """Return some of SYSTEMS in words: 'a launch file or a command'."""
     return ' or '.join(f'a {each} file' if each == 'launch' else f'a {each}' for each in systems)
 
 
@@ -63,7 +63,7 @@ _COUNT = number(1, MOST_TRIALS, whole=True)
 
 @dataclass(frozen=True)
 class Until:
-    """What ends a trial, whichever comes first; besides, the end of a node that the launch file calls required."""
+    """What ends a trial, whichever comes first. The end of a node that the launch file calls required ends it, too."""
 
     seconds: float = option(number(1e-6, LONGEST_S, unit='s, simulated'), None, 'the trial ends after this time [s, '
                             'simulated]',
@@ -75,7 +75,7 @@ class Until:
 
 @dataclass(frozen=True)
 class Record:
-    """What is kept of a trial beside its event log."""
+    """What is kept of a trial besides its event log."""
 
     messages: Tuple[str, ...] = option(list_of(_TOPIC, 'names of topics, such as /idleness'), [], 'topics that are '
                                        'written to `messages.jsonl`', systems=OF_NODES)
@@ -90,7 +90,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Column:
-    """What a metric of the user's is called."""
+    """The title, unit and better side of a metric of the user."""
 
     title: str = option(text(100), None, 'its name in the report')
     unit: Any = option(SCALAR, '', 'its unit')
@@ -99,7 +99,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Metrics:
-    """The metrics of the user's."""
+    """The metrics of the user: the function that returns them, and how they are called."""
 
     function: str = option(_FUNCTION, None, '`module:function` that returns them')
     columns: Dict[str, Column] = option(
@@ -109,7 +109,10 @@ class Metrics:
 
 @dataclass(frozen=True)
 class Replications:
-    """How many there are of each configuration. ``fewer``: {factor: {value: of configurations that have it}}."""
+    """The number of replications of each configuration.
+
+    ``fewer``: {factor: {value: the number for configurations with this value}}.
+    """
 
     all: int = 1
     fewer: Dict[str, Dict[Any, int]] = field(default_factory=dict)
@@ -130,7 +133,7 @@ _REPLICATIONS = Kind(_replications, {'anyOf': [_COUNT.schema, {
 
 @dataclass(frozen=True)
 class Experiment(RunOptions):
-    """An experiment's file, checked. ``folder``: where it lies; relative paths in it start there."""
+    """The content of an experiment's file, checked. ``folder``: its folder; relative paths in it start there."""
 
     folder: str = ''
     name: str = option(text(100), None, 'the name of the experiment', key='experiment', is_required=True)
@@ -200,28 +203,28 @@ class Experiment(RunOptions):
 
     @functools.cached_property
     def later_parts(self) -> List[Dict[str, Any]]:
-        """What makes its trials others, beside what was there from the first, which plan.made_of() has."""
+        """The options that plan.made_of() takes besides its fixed list, one {field: value} each; not the defaults."""
         return [{one.field: value} for one, value in collected(self, lambda one: one.is_part)]
 
     @property
     def system(self) -> str:
-        """Which of SYSTEMS it runs."""
+        """The one of SYSTEMS that the experiment runs."""
         return next(key for key in SYSTEMS if getattr(self, key))
 
     @property
     def known_metrics(self) -> Dict[str, Metric]:
-        """What is told of the metrics, by name: the built-in ones, then the user's."""
+        """The metrics that are known before a trial has run, by name: the built-in ones, then those of the user."""
         own = {name: Metric(one.title or name, one.unit, one.better) for name, one in self.metrics.columns.items()}
         return {**({} if self.function else BUILT_IN), **own}
 
     @property
     def functions(self) -> Dict[str, str]:
-        """The user's functions that it calls, module:function by the key that names them."""
+        """The functions of the user that the experiment calls: {key of the file: 'module:function'}."""
         named = {'metrics': self.metrics.function, 'function': self.function, 'prepare': self.prepare}
         return {key: name for key, name in named.items() if name}
 
     def replications_of(self, configuration: Dict[str, Any]) -> int:
-        """Return how many replications a configuration, {factor: value}, has."""
+        """Return the number of replications of a configuration, {factor: value}."""
         fewer = self.replications.fewer
         return min([self.replications.all, *(fewer[name][value] for name, value in configuration.items()
                                              if value in fewer.get(name, {}))])

@@ -1,8 +1,8 @@
-"""What a trial is made of, beside what the experiment's file says: files by their content, and parameters.
+"""The ingredients of a trial, besides the experiment's file: files, by their content, and parameters.
 
-The programs of all nodes, the modules that they import, the libraries that they link, the launch file with all that it
-includes, its parameters, files that parameters and arguments name, inputs, and this package. They are looked at when an
-experiment starts, each once; a worker looks again before and after each trial.
+They are the programs of all nodes, the modules that they import, the libraries that they link, the launch file with all
+files that it includes, its parameters, files that parameters and arguments name, inputs, and this package. Each is read
+once, when an experiment starts. A worker checks the files again before and after each trial.
 """
 from __future__ import annotations
 
@@ -38,13 +38,14 @@ Stamp = Tuple[int, int, int, int]
 
 
 class ChangedError(SimulatorError):
-    """A file that trials are made of is another one than when the experiment started."""
+    """A file on which trials depend has changed since the experiment started."""
 
 
 def of_trial(trial: Trial) -> Made:
-    """Return {path, PACKAGE or PARAMETERS: digest} of what a trial is made of beside what the experiment's file says.
+    """Return the ingredients of a trial: {path, PACKAGE or PARAMETERS: digest}.
 
-    Launch files are read as for the first replication. Files that arguments name are those of the trial itself.
+    Launch files are read with the arguments of the first replication. Files that arguments name are those of the trial
+    itself.
     """
     experiment, first, found = trial.experiment, trial.first, {PACKAGE: _own()}
     if experiment.launch:
@@ -64,20 +65,20 @@ def of_trial(trial: Trial) -> Made:
 @lru_cache(maxsize=None)
 def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: Tuple[str, ...],
                replaced: Tuple[Tuple[str, str], ...], adopts: bool = False) -> Made:
-    """Return {path or PARAMETERS: digest} of a launch file with arguments; {} where it is on the workers only."""
+    """Return {path or PARAMETERS: digest} of a launch file with arguments; {} if only the workers have the file."""
     from move_base_abstract_ros.launching import plan, roles
     try:
         path = launch_files.find(launch, folder)
     except ConfigurationError:
         return {}
-    plan.name_anonymous_ones_alike()  # counted anew each time: the same names
+    plan.name_anonymous_ones_alike()  # their counter starts again, so each reading gives the same names
     try:
         config = launch_files.read([(path, arguments)], adopts)
         wishes = plan.Wishes(parameters={}, left_out=left_out, replaced=tuple(
             (tuple(old.split('/')), tuple(new.split('/'))) for old, new in replaced))
         wishes = launch_files.adopted(config, wishes) if adopts else wishes
     except ConfigurationError:
-        return {one: digest(one) for one in launch_files.with_includes(path)}  # the check, or the worker, complains
+        return {one: digest(one) for one in launch_files.with_includes(path)}  # the check or the worker complains
     paths: Set[str] = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
     words = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
     for node in config.nodes:
@@ -96,7 +97,7 @@ def parameters(launch: str, arguments: Tuple[str, ...], folder: str,
                adopts: bool = False) -> Tuple[Tuple[str, str], ...]:
     """Return ((name, value as text), ...) of a launch file's parameters, without the folders of files in them.
 
-    They are () where the launch file is not here, or cannot be read.
+    They are () if the launch file is not on this computer, or cannot be read.
     """
     try:
         config = launch_files.read([(launch_files.find(launch, folder), arguments)], adopts)
@@ -110,7 +111,10 @@ def _without_folder(found: Match[str]) -> str:
 
 
 def names_from_elsewhere(experiment: Experiment) -> Set[str]:
-    """Return what the modules of an experiment's functions import that is neither theirs nor of Python's library."""
+    """Return the names of packages of others that the modules of an experiment's functions import.
+
+    They are neither the experiment's own nor in Python's standard library.
+    """
     modules = {name.partition(':')[0] for name in experiment.functions.values()}
     return program_files.names_from_elsewhere({path for one in modules for path in _of_module(one, experiment.folder)})
 
@@ -119,7 +123,7 @@ def _split(text: Optional[str]) -> List[str]:
     from roslaunch.substitution_args import resolve_args
     try:
         return shlex.split(resolve_args(text or '', resolve_anon=False))
-    except Exception:  # whoever starts the node says it in its own words
+    except Exception:  # roslaunch reports it when it starts the node
         return []
 
 
@@ -128,7 +132,7 @@ def _of_node(package: str, kind: str) -> FrozenSet[str]:
     from roslib import packages
     try:
         found = packages.find_node(package, kind)
-    except Exception:  # whoever starts the node says it in its own words
+    except Exception:  # roslaunch reports it when it starts the node
         return frozenset()
     return frozenset(one for path in found[:1] for one in program_files.files_of(path))
 
@@ -143,7 +147,7 @@ def _of_module(name: str, folder: str) -> FrozenSet[str]:
 
 @lru_cache(maxsize=None)
 def _of_word(word: str, after: str, folder: str) -> Set[str]:
-    """Return the files that a word of a command, and the word after it, stand for: a program, or PACKAGE TYPE."""
+    """Return the files of the program that a word of a command names, by itself or, as PACKAGE TYPE, with the next."""
     path = word if os.path.isabs(word) else shutil.which(word) or ''
     found: Set[str] = set()
     if os.path.isfile(path) and not program_files.is_of_system(path):
@@ -154,7 +158,7 @@ def _of_word(word: str, after: str, folder: str) -> Set[str]:
 
 
 def _named(words: List[str], folder: str) -> Set[str]:
-    """Return the files that values name by their paths: maps, worlds, tables; and a map's image."""
+    """Return the files that values name by a path, such as maps, worlds and tables; and the image of each map."""
     found: Set[str] = set()
     for word in words:
         path = os.path.join(folder, word) if os.sep in word and '\0' not in word and len(word) < 4096 else ''
@@ -170,12 +174,12 @@ def _named(words: List[str], folder: str) -> Set[str]:
 
 @lru_cache(maxsize=None)
 def _own() -> str:
-    """Return a digest of this package: its Python modules but for the report, and its programs that keep the time."""
+    """Return a digest of this package: its Python modules except the report, the time master, and the shim."""
     root, paths = Path(__file__).resolve().parents[2], []
     for name in program_files.OWN_FOLDERS:
         paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)
     content = [[str(path.relative_to(root)), digest(str(path))] for path in paths]
-    with contextlib.suppress(Exception):  # where no workspace is sourced there is none
+    with contextlib.suppress(Exception):  # without a sourced workspace there are no such programs
         from move_base_abstract_ros.lockstep.programs.binary import find_shim
         from move_base_abstract_ros.loopback import find_executable
         content += [[name, digest(find_executable(name))] for name in _PARTS]
@@ -211,14 +215,14 @@ def _stat(path: str) -> Optional[Stamp]:
 
 
 class Files(NamedTuple):
-    """What a worker is told of the files that a trial is made of. ``files``: of each path, digest and stamp."""
+    """The files on which a trial depends, as a worker gets them. ``files``: (path, digest, stamp) for each."""
 
     host: str
     files: Tuple[Tuple[str, str, Optional[Stamp]], ...]
 
 
 def files_of(made: Made) -> Files:
-    """Return the Files of of_trial()."""
+    """Return the Files among the ingredients of a trial, as of_trial() returns them."""
     return _files_of(tuple(sorted(made.items())))
 
 
@@ -228,7 +232,12 @@ def _files_of(made: Tuple[Tuple[str, str], ...]) -> Files:
 
 
 def check(files: Files) -> None:
-    """Complain of files that are not what files_of() says. :raises ChangedError: naming the first."""
+    """Check that files are still those of files_of().
+
+    On another computer, files that do not exist there are not checked.
+
+    :raises ChangedError: naming the first that is not.
+    """
     is_here = files.host == socket.gethostname()
     for path, wanted, stamp in files.files:
         if is_here and stamp is not None and _stat(path) == stamp:
@@ -239,24 +248,24 @@ def check(files: Files) -> None:
 
 
 def changed(before: Made, now: Made) -> str:
-    """Return in words what is another one in two of of_trial(): 'a.py, b.py and 3 more', or ''."""
+    """Return in words what differs between two results of of_trial(): 'a.py, b.py and 3 more', or ''."""
     names = sorted(os.path.basename(path) for path in {*before, *now} if before.get(path) != now.get(path))
     more = len(names) - _MOST_NAMES
     return ', '.join(names[:_MOST_NAMES]) + (f' and {more} more' if more > 0 else '')
 
 
 def name_of(made: Made) -> str:
-    """Return the digest of a whole of_trial()."""
+    """Return a digest of the ingredients of a trial, as of_trial() returns them."""
     return hashlib.sha256(json.dumps(sorted(made.items())).encode('utf-8', 'surrogateescape')).hexdigest()[:16]
 
 
 def by_content(made: Made) -> List[List[str]]:
-    """Return of_trial() without the folders that files lie in: a workspace may be moved."""
+    """Return the ingredients of a trial without the folders of files, because a workspace may be moved."""
     return sorted([os.path.basename(path), found] for path, found in made.items())
 
 
 def repositories(paths: Iterable[str]) -> List[Dict[str, Any]]:
-    """Return [{folder, commit, dirty}] of the git repositories that files lie in; commit None: git cannot say it."""
+    """Return [{folder, commit, dirty}] for the git repositories of files; commit and dirty are None if git fails."""
     roots = sorted(filter(None, {_root(os.path.dirname(path)) for path in paths if os.sep in path}))
     words = ['git', '-c', 'core.fsmonitor=false', '--no-optional-locks', 'status', '--porcelain=v2', '--branch']
     found = []
@@ -278,7 +287,7 @@ def _root(folder: str) -> Optional[str]:
 
 
 def forget() -> None:
-    """Look at everything anew; in one process it is looked at once."""
+    """Forget all files and parameters, so that they are read again; otherwise a process reads each once."""
     program_files.forget()
     for known in (_of_launch, parameters, _of_node, _of_module, _of_word, _own, digest, _stamp, _root, _files_of):
         known.cache_clear()

@@ -1,4 +1,4 @@
-"""A Job: what goes to a worker. It travels as a pickle; of a batch all that its jobs share travels once."""
+"""The class Job: what is sent to a worker. It travels as a pickle; in a batch, what its jobs share is sent once."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,17 +11,21 @@ ROS, NUMPY = 'ros', 'numpy'
 
 
 class Common(NamedTuple):
-    """What the jobs of all trials of an experiment share. ``sources``: {path: text} of the modules of functions."""
+    """The part that the jobs of all trials of an experiment share.
+
+    ``sources``: {path: text} of the modules of the user's functions. ``view``: worker_files.view() of the computer that
+    started the experiment.
+    """
 
     sources: Dict[str, str]
     version: str  # of this package
-    view: Tuple[str, ...]  # of worker_files
-    warm: Tuple[str, ...] = (ROS, NUMPY)  # which of these the warm process has imported
+    view: Tuple[str, ...]
+    warm: Tuple[str, ...] = (ROS, NUMPY)  # what the warm process has imported, of these two
 
 
 @dataclass(frozen=True)
 class Job:
-    """A trial that is to run, and what it was made of when the experiment was started."""
+    """A trial that is to run, and its ingredients when the experiment was started."""
 
     trial: Trial
     common: Common
@@ -37,12 +41,12 @@ class Job:
 
     @property
     def prepared(self) -> Any:
-        """By what a warm process must have been prepared: None, or the function, its arguments and its modules."""
+        """How a warm process must be prepared: None, or the function, its args, the factors and the modules."""
         experiment = self.trial.experiment
         return (experiment.prepare, experiment.args, experiment.factors,
                 self.common.sources) if experiment.prepare else None
 
     @property
     def wall_limit(self) -> float:
-        """How long its runs may take together [s, wall]."""
+        """The time that the trial's runs may take together [s, wall]."""
         return self.trial.experiment.time_limit * (2 if self.trial.verified_by else 1)

@@ -1,7 +1,7 @@
-"""Launch files by roslaunch's own loader, without what is the same for each trial: that is found once per warm process.
+"""Launch files, read by roslaunch's own loader. What is the same for each trial is found once per warm process.
 
-The parameters of ROS's core need two programs each time (`rosversion`), and where a node's program is needs a walk
-through all packages: together several times as long as the rest.
+To read the parameters of ROS's core, roslaunch runs two programs each time (`rosversion`). To find a node's program, it
+walks through all packages. Together these take several times as long as the rest.
 """
 from __future__ import annotations
 
@@ -22,15 +22,17 @@ _MOST_INCLUDED = 1000
 
 @lru_cache(maxsize=None)
 def core() -> Any:
-    """Return roslaunch's configuration of ROS's core alone; asked for in the warm process, it is there for all."""
+    """Return roslaunch's configuration of ROS's core alone. The warm process calls this once for all its trials."""
     import roslaunch.config
     return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
 
 
 def read(files: Iterable[Tuple[str, Iterable[str]]], adopts: bool = False) -> Any:
-    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])]. :raises ConfigurationError: as it says it.
+    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])].
 
-    adopts: what they name and is not here is left out.
+    adopts: whether to leave out files and packages that are not on this computer.
+
+    :raises ConfigurationError: with the words of roslaunch.
     """
     from roslaunch.core import RLException
     from roslaunch.loader import LoadException
@@ -53,7 +55,10 @@ def _tolerant() -> Any:
 
 
 def arguments_of(path: str) -> List[str]:
-    """Return the names of the arguments in a launch file's text."""
+    """Return the names of the arguments in a launch file's text.
+
+    :raises ConfigurationError: if the file cannot be read.
+    """
     try:
         return [tag.get('name', '') for tag in xml.etree.ElementTree.parse(path).iter('arg')]
     except (OSError, xml.etree.ElementTree.ParseError) as error:
@@ -61,19 +66,19 @@ def arguments_of(path: str) -> List[str]:
 
 
 def adopted(config: Any, wishes: Any) -> Any:
-    """Return wishes with what a configuration that was read with ``adopts`` needs.
+    """Return wishes with the changes that a configuration needs that was read with ``adopts``.
 
-    :raises ConfigurationError: if something in it cannot work.
+    :raises ConfigurationError: if something in the configuration cannot work.
     """
     from move_base_abstract_ros.launching import adoption
-    found = adoption.adopt(config, wishes._replace(kept_out=()))  # which may be all that are not named
+    found = adoption.adopt(config, wishes._replace(kept_out=()))  # kept_out may be all nodes that are not named
     if found.problems:
         raise ConfigurationError('adopt: ' + '; '.join(found.problems))
     return found.wishes._replace(kept_out=wishes.kept_out, is_told=True)
 
 
 def find(text: str, folder: str) -> str:
-    """Return the path of a launch file: $(find PACKAGE) stands for a package, a relative path begins at the folder.
+    """Return the path of a launch file. $(find PACKAGE) stands for a package; a relative path starts at the folder.
 
     :raises ConfigurationError: if there is no such package or file.
     """
@@ -92,9 +97,9 @@ def find(text: str, folder: str) -> str:
 
 
 def with_includes(path: str) -> List[str]:
-    """Return the paths of a launch file and of all files that it includes or loads, in the order of their finding.
+    """Return the paths of a launch file and of all files that it includes or loads, in the order of their discovery.
 
-    Of names that hang on arguments nothing can be said here: they are left out.
+    Names that depend on arguments are left out.
     """
     found: List[str] = []
     waiting = [os.path.abspath(path)]
@@ -106,7 +111,7 @@ def with_includes(path: str) -> List[str]:
         try:
             nodes = list(xml.etree.ElementTree.parse(here).iter())
         except (OSError, xml.etree.ElementTree.ParseError):
-            continue  # no launch file, or one that the check complains of
+            continue  # it is no launch file, or the check reports the error
         names = [node.get('file', '') for node in nodes if node.tag in ('include', 'rosparam')]
         for name in filter(None, names):
             try:
@@ -117,17 +122,17 @@ def with_includes(path: str) -> List[str]:
 
 
 def save_programs(folder: str) -> None:
-    """Write what was found into a trial's folder, for the warm process."""
+    """Write the paths of programs that were found into a trial's folder, for the warm process."""
     from move_base_abstract_ros.launching.look_ups import programs
     with open(os.path.join(folder, NAME), 'w', encoding='utf-8') as stream:
         json.dump([[*key, path] for key, path in programs.items()], stream)
 
 
 def load_programs(folder: str) -> None:
-    """Take what a trial has found."""
+    """Take over the paths of programs that a trial has found."""
     try:
         with open(os.path.join(folder, NAME), encoding='utf-8') as stream:
             from move_base_abstract_ros.launching.look_ups import programs
             programs.update({(package, kind): path for package, kind, path in json.load(stream)})
     except (OSError, ValueError):
-        pass  # a trial that ended before that
+        pass  # the trial ended before it wrote them

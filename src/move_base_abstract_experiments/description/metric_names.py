@@ -1,14 +1,15 @@
-"""The built-in metrics of a trial: what they are called, in which unit, and which way is better."""
+"""The built-in metrics of a trial: their titles, their units, and which side is better."""
 from __future__ import annotations
 
 from typing import Any, Dict, NamedTuple, Optional
 
 
 class Metric(NamedTuple):
-    """What is told of a metric.
+    """The description of a metric.
 
-    ``better``: 'lower', 'higher', or None where neither is. ``at_limit``: what it is of a trial that the limit of time
-    ended: 'lower_bound', 'value', 'to_last_goal' (a lower bound if a goal was under way), or None: nobody has said it.
+    ``better``: 'lower', 'higher', or None if neither is better. ``at_limit``: what the metric means in a trial that the
+    limit of time ended: 'lower_bound', 'value', 'to_last_goal' (a lower bound if a goal was under way), or None: not
+    declared.
     """
 
     title: str
@@ -17,7 +18,7 @@ class Metric(NamedTuple):
     at_limit: Optional[str] = None
 
     def described(self) -> Dict[str, Any]:
-        """Return it as plan.json has it."""
+        """Return the metric in the form of plan.json."""
         return {'unit': self.unit, 'title': self.title, 'better': self.better,
                 **({'at_limit': self.at_limit} if self.at_limit else {})}
 
@@ -32,7 +33,7 @@ BUILT_IN = {
     'waiting': Metric('Time waiting, mean of the robots', 's', 'lower', 'lower_bound'),
     'throughput': Metric('Goals reached per hour', 'goals/h', 'higher', 'value'),
 }
-#: of trials in which something of the kind can be
+#: the metrics of trials in which such a thing can happen, for example those of orders only if there are orders
 OCCASIONAL = {
     'broken_properties': Metric('Broken properties', 'properties', 'lower', 'lower_bound'),
     'goals_beyond': Metric('Goals outside of what was recorded', '%', 'lower', 'value'),

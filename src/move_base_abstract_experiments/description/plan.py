@@ -1,8 +1,8 @@
-"""The trials of an experiment: which there are, in which order, with which seeds, and which run a second time.
+"""The plan: the trials of an experiment, their order and seeds, and which of them run a second time.
 
-Replication k has the same seed in every configuration: common random numbers, so that configurations can be compared
-pair by pair. All configurations of replication 0 come first, and those that have fewer replications leave their numbers
-out, so that more replications change no id of a trial.
+Replication k has the same seed in every configuration (common random numbers), so configurations can be compared pair
+by pair. All configurations of replication 0 come first. The numbers of replications that a configuration does not have
+stay unused. So with more replications the IDs of the trials stay the same.
 """
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from .spec import configurations
 from .trial import Trial
 
 FORMAT = 1
-#: conditions under which a trial runs once more, in turn; they are those of `verify` that disturb no trial beside it
+#: the conditions under which trials run a second time, in turn: those of `verify` that do not disturb other trials
 CONDITIONS = ('addresses', 'delays', 'hash', 'order')
-FUNCTION_CONDITION = 'hash'  # of a function: in a Python that is started anew, with another hash seed
+FUNCTION_CONDITION = 'hash'  # a function runs again in a new Python process with another hash seed
 _KEY_DIGITS = 6
 
 
@@ -54,14 +54,14 @@ def _key(configuration: Dict[str, Any], replication: int, seed: int) -> str:
 
 
 def _chosen(found: List[Trial], share: float) -> Dict[str, int]:
-    """Return {id: place} of the share of trials that run twice: those whose digests come first."""
+    """Return {id: place} of the trials that run twice: a share of all, those with the smallest digests."""
     count = math.ceil(share * len(found))
     ordered = sorted(found, key=lambda one: hashlib.sha256(('verify ' + one.id).encode()).hexdigest())
     return {one.id: place for place, one in enumerate(ordered[:count])}
 
 
 def describe(experiment: Experiment, chosen: List[Trial], text: bytes) -> Plan:
-    """Return the Plan of an experiment's trials. ``text``: its file."""
+    """Return the Plan of an experiment's trials. ``text``: the bytes of its file."""
     paths = {path for one in chosen if one.replication == 0 for path in ingredients.of_trial(one)}
     until = experiment.until
     return Plan(
@@ -77,14 +77,14 @@ def describe(experiment: Experiment, chosen: List[Trial], text: bytes) -> Plan:
 
 
 def versions() -> Dict[str, Any]:
-    """Return the versions that a trial depends on, and the machine."""
+    """Return the versions on which a trial depends, and the machine."""
     return {'package': package_version(), 'python': platform.python_version(), 'machine': platform.platform(),
             'processor': platform.machine(), 'cpus': os.cpu_count() or 1}
 
 
 @functools.lru_cache(maxsize=None)
 def package_version() -> str:
-    """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
+    """Return the version of this package, from its package.xml or from pip, or 'unknown'."""
     for folder in list(Path(__file__).resolve().parents)[2:7]:
         for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
             if file.is_file():
@@ -97,9 +97,9 @@ def package_version() -> str:
 
 
 def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
-    """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal.
+    """Return a digest of everything on which a trial depends. A complete trial does not run again if it is the same.
 
-    made: its ingredients.of_trial(), where they are known.
+    made: the trial's ingredients.of_trial(), if they are known already.
     """
     made = ingredients.of_trial(trial) if made is None else made
     experiment = trial.experiment
@@ -115,5 +115,5 @@ def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
 
 
 def forget() -> None:
-    """Look at files anew; in one process they are looked at once."""
+    """Forget all files, so that they are read again; otherwise a process reads each once."""
     ingredients.forget()

@@ -1,10 +1,10 @@
-"""Which files a program is made of: itself, the Python modules that it imports, the libraries that it links.
+"""The files of a program: the program itself, the Python modules that it imports, the libraries that it links.
 
-Found by reading, without running anything but ldd. What the system has put into its own folders counts only where it is
-the program itself: a system that is updated is another matter than a program that its user has changed. Of what pip
-has installed (``site-packages``) the packages count that the program and its own modules import. What these import in
-turn is thousands of files of others. What a program loads by a name that it computes (plugins) is not seen, but for
-the other modules of a Python package of which it imports one.
+They are found by reading; only ldd is run. A file in the system's own folders counts only if it is the program itself,
+because an update of the system is not a change of the program by its user. Of packages that pip has installed
+(``site-packages``), those count that the program and its own modules import. The packages that these import in turn
+are thousands of files, and do not count. A module or library that a program loads by a computed name (a plugin) is not
+found, except if the program imports another module of the same Python package.
 """
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ from move_base_abstract.common.processes import interpreter_of
 
 OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
 _SYSTEM = ('/usr/', '/lib/', '/lib64/', '/opt/ros/', '/bin/', '/sbin/', os.path.dirname(os.__file__) + os.sep)
-_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
-# The same, of packages; which quotes depends on catkin's version.
+_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # catkin's relay to a script, in a devel space
+# Catkin's relay to a package. The kind of quotes depends on catkin's version.
 _EXTENDED = re.compile(r'^__extended_path = ["\']([^"\'\n]+)["\']\.split', re.MULTILINE)
 _LINKED = re.compile(r'=> (/\S+) \(0x')
 _IMPORTERS = ('import_module', '__import__')
 _MOST_FILES = 5000
-_MOST_BYTES = 4 << 20  # of a source that is looked into
+_MOST_BYTES = 4 << 20  # of a source file that are read
 _LDD_S = 20.0  # wall
 _BY_PIP = f'{os.sep}site-packages{os.sep}'
 
 
 def is_of_system(path: str) -> bool:
-    """Return whether a file is of the system, ROS's distribution or Python's library."""
+    """Return whether a file belongs to the system, the ROS distribution or Python's standard library."""
     return os.path.realpath(path).startswith(_SYSTEM) and '/usr/local/' not in path
 
 
 def is_by_pip(path: str) -> bool:
-    """Return whether a file is of what pip has installed."""
+    """Return whether pip has installed a file."""
     return _BY_PIP in path
 
 
 def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
-    """Return the real paths of the files that the program at a path is made of. folders: where its modules may lie."""
+    """Return the real paths of the files of the program at a path. folders: where its modules may be."""
     found = {os.path.realpath(path)}
     with _Quiet(), open(path, 'rb') as stream:
         begin = stream.read(_MOST_BYTES)
@@ -60,7 +60,7 @@ def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
 
 
 def linked_libraries(paths: Collection[str]) -> Set[str]:
-    """Return the libraries that binaries load when they start, but for those of the system."""
+    """Return the libraries that binaries load when they start, except those of the system."""
     ldd = shutil.which('ldd')
     if not ldd or not paths:
         return set()
@@ -84,7 +84,7 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
         found.add(here)
         beside = os.path.dirname(here)
         for name in () if is_by_pip(here) else _imported(here):
-            if name in OWN_FOLDERS:  # which count as a whole, with their version
+            if name in OWN_FOLDERS:  # these count as a whole
                 continue
             for place in (beside, *places) if beside not in places else places:
                 files = files_of_module(place, name)
@@ -97,9 +97,9 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
 
 
 def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
-    """Return what modules import that is neither among them nor of Python's library, by the first parts of names.
+    """Return the first parts of the names that modules import and that are not among these modules.
 
-    Before Python 3.10, which does not tell what is of its library, that is among them.
+    Names of Python's standard library are left out, too; not before Python 3.10, which has no list of them.
     """
     own = [one for one in paths if not is_by_pip(one)]
     here = {part for one in own for part in os.path.splitext(one)[0].split(os.sep)}
@@ -108,17 +108,17 @@ def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
 
 
 def python_path() -> List[str]:
-    """Return the folders in which programs of users find modules, but for those of the system."""
+    """Return the folders in which programs of users find modules, except those of the system."""
     given = [*os.environ.get('PYTHONPATH', '').split(os.pathsep), *sys.path]
     return [one for one in dict.fromkeys(given) if one and os.path.isdir(one) and not is_of_system(one + os.sep)]
 
 
 @lru_cache(maxsize=None)
 def _elsewhere(name: str) -> Tuple[str, ...]:
-    """Return the files of a module that is in no folder of Python's path: `pip install -e` has a finder for it."""
+    """Return the files of a module that is in no folder of Python's path but has a finder, as by `pip install -e`."""
     spec = None
     with _Quiet():
-        spec = importlib.util.find_spec(name) if name else None  # of a first part: nothing is imported
+        spec = importlib.util.find_spec(name) if name else None  # the name has no dot, so nothing is imported
     inside = list(spec.submodule_search_locations or ()) if spec else []
     place = inside[0] if inside else os.path.splitext(spec.origin or '')[0] if spec else ''
     return files_of_module(*os.path.split(place)) if os.path.isabs(place) and not is_of_system(place) else ()
@@ -145,7 +145,7 @@ def _imported(path: str) -> Tuple[str, ...]:
 
 @lru_cache(maxsize=None)
 def files_of_module(place: str, name: str) -> Tuple[str, ...]:
-    """Return the files of a module in a folder; of a package all modules, as some are imported by computed names."""
+    """Return the files of a module in a folder. A package counts with all modules: computed names may import some."""
     single, package = os.path.join(place, name + '.py'), os.path.join(place, name)
     if not name or not os.path.isdir(package):
         return (os.path.realpath(single),) if name and os.path.isfile(single) else ()
@@ -165,7 +165,7 @@ def files_of_module(place: str, name: str) -> Tuple[str, ...]:
 
 
 class _Quiet:
-    """Takes what cannot be read or found, or is no text of a program, as nothing."""
+    """Ignore files that cannot be read or found, or are not Python source."""
 
     def __enter__(self) -> _Quiet:
         return self
@@ -176,7 +176,7 @@ class _Quiet:
 
 
 def forget() -> None:
-    """Look at files anew; in one process they are looked at once."""
+    """Forget all files, so that they are read again; otherwise a process reads each once."""
     _imported.cache_clear()
     _elsewhere.cache_clear()
     files_of_module.cache_clear()

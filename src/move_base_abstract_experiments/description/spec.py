@@ -1,7 +1,7 @@
-"""An experiment's file, read and checked as a whole before anything starts.
+"""Read an experiment's file, and check it as a whole before anything starts.
 
-What each option may be says `experiment`; here is what depends on several of them. An unknown key is an error that
-names the known one which is like it.
+The module `experiment` checks each option by itself; this one checks what depends on several options. An unknown key
+is an error that names the most similar known key.
 """
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from . import placeholders
 from .experiment import MOST_TRIALS, OWN_COLUMNS, SYSTEMS, Experiment, in_words
 from .metric_names import BUILT_IN
 
-#: why a system has not what others have
+#: why a system does not have an option of another one; follows the error
 _WITHOUT = {'command': '; a command has its words', 'launch': '',
             'function': '; a function ends by itself, and has no participants'}
 
 
 def read(path: str, folder: Optional[str] = None) -> Experiment:
-    """Return the Experiment in a YAML file; ``folder``: where relative paths in it start, if not where it lies.
+    """Return the Experiment in a YAML file. ``folder``: where relative paths in it start; None: in the file's folder.
 
-    :raises ConfigurationError: naming the file, the place, what is allowed.
+    :raises ConfigurationError: naming the file, the place in it, and what is allowed.
     """
     document = load_yaml_file(path)
     try:
@@ -36,11 +36,11 @@ def read(path: str, folder: Optional[str] = None) -> Experiment:
 
 
 def checked(document: Any, folder: str) -> Experiment:
-    """Return the Experiment of a document; see read()."""
+    """Return the Experiment of a document, as loaded from YAML; see read()."""
     experiment = kinds.read(Experiment, '', document, folder=folder)
     given = [key for key in SYSTEMS if key in document]
     if len(given) != 1:
-        raise ConfigurationError(f"one of {', '.join(SYSTEMS)} is wanted, got {', '.join(given) or 'none'}")
+        raise ConfigurationError(f"exactly one of {', '.join(SYSTEMS)} must be given, got {', '.join(given) or 'none'}")
     _check_system(experiment, experiment.system)
     known = [*experiment.factors, 'seed', 'replication']
     for where, value in _texts(experiment):
@@ -53,9 +53,9 @@ def checked(document: Any, folder: str) -> Experiment:
 
 
 def schema() -> Dict[str, Any]:
-    """Return the JSON Schema of experiments' files: all that is checked but for names that refer to other keys."""
+    """Return the JSON Schema of experiments' files. It checks everything except names that refer to other keys."""
     refused = {system: _refused(Experiment, system) for system in SYSTEMS}
-    refused['command']['participants'] = {'type': 'array'}  # it does not say who takes part
+    refused['command']['participants'] = {'type': 'array'}  # a command does not say which nodes take part
     systems: List[Any] = [{'if': {'required': [system]}, 'then': {'properties': refused[system], **(
         {'required': ['participants']} if system == 'command' else {})}} for system in SYSTEMS]
     windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']},
@@ -68,7 +68,7 @@ def schema() -> Dict[str, Any]:
 
 
 def _refused(cls: Any, system: str) -> Dict[str, Any]:
-    """Return the schemas of what is not of a system: its default alone."""
+    """Return the schemas of the options that a system does not have; only their defaults are allowed."""
     found: Dict[str, Any] = {}
     for key, one in kinds.options_of(cls).items():
         inner = _refused(type(one.initial), system) if dataclasses.is_dataclass(one.initial) else {}
@@ -88,11 +88,11 @@ def configurations(experiment: Experiment) -> List[Dict[str, Any]]:
 
 
 def _check_system(record: Any, system: str, where: str = '') -> None:
-    """Complain of an option that is of another system."""
+    """Check that no option of another system is given."""
     for key, one in kinds.options_of(record).items():
         value = getattr(record, one.field)
         if one.systems and system not in one.systems and value != one.initial:
-            raise ConfigurationError(f"'{where}{key}' is of {in_words(one.systems)}{_WITHOUT[system]}")
+            raise ConfigurationError(f"'{where}{key}' is an option for {in_words(one.systems)}{_WITHOUT[system]}")
         if dataclasses.is_dataclass(value):
             _check_system(value, system, f'{where}{key}.')
 
@@ -101,34 +101,34 @@ def _check_names(experiment: Experiment) -> None:
     for place, names in (('factors', experiment.factors), ('metrics.columns', experiment.metrics.columns)):
         for name in names:
             if name in OWN_COLUMNS or name in BUILT_IN or place != 'factors' and name in experiment.factors:
-                raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; name it otherwise')
+                raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; give another name')
     if experiment.metrics.columns and not (experiment.metrics.function or experiment.function):
         raise ConfigurationError('metrics.columns: no metrics.function returns them')
     if experiment.command and experiment.participants is None:
         raise ConfigurationError('participants: a command does not say which nodes take part; name them, such as '
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
-        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
+        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', because then all takes time")
     if experiment.lookahead == 'network' and not experiment.network:
-        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' whose delays it could be")
+        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' that has delays")
     if experiment.lookahead and experiment.chaos_seed:
-        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
+        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', because then no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:
-    """Return (where, text) of all in which {NAME} stands for something."""
+    """Return (where, text) for all texts in which {NAME} is a placeholder."""
     return [('launch', experiment.launch), ('network', experiment.network),
             *(('args.' + key, value) for key, value in experiment.args.items()),
             *(('command', word) for word in experiment.command)]
 
 
 def _check_factors(experiment: Experiment) -> None:
-    """Check that each factor gets to the system: else its values were all the same."""
+    """Check that the system gets each factor; otherwise all its values would give the same system."""
     for name in () if experiment.function else experiment.factors:
         if not any('{' + name + '}' in str(value) for _, value in _texts(experiment)):
             where = 'command: a word' if experiment.command else f'args: {name}:'
-            raise ConfigurationError(f"factors.{name}: nothing of the system depends on it; wanted is {{{name}}} in "
-                                     f"what it gets, such as {where} '{{{name}}}'")
+            raise ConfigurationError(f"factors.{name}: nothing of the system depends on it; use {{{name}}} in what "
+                                     f"the system gets, such as {where} '{{{name}}}'")
 
 
 def _check_replications(experiment: Experiment) -> None:
@@ -146,7 +146,7 @@ def _check_replications(experiment: Experiment) -> None:
 
 
 def _check_compared(experiment: Experiment) -> None:
-    """Check names of metrics, as far as they are known before a trial has run, and of factors' values."""
+    """Check the names of metrics, if all are known before a trial has run, and the factors and values of baselines."""
     is_known = not (experiment.metrics.function or experiment.function)
     for key, names in (('primary', [experiment.primary] if experiment.primary else []),
                        ('smallest_difference', experiment.smallest_difference), ('at_limit', experiment.at_limit)):

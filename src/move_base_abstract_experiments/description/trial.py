@@ -1,4 +1,4 @@
-"""A Trial: one run of an experiment's system, and what that is given."""
+"""The class Trial: one run of an experiment's system, and the arguments of the system."""
 from __future__ import annotations
 
 import dataclasses
@@ -22,7 +22,7 @@ class Trial:
 
     @property
     def values(self) -> Dict[str, Any]:
-        """What {NAME} stands for."""
+        """The values of the placeholders: {NAME: value}."""
         return {**self.configuration, 'seed': self.seed, 'replication': self.replication}
 
     @property
@@ -32,7 +32,7 @@ class Trial:
 
     @property
     def network(self) -> str:
-        """The network's file with its values, filled in, or ''."""
+        """The network file with its values, filled in, or ''."""
         return placeholders.filled(self.experiment.network, self.values)
 
     @property
@@ -47,10 +47,10 @@ class Trial:
 
     @property
     def function_arguments(self) -> Dict[str, Any]:
-        """What the trial's function gets as its args."""
+        """The args of the trial's function."""
         return {name: placeholders.value_of(value, self.values) for name, value in self.experiment.args.items()}
 
     @property
     def first(self) -> Trial:
-        """The first replication of the same configuration: the others differ in their seeds alone."""
+        """The first replication of the same configuration. The others differ from it only in replication and seed."""
         return dataclasses.replace(self, replication=0, seed=self.experiment.seed)

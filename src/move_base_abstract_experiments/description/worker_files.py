@@ -1,7 +1,7 @@
-"""What a trial is made of where it runs, if that sees other files than who has started the experiment.
+"""Check a trial's files where it runs, if the worker sees other files than the program that started the experiment.
 
-Another computer, another workspace or another environment of Python finds other programs by the same names. So there it
-is looked up anew what the trial is made of, and compared by content with what the experiment was started with.
+On another computer, in another workspace or in another Python environment, the same names may lead to other programs.
+So the worker finds the trial's ingredients again, and compares their content with that at the start of the experiment.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_NAMES = 5
 
 
 def view() -> Tuple[str, ...]:
-    """Return what says where programs are found: two processes that see the same have the same."""
+    """Return all that decides where programs are found. Two processes with equal views find the same files."""
     return (socket.gethostname(), sys.prefix, _own_folder(), *(os.environ.get(name, '') for name in _WHERE))
 
 
@@ -32,7 +32,7 @@ def _own_folder() -> str:
 
 
 def parameters(trial: Trial) -> Tuple[Tuple[str, str], ...]:
-    """Return ((name, value), ...) of the parameters of a trial's launch file, without the folders of files."""
+    """Return ((name, value), ...) for the parameters of a trial's launch file, without the folders of files."""
     first = trial.first
     experiment = trial.experiment
     return ingredients.parameters(first.launch, tuple(first.arguments), experiment.folder,
@@ -40,9 +40,9 @@ def parameters(trial: Trial) -> Tuple[Tuple[str, str], ...]:
 
 
 def check(job: Job) -> List[str]:
-    """Complain of files that are others here than where the experiment was started; return labels for what is unsure.
+    """Compare the files here with those where the experiment was started; return labels for what cannot be decided.
 
-    :raises ChangedError: naming the first.
+    :raises ChangedError: naming the first file, or a parameter, that is different here.
     """
     if job.common.view == view():
         return []

@@ -1,1 +1,1 @@
-"""What came out of an experiment: the page report.html and the tables behind it, from what its folder holds."""
+"""The report of an experiment: the page report.html and the tables behind it, made from the experiment's folder."""

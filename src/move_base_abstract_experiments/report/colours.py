@@ -1,31 +1,31 @@
-"""Colours and marks of configurations: the same on the whole page, told apart also by those who see fewer colours.
+"""Colours and marks of configurations: the same on the whole page, and distinct also for colour-blind readers.
 
 A colour stands for a level of one factor, a mark for a level of another one.
 """
 
 from typing import NamedTuple
 
-#: (on white, on black) per level; chosen for a distance of at least 20 (CIELAB) of any two, also as seen without red,
-#: green or blue cones (Machado, Oliveira and Fernandes 2009), and a contrast of 3 with the page.
+#: (on white, on black) per level. Any two have a distance of at least 20 (CIELAB), also as seen without red, green or
+#: blue cones (Machado, Oliveira and Fernandes 2009), and each has a contrast of at least 3 with the page.
 PALETTE = (('#1c49cd', '#8667ff'), ('#df680d', '#f7b624'), ('#007b45', '#148b79'), ('#ad5181', '#a86ec2'),
            ('#633200', '#e6764a'), ('#3a94f6', '#a5e0ff'))
-#: ends and middle of the ramp for more levels: blue over grey to ochre, which all tell apart
+#: the ends and the middle of the ramp for more levels: blue, grey, ochre, which colour-blind readers tell apart, too
 _RAMP = ((('#1c49cd', '#7f9dff'), ('#6f7480', '#a9adb8'), ('#a86a00', '#ffc44d')))
 MARKS = ('circle', 'square', 'diamond', 'triangle', 'cross', 'wedge')
 
 
 class Look(NamedTuple):
-    """How a configuration or a level is drawn: number of its colour (class cN of the page), name of its mark."""
+    """The colour and the mark of a configuration or a level."""
 
-    colour: int
-    mark: str
+    colour: int  # the number N of the class cN of the page; None: the colour of the page's text
+    mark: str  # one of MARKS
 
 
 class Looks:
     """The Looks of an experiment's configurations.
 
-    The factor that gives the colours is the first one with a few levels that are no numbers, else the first with a few,
-    else the first that varies; the next such factor gives the marks.
+    The factor that gives the colours is the first one with few levels that are not numbers. If there is none, it is the
+    first one with few levels, otherwise the first one that varies. The next factor with few levels gives the marks.
     """
 
     def __init__(self, experiment):
@@ -53,7 +53,7 @@ class Looks:
 
 
 def palette(count):
-    """Return so many (on white, on black) pairs of colours."""
+    """Return ``count`` colours, each a pair (on white, on black)."""
     if count <= len(PALETTE):
         return PALETTE[:count]
     return tuple(tuple(_between([stop[mode] for stop in _RAMP], place / (count - 1)) for mode in (0, 1))
@@ -61,7 +61,7 @@ def palette(count):
 
 
 def _between(stops, share):
-    """Return the colour at a share of the way along the stops."""
+    """Return the colour at a share (0 to 1) of the way along the stops."""
     position = share * (len(stops) - 1)
     place = min(int(position), len(stops) - 2)
     part = position - place

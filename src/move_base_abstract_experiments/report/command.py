@@ -16,14 +16,15 @@ from . import extension, frames, notable_trials, outcome, page
 
 REPLAY = 'move_base_abstract_replay.page'
 NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
-WAITS = 'waits'  # there only where robots waited for room
+WAITS = 'waits'  # written only if robots waited for room
 KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in (*NAMES, WAITS)))
 
 
 def write_report(out):
-    """Write report, tables and replays of an experiment into its folder; return the path of report.html.
+    """Write the report, tables and replays of an experiment into its folder; return the path of report.html.
 
-    :raises ConfigurationError: if the folder holds no plan, or something by one of the names that is not ours.
+    :raises ConfigurationError: if the folder holds no plan, or a file or folder by one of these names that a report
+        has not made.
     :raises OutputError: if something cannot be written.
     """
     path, _ = write(out)
@@ -31,9 +32,9 @@ def write_report(out):
 
 
 def write(out, with_own=True):
-    """As write_report; returns the path and lines about what could not be made.
+    """Write the report as write_report does; return the path, and lines about parts that could not be made.
 
-    :param with_own: whether the sections are added that the plan asks for.
+    :param with_own: whether to add the sections that the plan names under 'report'.
     """
     out = Path(out)
     experiment = outcome.read(out)
@@ -67,7 +68,7 @@ def _write_tables(folder, tables):
     marker = KIND.make(folder)
     try:
         for name in (*NAMES, WAITS):
-            if name != 'trials' and not (name == WAITS and tables[name].empty):  # the runner's own is beside
+            if name != 'trials' and not (name == WAITS and tables[name].empty):  # trials.csv of the runner has it
                 with whole_file(folder / f'{name}.csv', encoding='utf-8', newline='') as stream:
                     stream.write(frames.csv_text(tables[name]))
     finally:
@@ -75,7 +76,7 @@ def _write_tables(folder, tables):
 
 
 def _replays(experiment):
-    """Write the replays of the trials worth a look where the replay is installed; return what went wrong."""
+    """Write the replays of the trials worth a look, if the replay package is installed; return what went wrong."""
     metric = notable_trials.primary_metric(experiment)
     if metric is None:
         return []
@@ -87,12 +88,12 @@ def _replays(experiment):
 
 
 def main(words=None):
-    """Run the command of these words, or those of the shell; return the exit code."""
+    """Run the command with these arguments (default: those of the shell); return the exit code."""
     parser = argparse.ArgumentParser(prog='experiment report', description='Write report.html and tables/*.csv of an '
-                                     'experiment into its folder. The experiment may still run.')
+                                     'experiment into its folder. The experiment may still be running.')
     parser.add_argument('out', type=Path, metavar='OUT', help='the folder of the experiment')
     parser.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
-                        "experiment names under 'report'; for folders of others")
+                        "experiment names under 'report'; for folders that somebody else made")
     arguments = parser.parse_args(words)
     try:
         path, problems = write(arguments.out, not arguments.without_own_sections)

@@ -8,11 +8,11 @@ from typing import NamedTuple
 from move_base_abstract.common.shown import shown_text
 
 NO_LEVEL = 'none'
-YES_NO = 'yes/no'  # the unit of what is 1 or 0 in each trial
+YES_NO = 'yes/no'  # the unit of a metric that is 1 or 0 in each trial
 
 
 class Factor(NamedTuple):
-    """What is varied."""
+    """A factor: something that the experiment varies, with its levels."""
 
     name: str
     title: str
@@ -25,32 +25,32 @@ class Configuration(NamedTuple):
     """One combination of levels."""
 
     place: int
-    levels: tuple  # per factor: the place of its level, None where it has none
+    levels: tuple  # per factor: the place of its level; None if the configuration has none
     label: str
 
 
 @dataclass(frozen=True)
 class Metric:
-    """What is measured of each trial."""
+    """A number that each trial gives."""
 
     name: str
     title: str
     unit: str
     better: object  # 'lower', 'higher' or None
-    is_share: bool = False  # yes or no in each trial: means are shares
-    smallest: float = 0.0  # the smallest difference that counts, in its unit; 0: none is said
-    at_limit: object = None  # what it is of a trial that the limit of time ended, see endings; None: not said
-    is_primary: bool = False  # what the experiment is about, as its file says
-    outcome: str = ''  # how trials ended, 'failed' or 'limit', instead of what they measured
+    is_share: bool = False  # yes or no in each trial, so that means are shares
+    smallest: float = 0.0  # the smallest difference that counts, in the metric's unit; 0: the plan names none
+    at_limit: object = None  # what it means in a trial that the limit of time ended, see endings; None: not declared
+    is_primary: bool = False  # whether the experiment's file names it as the primary metric
+    outcome: str = ''  # 'failed' or 'limit' if this is not a measured metric, but a way in which trials ended
 
 
-#: how trials end, as if it was measured
+#: the ways in which trials end, as if they were measured
 FAILED_TRIALS = Metric('failed', 'Failed trials', YES_NO, 'lower', is_share=True, outcome='failed')
 LIMITED_TRIALS = Metric('limit', 'Trials ended by the limit of time', YES_NO, None, is_share=True, outcome='limit')
 
 
 def factors_of(plan):
-    """Return the Factors of a plan (a mapping): those that it names, then what else its trials differ in."""
+    """Return the Factors of a plan (a mapping): those that it names, then others that its trials have."""
     named = {str(name): {key_of(value): value for value in values} for name, values in plan.get('factors', {}).items()}
     for trial in plan['trials']:
         for name, value in trial.get('configuration', {}).items():
@@ -65,12 +65,12 @@ def _factor(name, values):
 
 
 def key_of(value):
-    """Return a text that two values share only if they are the same."""
+    """Return a text that is equal for two values only if the values are equal."""
     return json.dumps(value, sort_keys=True)
 
 
 def level_text(value):
-    """Return a level as it is shown."""
+    """Return a level as the report shows it."""
     if isinstance(value, str):
         return value if value.strip() else "''"
     if value is None:
@@ -81,12 +81,12 @@ def level_text(value):
 
 
 def words(name):
-    """Return a name of a program's as words."""
+    """Return the name of a factor or metric as words: 'robot_count' as 'robot count'."""
     return ' '.join(str(name).replace('_', ' ').split()) or '(no name)'
 
 
 def level_label(factors, place, level):
-    """Return a level so that it can be told from those of other factors: 'auction', 'robots 4'."""
+    """Return a level so that no level of another factor reads the same: 'auction', 'robots 4'."""
     factor = factors[place]
     text = factor.levels[level]
     elsewhere = any(text in other.levels for number, other in enumerate(factors) if number != place)
@@ -95,7 +95,7 @@ def level_label(factors, place, level):
 
 
 def configurations_of(factors, planned):
-    """Return the Configurations of the plan's trials, in the order of the levels, and per trial its configuration."""
+    """Return the Configurations of the plan's trials, in the order of the levels, and the place of each trial's own."""
     combinations = [tuple(_place(factor, trial.get('configuration', {})) for factor in factors) for trial in planned]
     in_order = sorted(dict.fromkeys(combinations), key=lambda levels: [-1 if each is None else each for each in levels])
     configurations = tuple(Configuration(place, levels, _label(factors, levels))
@@ -114,7 +114,7 @@ def _label(factors, levels):
 
 
 def metrics_of(plan, trials):
-    """Return the Metrics: the primary one, those of the plan in its order, then what else complete Trials have."""
+    """Return the Metrics: the primary one, the others of the plan in its order, then those that only Trials have."""
     told = {str(name): about if isinstance(about, dict) else {} for name, about in plan.get('metrics', {}).items()}
     for trial in trials:
         for name in trial.metrics:
@@ -133,7 +133,7 @@ def metrics_of(plan, trials):
 
 
 def unknown_names(plan, factors, metrics):
-    """Return a line per name that a plan gives for a metric or a baseline and nothing goes by."""
+    """Return a line for each metric or baseline level that a plan names and no trial has."""
     names = [metric.name for metric in metrics]
     asked = [('primary', plan['primary'])] if plan.get('primary') else []
     asked += [(key, name) for key in ('smallest_difference', 'at_limit') for name in plan.get(key) or {}]
@@ -146,6 +146,6 @@ def unknown_names(plan, factors, metrics):
 
 
 def baseline_of(plan, factor):
-    """Return the place of a Factor's level with which all others are compared, or None."""
+    """Return the place of the level of a Factor that the plan names as the baseline, or None."""
     key = key_of((plan.get('baseline') or {}).get(factor.name))
     return factor.keys.index(key) if factor.name in (plan.get('baseline') or {}) and key in factor.keys else None

@@ -1,8 +1,8 @@
 """Means of configurations, and differences between them within replications: the numbers behind the page.
 
-Replication k has the same seed in every configuration (common random numbers), so that what is compared is the
-difference within a replication. Over several combinations of the other factors each counts alike, however many values
-it has: trials that failed, or fewer replications, shift no weight from one to another.
+Replication k has the same seed in every configuration (common random numbers), so differences are taken within a
+replication. In a mean over several combinations of the other factors, each combination has the same weight, however
+many values it has. So trials that failed, or fewer replications, shift no weight from one combination to another.
 """
 
 import itertools
@@ -15,17 +15,17 @@ from . import endings, intervals, orders
 from .intervals import NOTHING, Estimate
 from .outcome import COMPLETE, FAILED
 
-MAX_INTERACTION_LEVELS = 3  # of more, the first and the last are compared
-ALL_PAIRS = 12  # configurations that are all compared where none differ in a single factor
+MAX_INTERACTION_LEVELS = 3  # if a factor has more levels, only its first and its last are compared
+ALL_PAIRS = 12  # up to so many configurations are all compared with one another if no two differ in one factor only
 
 
 class Side(NamedTuple):
-    """What became of the trials on one side of a comparison. ``run``: all but those that have not run."""
+    """The numbers of trials on one side of a comparison, by their outcome."""
 
-    run: int
+    run: int  # all but those that have not run
     failed: int
-    without: int  # complete, and without a value
-    cut: int  # ended by the limit of time, so that the value is a bound at best
+    without: int  # complete, but without a value
+    cut: int  # ended by the limit of time, so that the value is at best a bound
 
     @property
     def lacking(self):
@@ -34,28 +34,28 @@ class Side(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Second minus first, of one metric."""
+    """The difference of one metric between two levels or configurations, second minus first."""
 
     metric: object  # design.Metric
-    factor: object  # place of the factor whose levels are compared; None: whole configurations
-    first: object  # place of the level, or of the configuration
+    factor: object  # the place of the factor whose levels are compared; None: whole configurations are compared
+    first: object  # the place of the level, or of the configuration
     second: object
-    at: tuple  # what else is held fixed, (place of a factor, place of a level) pairs
+    at: tuple  # the levels that are held fixed: pairs (place of a factor, place of a level)
     estimate: Estimate
     p: float
-    p_holm: float  # among all of its kind
-    reference: float  # the first one's mean in the same trials
-    groups: tuple  # of places of configurations: what is compared, per combination of the other factors
-    counts: tuple  # per group: in how many replications it has values on all sides; 0 where they are bounds only
-    cut: tuple  # per group: whether the limit of time ended trials, so that values are bounds only
-    median: object  # Estimate of the median difference where the differences are skewed, None otherwise
-    sides: tuple = ()  # of Side, first and second
-    against: tuple = ()  # (group, Estimate) of those in which the difference has the other sign
-    order: object = None  # orders.Order where there is no mean and values are lower bounds; then p is that of its test
+    p_holm: float  # Holm's, among all comparisons of this kind
+    reference: float  # the mean of the first one in the same trials
+    groups: tuple  # the configurations compared, as tuples of places; one for each combination of the other factors
+    counts: tuple  # per group: the number of replications with values on all sides; 0 if values are only bounds
+    cut: tuple  # per group: whether the limit of time ended trials, so that values are only bounds
+    median: object  # the Estimate of the median difference if the differences are skewed, otherwise None
+    sides: tuple = ()  # the Sides, first and second
+    against: tuple = ()  # (group, Estimate) of the groups in which the difference has the opposite sign
+    order: object = None  # the orders.Order if there is no mean and values are lower bounds; p is then of its test
 
     @property
     def needed(self):
-        """How many values a group must have to count; with one there is no interval."""
+        """The number of values that a group must have to count: 2 for an interval; 1 if no group has two."""
         return 2 if max(self.counts, default=0) >= 2 else 1
 
     @property
@@ -70,27 +70,27 @@ class Difference(NamedTuple):
 
     @property
     def is_cut(self):
-        """Whether nothing can be said since the limit of time ended trials."""
+        """Whether no mean can be given because the limit of time ended trials."""
         return not self.used and any(self.cut)
 
     @property
     def is_ordered(self):
-        """Whether which side is larger is shown, though not by how much."""
+        """Whether it is shown which side is larger, although not by how much."""
         return self.is_cut and self.order is not None and not self.order.against and self.p_holm < intervals.ALPHA
 
     @property
     def leaves_out_0(self):
-        """Whether the interval does."""
+        """Whether the interval does not contain 0."""
         return self.estimate.low > 0.0 or self.estimate.high < 0.0
 
     @property
     def is_shown(self):
-        """Whether a difference is shown, all comparisons of its kind counted."""
+        """Whether a difference is shown, with all comparisons of its kind counted."""
         return self.p_holm < intervals.ALPHA and self.leaves_out_0
 
     @property
     def is_hint(self):
-        """Whether its own interval leaves 0 out, but no difference is shown among so many."""
+        """Whether the interval does not contain 0, but no difference is shown if all comparisons are counted."""
         return self.leaves_out_0 and not self.is_shown
 
 
@@ -102,14 +102,17 @@ class Level(NamedTuple):
 
 
 def summary(experiment, metric):
-    """Return per configuration the Estimate of its mean, or share; none where values are bounds only."""
+    """Return the Estimate of the mean or share of each configuration; method 'cut' if values are only bounds."""
     estimate = intervals.share_estimate if metric.is_share else intervals.mean_estimate
     return [NOTHING._replace(n=len(intervals.known(row)), method='cut') if cut.any() else estimate(row)
             for row, cut in zip(experiment.values(metric), experiment.cut(metric))]
 
 
 def main_effects(experiment, metrics=None):
-    """Return the Differences between the levels of each factor, averaged over the other factors, of each metric."""
+    """Return, for each metric, the Differences between the levels of each factor, averaged over the other factors.
+
+    :param metrics: those of the experiment if None.
+    """
     found = []
     for metric in experiment.metrics if metrics is None else metrics:
         for place, factor in enumerate(experiment.factors):
@@ -121,9 +124,11 @@ def main_effects(experiment, metrics=None):
 
 
 def single_differences(experiment, metrics=None):
-    """Return the Differences between configurations that differ in one factor only, of each metric.
+    """Return, for each metric, the Differences between configurations that differ in one factor only.
 
-    Where no two do, all are compared, or all with the first if there are many.
+    If there are no two such configurations, all are compared with one another; if there are many, with the first one.
+
+    :param metrics: those of the experiment if None.
     """
     configurations = experiment.configurations
     metrics = experiment.metrics if metrics is None else metrics
@@ -146,13 +151,16 @@ def _any_differences(experiment, metrics):
 
 
 def outcome_differences(experiment):
-    """Return the Differences of how trials ended, between levels and between configurations; each outcome a family."""
+    """Return the Differences of how trials ended: a list of those between levels, a list between configurations.
+
+    Each way of ending is a family of its own for Holm's correction.
+    """
     return tuple([each for metric in experiment.outcomes for each in found(experiment, [metric])]
                  for found in (main_effects, single_differences))
 
 
 def interactions(experiment):
-    """Return how much the difference between two levels of a factor changes between two levels of another one."""
+    """Return, as Differences, how the difference between two levels of a factor changes between two of another one."""
     found = []
     for metric in experiment.metrics:
         for one, two in itertools.combinations(range(len(experiment.factors)), 2):
@@ -172,14 +180,14 @@ def _ends(factor):
 
 
 def _pairs(configurations, factor, first, second):
-    """Return (with the first level, with the second) pairs of places of configurations that are the same otherwise."""
+    """Return pairs of places of configurations that differ in this factor only: (first level, second level)."""
     others = {_without(each.levels, (factor,)): each.place for each in configurations if each.levels[factor] == second}
     return [(each.place, others[_without(each.levels, (factor,))]) for each in configurations
             if each.levels[factor] == first and _without(each.levels, (factor,)) in others]
 
 
 def _quadruples(configurations, one, firsts, two, seconds):
-    """Return the places (b at d, a at d, b at c, a at c) of configurations that are the same otherwise."""
+    """Return the places (b at d, a at d, b at c, a at c) of configurations that differ in these two factors only."""
     (a, b), (c, d) = firsts, seconds
     found = {}
     for each in configurations:
@@ -193,18 +201,22 @@ def _without(levels, factors):
 
 
 def _difference(experiment, metric, factor, levels, at, pairs):
-    """Return the Difference of these pairs of configurations, not adjusted yet."""
+    """Return the Difference of these pairs of configurations; its p_holm is still NaN."""
     return _of_groups(experiment, metric, (factor, *levels, at), pairs, (-1, 1))
 
 
 def _of_groups(experiment, metric, what, groups, signs):
-    """Return the Difference of groups of configurations, which enter with these signs; ``what``: factor, first, ..."""
+    """Return the Difference of groups of configurations; its p_holm is still NaN.
+
+    :param what: factor, first, second and at of the Difference. :param groups: tuples of places of configurations.
+    :param signs: the sign of each configuration of a group in the difference, 1 or -1.
+    """
     values = experiment.values(metric)
     tables = [values[[group[side] for group in groups]] for side in range(len(signs))]
     rows, left = intervals.contrast(signs, tables)
     cut = experiment.cut(metric).any(axis=1)
     is_cut = tuple(any(cut[place] for place in group) for group in groups)
-    rows[list(is_cut)] = math.nan  # no mean can be had of values that the limit of time cut off
+    rows[list(is_cut)] = math.nan  # values that the limit of time cut off have no mean
     counts = tuple(int(count) for count in (~np.isnan(rows)).sum(axis=1))
     found = Difference(metric, *what, NOTHING, math.nan, math.nan, math.nan, tuple(groups), counts, is_cut, None,
                        _sides(experiment, metric, groups))
@@ -222,7 +234,7 @@ def _of_groups(experiment, metric, what, groups, signs):
 
 
 def _ordered(experiment, difference):
-    """Return a Difference of which no mean is known with what is known of the order of its values."""
+    """Return a Difference without a mean, together with the order of its values if that is known."""
     if not difference.is_cut or len(difference.sides) != len(difference.groups[0]) \
             or difference.metric.at_limit not in endings.BOUNDS:
         return difference
@@ -233,7 +245,7 @@ def _ordered(experiment, difference):
 
 
 def _against(metric, groups, tables, rows, left, value):
-    """Return (group, Estimate) of those in which a difference is there, and has another sign than that of all."""
+    """Return (group, Estimate) of the groups whose interval excludes 0 and whose sign is not that of all together."""
     if len(groups) < 2 or len(tables) != 2:
         return ()
     found = []
@@ -246,9 +258,10 @@ def _against(metric, groups, tables, rows, left, value):
 
 
 def _compared(metric, tables, rows, left):
-    """Return the Comparison of rows: of shares, and where most pairs do not differ, by counts.
+    """Return the Comparison of rows: by exact tests for shares, otherwise by Student's t.
 
-    A t test is too sure of the few that do: of four of thirty on one side, of which chance makes one in eight.
+    If at most half of the pairs differ, p is at least that of the test of signs. The t test alone would be too sure of
+    the few pairs that differ: if four of thirty do, chance puts all of them on one side in one of eight cases.
     """
     if metric.is_share and len(tables) == 2:
         return intervals.share_differences(*tables)
@@ -260,7 +273,7 @@ def _compared(metric, tables, rows, left):
 
 
 def _sides(experiment, metric, groups):
-    """Return the Sides of groups: what is subtracted first; of a change, what is at the first level of the other."""
+    """Return the Sides (first, second) of groups; for an interaction those at the two levels of the other factor."""
     half = len(groups[0]) // 2
     parts = (slice(0, half), slice(half, None)) if half == 1 else (slice(half, None), slice(0, half))
     return tuple(_side(experiment, metric, {place for group in groups for place in group[part]}) for part in parts)
@@ -279,7 +292,7 @@ def _side(experiment, metric, places):
 def _adjusted(differences):
     """Return the Differences with Holm's probabilities.
 
-    All of them are one family, but those of a metric that the experiment names as the primary one, which are another.
+    Those of the primary metric, if the experiment names one, are a family of their own; all others are one family.
     """
     found = list(differences)
     for is_primary in (True, False):
@@ -290,11 +303,11 @@ def _adjusted(differences):
 
 
 def levels_of(experiment, metric, factor, fixed=()):
-    """Return the Levels of a factor that were run: means over the other factors, and whether they are like for like.
+    """Return the Levels of a factor that were run, and whether all are means over the same other levels.
 
-    Where possible the means are over those combinations of the other factors in which every level has values.
+    If possible, the means are over those combinations of the other factors in which every level has values.
 
-    :param fixed: (place of a factor, place of a level) pairs to which all is restricted.
+    :param fixed: pairs (place of a factor, place of a level): only configurations with these levels count.
     """
     values = experiment.values(metric)
     there = (~np.isnan(values)).any(axis=1)
@@ -317,6 +330,6 @@ def _mean_of_rows(metric, rows):
     if metric.is_share and len(rows) == 1:
         return intervals.share_estimate(rows[0])
     mean = intervals.clustered(rows).estimate
-    if metric.is_share and mean.has_interval:  # a mean of shares: Student's bounds may lie beyond what there can be
+    if metric.is_share and mean.has_interval:  # a mean of shares: Student's bounds may lie below 0 or above 1
         return mean._replace(low=max(0.0, mean.low), high=min(1.0, mean.high))
     return mean

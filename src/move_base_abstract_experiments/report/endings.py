@@ -1,22 +1,28 @@
-"""How trials ended, and what that makes of their values: what the limit of time cut off is a bound at best.
+"""How trials ended, and what that means for their values: a value that the limit of time cut off is at best a bound.
 
-``ended_by`` of a trial: 'seconds' (``until: seconds``, the limit of simulated time), 'topic', 'idle', 'required NODE',
-'returned' (a function); of one that failed 'time_limit' (wall time), 'fault', 'error', or what else its runner says.
+``ended_by`` of a complete trial is 'seconds' (``until: seconds``, the limit of simulated time), 'topic', 'idle',
+'required NODE' or 'returned' (a function). Of a failed trial it is 'time_limit' (wall time), 'fault', 'error', or
+another word of its runner.
 """
 
 import math
 import sys
 
 LIMIT = 'seconds'
-#: what a metric is of a trial that the limit of time ended
+#: what a metric means in a trial that the limit of time ended
 LOWER_BOUND, VALUE, TO_LAST_GOAL = 'lower_bound', 'value', 'to_last_goal'
-BOUNDS = (LOWER_BOUND, TO_LAST_GOAL)  # if it is cut off
+BOUNDS = (LOWER_BOUND, TO_LAST_GOAL)  # with these, a value that was cut off is a lower bound
 _COMPLETE = 'complete'
 _NEARLY = 1.0 - 1e-9
 
 
 def ended_by(told, until, simulated_seconds):
-    """Return how a trial ended: as its trial.json says, else, of complete older ones, whether it came to the limit."""
+    """Return how a trial ended, '' if it is not known.
+
+    Its trial.json says it. If that does not, as with older files, a complete trial is compared with the limit of time.
+
+    :param told: what trial.json says. :param until: the plan's ``until``. :param simulated_seconds: how long it lasted.
+    """
     if isinstance(told, str) and told.isprintable() and 0 < len(told) <= 300:
         return sys.intern(told)
     seconds = until.get('seconds') if isinstance(until, dict) else None
@@ -26,7 +32,7 @@ def ended_by(told, until, simulated_seconds):
 
 
 def is_span(experiment):
-    """Return whether trials last as long as they do by design: the limit is their only end, and all came to it."""
+    """Return whether trials last as long as they do by design: the limit is their only end, and all reached it."""
     if 'is_span' not in experiment.known:
         until = experiment.plan.get('until')
         has_others = isinstance(until, dict) and any(until.get(key) for key in ('topic', 'idle'))
@@ -42,7 +48,7 @@ def has_limited(experiment):
 
 
 def is_cut(experiment, metric, trial):
-    """Return whether a trial's value of a metric is not the whole, since the limit of time ended the trial."""
+    """Return whether a trial's value of a metric is cut off because the limit of time ended the trial."""
     if metric.outcome or metric.at_limit == VALUE or trial.status != _COMPLETE or trial.ended_by != LIMIT:
         return False
     if math.isnan(trial.metrics.get(metric.name, math.nan)):

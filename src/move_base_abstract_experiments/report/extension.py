@@ -1,7 +1,8 @@
 """Sections that a study adds to the report: functions that its plan names under 'report', as 'module:function'.
 
-Such a function is called with the Tables and returns parts.Sections (one, or a list). It runs as part of the report, as
-the study's metrics do as part of a trial: whoever makes a report of a folder trusts the modules that it names.
+Such a function is called with the Tables and returns a parts.Section or a list of them. It runs as part of the report,
+just as the study's metrics run as part of a trial. So make the report of a folder only if you trust the modules that
+it names.
 """
 
 import contextlib
@@ -17,7 +18,7 @@ from .parts import Figure, Html, Section, Table
 
 
 class Tables(NamedTuple):
-    """What such a function is given."""
+    """The argument of such a function."""
 
     experiment: object  # outcome.Experiment: plan, factors, configurations, metrics, folder
     trials: object  # pandas.DataFrame, a row per planned trial; columns as of trials.csv
@@ -28,7 +29,10 @@ class Tables(NamedTuple):
 
 
 def names_of(plan):
-    """Return the names of the functions that a plan asks for. :raises ConfigurationError: if they are no such names."""
+    """Return the names of the functions that a plan asks for.
+
+    :raises ConfigurationError: if they are not 'module:function', or a list of such names.
+    """
     asked = plan.get('report') or []
     names = [asked] if isinstance(asked, str) else asked
     if not isinstance(names, list) or not all(isinstance(name, str) and name.count(':') == 1 for name in names):
@@ -38,7 +42,10 @@ def names_of(plan):
 
 
 def sections(name, tables):
-    """Return the Sections that a function adds; one that fails adds a Section that says so."""
+    """Return the Sections that a function adds; a function that fails adds a Section that says so.
+
+    :param name: of the function, 'module:function'. :param tables: its argument.
+    """
     module, _, function = name.partition(':')
     try:
         with _modules_of(tables.experiment.plan):
@@ -47,14 +54,14 @@ def sections(name, tables):
         for section in found:
             _check(section)
         return found
-    except Exception as error:  # whatever it raises: the rest of the report stands
+    except Exception as error:  # whatever the function raises, the rest of the report is made
         problem = shown_text(str(error).strip().splitlines()[0] if str(error).strip() else '')
         return [Section(f'Sections of {name}', (f'They could not be made: {type(error).__name__}: {problem}',))]
 
 
 @contextlib.contextmanager
 def _modules_of(plan):
-    """Let modules that lie beside the experiment's file be found, as they are for its metrics."""
+    """Let Python find modules beside the experiment's file, as it does for the experiment's metrics."""
     provenance = plan.get('provenance')
     folder = provenance.get('folder') if isinstance(provenance, dict) else None
     paths = [folder] if isinstance(folder, str) and os.path.isdir(folder) else []

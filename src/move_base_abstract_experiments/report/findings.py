@@ -1,4 +1,4 @@
-"""The findings in words, each with its interval: what differs, and what is not told apart."""
+"""The findings in words, each with its interval: the differences, and the levels that are not told apart."""
 
 import math
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from .sentences import difference_scale, pairs_text, sentence, sentence_case, so
 from .verdicts import ORDER, VERDICTS, is_result, verdict_of
 from .wording import EXACT_DIGITS, counted, digits, estimate_texts, whole
 
-FEW_LEVELS = 2  # which are compared; of more the best is named
-MOST_WITH_BASELINE = 12  # levels that are compared with it in sentences
+FEW_LEVELS = 2  # so many levels are compared with one another; if there are more, the best one is named
+MOST_WITH_BASELINE = 12  # the number of levels that sentences compare with the baseline
 
 
 class Finding(NamedTuple):
-    """What is found about a metric, in a sentence or two."""
+    """A finding about a metric, in one or more sentences."""
 
     metric: str  # its title
     verdict: str  # a key of VERDICTS
@@ -38,7 +38,7 @@ class Finding(NamedTuple):
 
 
 def findings(experiment, scales, mains, singles, changes):
-    """Return the Findings, what differs first within each metric.
+    """Return the Findings. Within each metric, differences come first.
 
     :param scales: metric name: wording.Scale. :param mains, singles, changes: effects.main_effects, single_differences
         and interactions of the experiment.
@@ -68,7 +68,7 @@ def is_constant(experiment, metric):
 
 
 def constant_text(experiment, metric, scale):
-    """Return what is to be said about such a metric."""
+    """Return the sentence about a metric that is the same in all trials."""
     values = intervals.known(experiment.values(metric))
     count = 'trials' if len(values) == len(experiment.trials) else 'trials that have a value,'
     return f'{digits(float(values[0]) * scale.factor, EXACT_DIGITS)}{scale.suffix} in all ' \
@@ -76,7 +76,7 @@ def constant_text(experiment, metric, scale):
 
 
 def _of_factor(experiment, factor, own, scale):
-    """Return the Findings of one factor's comparisons: with the baseline, and of more than two levels the best."""
+    """Return the Findings of one factor: comparisons with the baseline, and the best of more than two levels."""
     if factor is None:
         return [_comparison(experiment, each, scale, own) for each in own[:effects.ALL_PAIRS]]
     baseline = design.baseline_of(experiment.plan, experiment.factors[factor])
@@ -97,7 +97,7 @@ def _comparison(experiment, difference, scale, family, aside=''):
 
 
 def _best(experiment, own, scale):
-    """Return the Finding of which of several levels is the best, and by how much."""
+    """Return the Finding that names the best of several levels, and by how much it leads."""
     metric = own[0].metric
     found = ranking(own, metric.better)
     if found is None:
@@ -125,14 +125,14 @@ def _best(experiment, own, scale):
 
 
 def _by_order(experiment, own, scale):
-    """Return the Finding of several levels none of which has a mean to compare: what their order shows."""
+    """Return the Finding about several levels of which no means can be compared: what the order of values shows."""
     shown = [each for each in own if each.is_ordered] or [next((each for each in own if each.is_cut), own[0])]
     text = some_sentences(sentence(experiment, each, scale) for each in shown)
     return Finding(own[0].metric.title, verdict_of(shown[0]), text, None)
 
 
 def _not_compared(experiment, own, found, scale):
-    """Return what is said of levels that the best one could not be compared with, '' without such."""
+    """Return the sentences about levels with which the best one could not be compared, '' if there are none."""
     levels = {level: each for each in own for level in (each.first, each.second)}
     rest = sorted({*levels} - {found.level} - {each.first for each in found.leads})
     if not rest:
@@ -146,14 +146,15 @@ def _not_compared(experiment, own, found, scale):
 
 
 _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none': 'It is not told apart from',
-           'weak': 'Too weak to count: against', 'same': 'It is the same as', 'negligible': 'Negligible: against',
-           'part': 'In part it is ahead of', 'survivors': 'Of complete trials it is ahead of', 'worse': 'It is behind',
+           'weak': 'The difference is too weak to count against', 'same': 'It is the same as',
+           'negligible': 'The difference is negligible against', 'part': 'In part it is ahead of',
+           'survivors': 'Among complete trials it is ahead of', 'worse': 'It is behind',
            'average': 'On average it is ahead of', 'always': 'In all pairs it is ahead of',
-           'small': 'It may be negligible: against'}
+           'small': 'The difference may be negligible against'}
 
 
 def _others(experiment, verdict, leads, scale):
-    """Return what is said of the best level and those with one verdict, in a sentence."""
+    """Return the sentence that compares the best level with those levels that have the same verdict."""
     if not leads or verdict == 'untold':
         return ''
     texts = []
@@ -165,7 +166,7 @@ def _others(experiment, verdict, leads, scale):
 
 
 def _strongest(changes, metric):
-    """Return of each pair of factors the change that is shown best, if one is."""
+    """Return for each pair of factors the interaction with the smallest Holm p, if any is shown."""
     best = {}
     for each in changes:
         key = each.factor, each.at[0][0]
@@ -195,7 +196,7 @@ def _change(experiment, difference, scale):
 
 
 def _means(experiment, metric, scale):
-    """Return the Findings of a metric of which nothing can be compared: its means."""
+    """Return the Findings of a metric without any comparison: its means."""
     told = []
     for place, (configuration, estimate) in enumerate(zip(experiment.configurations,
                                                           effects.summary(experiment, metric))):
@@ -210,7 +211,7 @@ def _means(experiment, metric, scale):
             verdict = 'cut'
             text = cut_text(experiment, metric, place, where)
         elif not estimate.has_interval:
-            text = f'{value}{scale.suffix}{where}, one trial; no interval, so that nothing is said about other seeds.'
+            text = f'{value}{scale.suffix}{where}, one trial; no interval, so this says nothing about other seeds.'
         elif estimate.method == 'constant':
             text = f'{value}{scale.suffix}{where} in all {counted(estimate.n, "trials")}.'
         else:
@@ -221,7 +222,7 @@ def _means(experiment, metric, scale):
 
 
 def cut_text(experiment, metric, place, where=''):
-    """Return why a configuration (its place) has no mean of a metric."""
+    """Return the words that say why a configuration has no mean of a metric. ``place``: the configuration's place."""
     cut, seen = int(experiment.cut(metric)[place].sum()), len(intervals.known(experiment.values(metric)[place]))
     bounds = 'their values are lower bounds' if metric.at_limit in endings.BOUNDS else \
         'what their values would have become is not known'
@@ -229,7 +230,10 @@ def cut_text(experiment, metric, place, where=''):
 
 
 def _mini(difference, family):
-    """Return where zero, the difference and its interval lie in a picture that all of a family share, in per cent."""
+    """Return where zero, the low end, the difference and the high end lie in its picture, in per cent of the width.
+
+    All differences of a family have the same scale. None if the difference has no interval.
+    """
     estimate = difference.estimate
     bounds = [abs(bound) for each in family for bound in each.estimate[:3] if not math.isnan(bound)]
     largest = max(bounds, default=0.0)

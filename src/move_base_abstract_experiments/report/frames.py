@@ -1,4 +1,4 @@
-"""The tables behind the page as data frames, and as CSV files: one row per fact, numbers in the metrics' own units."""
+"""The tables behind the page, as data frames and as CSV text: one row per fact, numbers in the metrics' own units."""
 
 import math
 
@@ -7,19 +7,19 @@ import pandas as pd
 from . import effects, intervals, sentences, verdicts
 from .outcome import COMPLETE
 
-DIGITS = '%.10g'  # more would be left of rounding
+DIGITS = '%.10g'  # further digits may be errors of rounding
 _ESTIMATE = ('n', 'value', 'low_95', 'high_95', 'interval')
 _TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'ended_by', 'error')
 
 
 def trials(experiment):
-    """Return a row per planned trial: ID, factors, replication, seed, status, metrics, ...
+    """Return a frame with a row per planned trial: ID, factors, replication, seed, status, metrics, ...
 
-    A metric by the name of another column is called metric.NAME there, a factor factor.NAME.
+    If a metric has the name of another column, its column is metric.NAME; that of a factor is factor.NAME.
     """
     fixed = ('id', 'replication', 'seed', 'status', 'labels', *_TRIAL_COLUMNS)
     trials, places = experiment.trials, [trial.configuration for trial in experiment.trials]
-    columns = {'id': [trial.id for trial in trials]}  # a column at a time: a row of each would take ten times as much
+    columns = {'id': [trial.id for trial in trials]}  # by columns: a mapping per row takes ten times as long
     for number, factor in enumerate(experiment.factors):
         levels = [configuration.levels[number] for configuration in experiment.configurations]
         shown = ['' if level is None else factor.levels[level] for level in levels]
@@ -37,7 +37,7 @@ def _free(name, taken, kind):
 
 
 def means(experiment):
-    """Return a row per metric and configuration: n, mean, its interval, and what the values are like."""
+    """Return a frame with a row per metric and configuration: n, mean, its interval, sd, median, least, most."""
     rows = []
     for metric in experiment.metrics:
         values = experiment.values(metric)
@@ -64,7 +64,7 @@ def _estimate(estimate):
 
 
 def differences(experiment, found):
-    """Return a row per effects.Difference."""
+    """Return a frame with a row per effects.Difference."""
     rows = []
     for each in found:
         first, second = sentences.names_of(experiment, each)
@@ -85,7 +85,7 @@ def differences(experiment, found):
 
 
 def robots(experiment):
-    """Return a row per configuration, robot and quantity: the mean over complete trials."""
+    """Return a frame with a row per configuration, robot and quantity: the mean over complete trials."""
     sums = {}
     for trial in experiment.trials:
         if trial.status == COMPLETE:
@@ -100,7 +100,10 @@ def robots(experiment):
 
 
 def waits(experiment):
-    """Return a row per configuration and place, zone or lane where robots waited: the mean over complete trials [s]."""
+    """Return a frame with the mean wait [s] over complete trials.
+
+    It has a row per configuration and place, zone or lane where robots waited.
+    """
     found = {}
     for trial in experiment.complete:
         for where in trial.waits:
@@ -117,20 +120,20 @@ def waits(experiment):
 
 
 def estimate_of(row):
-    """Return the intervals.Estimate that a row of a frame holds."""
+    """Return the intervals.Estimate in a row (a mapping) of such a frame."""
     return intervals.Estimate(row['value'], row['low_95'], row['high_95'], row['n'], row['interval'])
 
 
 def _framed(rows, columns):
-    """Return rows as a frame that has its columns even where there are none."""
+    """Return rows as a frame; without rows it has these columns."""
     return pd.DataFrame(rows) if rows else pd.DataFrame(columns=list(columns))
 
 
 def csv_text(frame):
-    """Return a frame as CSV; numbers with ten digits, no value as nothing."""
+    """Return a frame as CSV text: numbers with ten digits, NaN as an empty field."""
     return frame.to_csv(index=False, float_format=DIGITS, **_line_end())
 
 
 def _line_end():
-    """Return pandas' option for the end of lines, which it has renamed in 1.5."""
+    """Return pandas' option for the end of lines, which pandas renamed in 1.5."""
     return {'lineterminator' if tuple(map(int, pd.__version__.split('.')[:2])) >= (1, 5) else 'line_terminator': '\n'}

@@ -1,6 +1,7 @@
-"""Intervals: how far what was seen in some trials may be from what more of them would show.
+"""Intervals: how far the result of some trials may be from the result of very many.
 
-Formulas and their sources: docs/experiment_report.md. NaN among values is what a trial did not give; it is left out.
+Formulas and their sources: docs/experiment_report.md. NaN among values stands for a trial without a value; it is left
+out.
 """
 
 import math
@@ -11,29 +12,31 @@ from scipy import special, stats
 
 LEVEL = 0.95
 ALPHA = 0.05
-ROUNDING = 1e-11  # of the values: sums of the same numbers in another order differ by less
-MOST_EXACT_FLIPS = 500  # replications; with more the distribution of their sum is normal enough
-_FEWEST_FOR_SKEWNESS = 8  # of scipy's test
+ROUNDING = 1e-11  # relative to the values: sums of the same numbers in another order differ by less
+MOST_EXACT_FLIPS = 500  # replications; with more, the normal distribution is close enough
+_FEWEST_FOR_SKEWNESS = 8  # the fewest values that scipy's test takes
 _SKEWNESS_ALPHA = 0.01
 
 
 class Estimate(NamedTuple):
-    """A value and its interval; low and high are NaN where there is none."""
+    """A value and its interval; low and high are NaN if there is no interval."""
 
     value: float
     low: float
     high: float
     n: int
-    method: str  # 't', 'wilson', 'newcombe', 'order', 'constant' (all are the same), 'fixed' (so is each row), 'none'
+    # 't', 'wilson', 'newcombe', 'order', 'none', 'cut' (of effects.summary), 'constant' (all values are the same) or
+    # 'fixed' (the values of each row are the same)
+    method: str
 
     @property
     def has_interval(self):
-        """Whether there is one; that of values which are all the same has no width."""
+        """Whether there is an interval. If all values are the same, there is one, and its width is 0."""
         return not math.isnan(self.low)
 
 
 class Comparison(NamedTuple):
-    """A paired difference and the probability of one as large if there was none; NaN: it cannot be told."""
+    """A paired difference, and the probability p of one at least as large if nothing differed; NaN: no test."""
 
     estimate: Estimate
     p: float
@@ -43,21 +46,23 @@ NOTHING = Estimate(math.nan, math.nan, math.nan, 0, 'none')
 
 
 def known(values):
-    """Return those values that are not NaN."""
+    """Return the values that are not NaN, as an array."""
     values = np.asarray(values, dtype=float)
     return values[~np.isnan(values)]
 
 
 def rounding_of(values):
-    """Return up to which size a difference of such values may be left of rounding; whole numbers leave none."""
+    """Return the largest difference of such values that may come from rounding alone; 0 for whole numbers."""
     values = np.asarray(values, dtype=float)
     return 0.0 if (values == np.rint(values)).all() else ROUNDING * float(np.abs(values).max(initial=0.0))
 
 
 def contrast(signs, tables):
-    """Return the sum of +-tables, 0 where only rounding is left, and per entry what rounding may have left of it.
+    """Return the sum of the tables with these signs, and per entry the largest error of rounding.
 
-    :param signs: of +1 and -1, one per table. :param tables: of one shape, NaN where there is no value.
+    An entry that is not larger than its error of rounding is 0.
+
+    :param signs: +1 or -1 for each table. :param tables: arrays of one shape, NaN where there is no value.
     """
     tables = np.asarray(tables, dtype=float)
     found = np.tensordot(np.asarray(signs, dtype=float), tables, axes=1)
@@ -67,17 +72,17 @@ def contrast(signs, tables):
 
 
 def mean_and_sd(values):
-    """Return mean and standard deviation (n - 1), summed exactly; the latter is 0 if only rounding is left of it."""
+    """Return mean and standard deviation (n - 1), summed exactly. The latter is 0 if it may be rounding alone."""
     mean = math.fsum(values) / len(values)
     if len(values) < 2:
         return mean, math.nan
-    size = max(map(abs, values)) or 1.0  # squares of very small numbers would be 0
+    size = max(map(abs, values)) or 1.0  # otherwise squares of very small numbers would be 0
     sd = size * math.sqrt(math.fsum(((value - mean) / size) ** 2 for value in values) / (len(values) - 1))
     return mean, 0.0 if sd <= rounding_of(values) else sd
 
 
 def mean_estimate(values):
-    """Return the mean with Student's interval, mean -+ t sd / sqrt(n)."""
+    """Return the Estimate of the mean with Student's interval, mean -+ t sd / sqrt(n)."""
     values = known(values)
     if not len(values):
         return NOTHING
@@ -91,7 +96,7 @@ def mean_estimate(values):
 
 
 def share_estimate(values):
-    """Return the share of ones among zeros and ones with Wilson's score interval."""
+    """Return the Estimate of the share of ones among zeros and ones, with Wilson's score interval."""
     values = known(values)
     if not len(values):
         return NOTHING
@@ -103,9 +108,9 @@ def share_estimate(values):
 
 
 def median_estimate(values):
-    """Return the median with the narrowest symmetric interval between two order statistics that holds the level.
+    """Return the Estimate of the median with the narrowest symmetric interval between two order statistics.
 
-    It asks nothing of the distribution. With fewer than six values there is none.
+    The interval holds the level and assumes nothing about the distribution. With fewer than six values there is none.
     """
     values = np.sort(known(values))
     n = len(values)
@@ -119,7 +124,7 @@ def median_estimate(values):
 
 
 def is_skewed(values):
-    """Return whether Student's interval is in doubt: fewer values than Cochran's 25 g1^2, and g1 is not chance."""
+    """Return whether Student's interval is in doubt: fewer values than Cochran's 25 g1^2, and g1 is not by chance."""
     values = known(values)
     if len(values) < _FEWEST_FOR_SKEWNESS:
         return False
@@ -134,20 +139,21 @@ def is_skewed(values):
 def paired(differences):
     """Return the Comparison of paired differences: Student's interval and paired t test.
 
-    Where all differences are the same the test is that of signs: p = 2^(1 - n).
+    If all differences are the same, the test is the test of signs: p = 2^(1 - n).
     """
     differences = known(differences)
     return clustered(differences[None, :]) if len(differences) else Comparison(NOTHING, math.nan)
 
 
 def clustered(rows, left=0.0):
-    """Return the Comparison of a mean over rows of each row's mean; what stands in one column had the same seed.
+    """Return the Comparison of the mean of the means of rows; the values of one column had the same seed.
 
-    Rows count alike, however many values they have, so that none weighs more because others failed. The error is that
-    of independent columns; Student's t has as many degrees of freedom as the row with the fewest values.
+    All rows have the same weight, however many values they have, so that no row weighs more because trials of others
+    failed. The error is that of independent columns. Student's t has the degrees of freedom of the row with the fewest
+    values.
 
-    :param rows: shape (combinations, replications), NaN where there is no value, one in each row at least.
-    :param left: what rounding may have left of each.
+    :param rows: shape (combinations, replications), NaN where there is no value; at least one value in each row.
+    :param left: the largest error of rounding of each entry.
     """
     rows = np.asarray(rows, dtype=float)
     there = ~np.isnan(rows)
@@ -161,7 +167,7 @@ def clustered(rows, left=0.0):
     rest = np.where(there, rows - means[:, None], 0.0)
     limits = np.maximum(left, [rounding_of(known(row)) for row in rows])
     rest[np.abs(rest).max(axis=1) <= limits] = 0.0
-    size = np.abs(rest).max() or 1.0  # squares of very small numbers would be 0
+    size = np.abs(rest).max() or 1.0  # otherwise squares of very small numbers would be 0
     shares = ((rest / size) * (np.sqrt(counts / (counts - 1.0)) / (counts * len(rows)))[:, None]).sum(axis=0)
     error = size * math.sqrt(math.fsum(shares ** 2))
     fewest = int(counts.min())
@@ -169,13 +175,13 @@ def clustered(rows, left=0.0):
         is_one = np.ptp(means) <= limits.max()
         return Comparison(Estimate(value, value, value, n, 'constant' if is_one else 'fixed'),
                           1.0 if value == 0.0 else 2.0 ** (1 - fewest))
-    reach = float(special.stdtrit(fewest - 1, 0.5 + LEVEL / 2.0)) * error  # Student's t, as of scipy.stats but sooner
+    reach = float(special.stdtrit(fewest - 1, 0.5 + LEVEL / 2.0)) * error  # as scipy.stats' t, but faster
     return Comparison(Estimate(value, value - reach, value + reach, n, 't'),
                       float(2.0 * special.stdtr(fewest - 1, -abs(value) / error)))
 
 
 def flip_test(sums):
-    """Return how likely a total at least as far from 0 is if the sign of each whole number were chance."""
+    """Return the probability of a total at least as far from 0 if the sign of each whole number were by chance."""
     sums = np.abs(np.asarray(sums, dtype=int)), int(np.sum(sums))
     sizes, total = sums[0][sums[0] > 0], abs(sums[1])
     if len(sizes) > MOST_EXACT_FLIPS:
@@ -192,8 +198,8 @@ def flip_test(sums):
 def paired_shares(first, second):
     """Return the Comparison of paired zeros and ones, second - first.
 
-    The interval is Newcombe's (score intervals of both shares, and their correlation, which is taken toward 0 for
-    continuity), the test McNemar's, exact.
+    The interval is Newcombe's: from the score intervals of both shares, and their correlation, which is moved toward 0
+    for continuity. The test is McNemar's exact test.
     """
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     both = ~np.isnan(first) & ~np.isnan(second)
@@ -207,11 +213,11 @@ def paired_shares(first, second):
 
 
 def share_differences(first, second):
-    """Return the Comparison of a mean over rows of differences of paired shares, second - first.
+    """Return the Comparison of the mean over rows of differences of paired shares, second - first.
 
-    The interval is the wider one, on each side, of Student's and of Newcombe's of the rows put together (their squares
-    added): the former knows what seeds have in common, the latter that shares of few trials are uncertain. The test is
-    whether signs of what each seed adds might be chance, exactly.
+    On each side the interval is the wider of two: Student's interval, and Newcombe's intervals of the rows with their
+    squares added. The former takes into account what seeds have in common, the latter that shares of few trials are
+    uncertain. The test is exact: whether the signs of the contributions of the seeds may be by chance.
 
     :param first, second: zeros and ones, shape (combinations, replications), NaN where there is no value.
     """
@@ -225,14 +231,17 @@ def share_differences(first, second):
     below, above = (math.sqrt(math.fsum(((part.value - part[side]) / len(parts)) ** 2 for part in parts))
                     for side in (1, 2))
     sums = np.nansum(rows, axis=0)
-    is_alike = (sums.sum() < 0.0) == (found.value < 0.0)  # else rows with many values speak against the mean of all
+    is_alike = (sums.sum() < 0.0) == (found.value < 0.0)  # otherwise the rows with many values have the opposite sign
     return Comparison(found._replace(low=max(-1.0, min(found.low, found.value - below)), method='newcombe',
                                      high=min(1.0, max(found.high, found.value + above))),
                       flip_test(sums) if is_alike else 1.0)
 
 
 def _newcombe(a, b, c, d):
-    """Return the difference of shares (a + b) / n - (a + c) / n; a: both, b: second only, c: first only, d: neither."""
+    """Return the Estimate of the difference of shares (a + b) / n - (a + c) / n.
+
+    The numbers of pairs with a one: a: on both sides, b: only on the second, c: only on the first, d: on neither.
+    """
     n = a + b + c + d
     one, two = share_estimate([1] * (a + b) + [0] * (c + d)), share_estimate([1] * (a + c) + [0] * (b + d))
     product = math.sqrt(float(a + b) * (c + d) * (a + c) * (b + d))
@@ -249,7 +258,7 @@ def _newcombe(a, b, c, d):
 
 
 def holm(probabilities):
-    """Return Holm's adjusted probabilities, in the order given; NaN, which no test gave, counts for none."""
+    """Return Holm's adjusted probabilities, in the order given. NaN, where there was no test, does not count."""
     order = sorted((p, place) for place, p in enumerate(probabilities) if not math.isnan(p))
     adjusted, largest = [math.nan] * len(probabilities), 0.0
     for rank, (p, place) in enumerate(order):

@@ -1,4 +1,4 @@
-"""The page's tables: texts in cells, with units, as many rows as can be read."""
+"""The page's tables: cells are texts, with units; a table has no more rows than people can read."""
 
 import json
 import math
@@ -9,17 +9,17 @@ from .outcome import COMPLETE, FAILED, MISSING
 from .parts import Cell, Table
 from .wording import NBSP, UNKNOWN, Scale, counted, digits, estimate_texts, probability, whole, with_interval
 
-MOST_ROWS = 200  # of a table of the page
+MOST_ROWS = 200  # the largest number of rows in a table of the page
 _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
               'constant': 'all the same', 'fixed': 'the same per seed',
               'none': 'none', 'cut': 'cut off'}
 
 
 def cut(rows, note, where):
-    """Return as many rows as the page shows, and a note that says where the others are."""
+    """Return the rows that the page shows, and the note; if rows are left out, it says that ``where`` has all."""
     if len(rows) <= MOST_ROWS:
         return tuple(rows), note
-    return tuple(rows[:MOST_ROWS]), f'The first {MOST_ROWS} of {whole(len(rows))}; all of them: {where}. {note}'.strip()
+    return tuple(rows[:MOST_ROWS]), f'The first {MOST_ROWS} of {whole(len(rows))}; all are in {where}. {note}'.strip()
 
 
 def means(experiment, metric, scale, estimates):
@@ -41,15 +41,15 @@ def means(experiment, metric, scale, estimates):
               'most', *(('median trial', 'worst trial') if chosen else ()))
     note = 'sd: standard deviation of the trials.'
     if any(estimate.method == 'cut' for estimate in estimates):
-        note += ' Cut off: the limit of time ended trials, so that there is no mean of what they would have measured.'
+        note += ' Cut off: the limit of time ended trials, so there is no mean of what they would have measured.'
     if skewed:
-        note += ' *: the values are skewed, so that the interval of the mean is in doubt; read the median.'
+        note += ' *: the values are skewed, so the interval of the mean is in doubt; use the median.'
     rows, note = cut(rows, note, 'tables/means.csv')
     return Table(f'Means{_in(scale)}', header, rows, note)
 
 
 def _of_values(seen):
-    """Return standard deviation, least, median and most of values that are scaled already."""
+    """Return the standard deviation, least, median and most of values in the unit that is shown, as texts."""
     sd = intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan
     median = intervals.median_estimate(seen)
     return (digits(sd, 3), digits(min(seen, default=math.nan)), with_interval(median, Scale(1.0, '')),
@@ -80,13 +80,13 @@ def differences(experiment, title, found, scale, where):
                      *((_used_text(each),) if any(len(one.groups) > 1 for one in found) else ())))
     header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict',
               *(('combinations used',) if any(len(one.groups) > 1 for one in found) else ()))
-    note = 'Combinations of other factors are left out of a mean where they have too few pairs.' if cut_down else ''
+    note = 'A mean leaves out combinations of other factors that have too few pairs.' if cut_down else ''
     rows, note = cut(rows, note, where)
     return Table(f'{title}{_in(unit)}', header, rows, note)
 
 
 def _used_text(difference):
-    """Return how many combinations of the other factors count, and how many pairs that with the fewest has."""
+    """Return the number of combinations of the other factors that count, and their smallest number of pairs."""
     return f'{len(difference.used)} of {len(difference.groups)}, {difference.fewest} or more pairs each'
 
 
@@ -95,7 +95,7 @@ def _probability(p):
 
 
 def changes(experiment, found, scale):
-    """Return the table of one metric's interactions, or None."""
+    """Return the table of one metric's interactions, or None if there are none."""
     if not found:
         return None
     unit = sentences.difference_scale(found[0].metric, scale)
@@ -118,7 +118,7 @@ def _of_change(verdict):
 
 
 def configurations(experiment):
-    """Return the table of what was run."""
+    """Return the table of the configurations: the numbers of trials, their length and their speed."""
     rows = []
     for configuration in experiment.configurations:
         own = experiment.trials_of(configuration)
@@ -133,7 +133,7 @@ def configurations(experiment):
 
 
 def factors(experiment):
-    """Return the table of the factors, or None."""
+    """Return the table of the factors, or None if there are none."""
     if not experiment.factors:
         return None
     return Table('Factors and levels', ('factor', 'levels'),
@@ -154,14 +154,14 @@ def worth_a_look(experiment, metric, scale, found):
 
 
 def _bound(experiment, metric, trial):
-    """Return what stands behind a value that the limit of time has cut off."""
+    """Return the words that follow a value which the limit of time has cut off, '' if it is complete."""
     if not endings.is_cut(experiment, metric, trial):
         return ''
     return ' or more' if metric.at_limit in endings.BOUNDS else ' (cut off)'
 
 
 def failures(experiment):
-    """Return the table of failed trials, and complete ones with an error, by that, or None."""
+    """Return the table of trials with an error, failed or complete, grouped by the error; None if there are none."""
     groups = {}
     for trial in experiment.trials:
         if trial.error:
@@ -181,7 +181,7 @@ def failures(experiment):
 
 
 def labels(experiment):
-    """Return the table of why trials may not be repeatable, or None."""
+    """Return the table of the reasons why trials may not be repeatable, or None if there are none."""
     counts = {}
     for trial in experiment.complete:
         for label in dict.fromkeys(trial.labels):
@@ -194,19 +194,19 @@ def labels(experiment):
 
 
 def not_identical(experiment):
-    """Return the table of trials whose second run was another one, or None."""
+    """Return the table of trials whose second run was different, or None if there are none."""
     rows = [(experiment.configurations[trial.configuration].label,
-             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not told')
+             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not recorded')
             for trial in experiment.complete if trial.verified == 'different']
     if not rows:
         return None
     rows, note = cut(rows, '', 'trials.csv')
-    return Table('Trials that were another one when run again', ('configuration', 'trial', 'first difference'), rows,
+    return Table('Trials that were different when run again', ('configuration', 'trial', 'first difference'), rows,
                  note, is_open=True)
 
 
 def robots(frame):
-    """Return the table of what robots did (frames.robots), or None."""
+    """Return the table of a frame of frames.robots, or None if it is empty."""
     if frame.empty:
         return None
     names = {'distance_m': 'distance [m]', 'moving_s': 'moving [s]', 'idle_s': 'idle [s]', 'waiting_s': 'waiting [s]',
@@ -219,13 +219,13 @@ def robots(frame):
         rows.setdefault(key, {})[record['quantity']] = digits(record['value'])
     cells = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
              for (levels, robot), values in rows.items()]
-    cells, note = cut(cells, 'Means of the complete trials, until the limit of time where that ended them.',
+    cells, note = cut(cells, 'Means over the complete trials; a trial that the limit of time ended counts until then.',
                       'tables/robots.csv')
     return Table('Each robot', ('configuration', 'robot', *(names.get(name, name) for name in columns)), cells, note)
 
 
 def provenance(experiment):
-    """Return the table of what all this was made with."""
+    """Return the table of versions, machine and seeds with which the trials were run."""
     rows = list(_flat('', experiment.plan.get('provenance') or {}))
     seeds = list(dict.fromkeys(str(trial.seed) for trial in experiment.trials))
     shown = ', '.join(seeds[:12]) + (f', ... ({counted(len(seeds), "seeds")})' if len(seeds) > 12 else '')
@@ -234,7 +234,7 @@ def provenance(experiment):
 
 
 def _flat(name, value):
-    """Yield (name, text) of each value in mappings within mappings."""
+    """Yield (name, text) for each value in nested mappings; the name joins the keys by commas."""
     if isinstance(value, dict) and value:
         for key, inner in value.items():
             yield from _flat(f'{name}, {key}' if name else str(key), inner)

@@ -1,4 +1,4 @@
-"""Which trials are worth a look: the worst and the median one of each configuration, and where each can be seen."""
+"""The trials worth a look: the worst and the median one of each configuration, with their replays and logs."""
 
 import math
 import os
@@ -8,7 +8,7 @@ from move_base_abstract.common.own_files import FolderKind
 
 from . import endings
 
-MOST_REPLAYS = 40  # pages that one report makes; what comes after leads to the event log
+MOST_REPLAYS = 40  # the number of replays that one report writes; the links of other trials lead to the event log
 KIND = FolderKind("folder of an experiment's replays", ('*.html',))
 
 
@@ -22,7 +22,7 @@ class Pick(NamedTuple):
 
 
 def primary_metric(experiment):
-    """Return the Metric by which trials are picked: the first that has a better side and values, None without one."""
+    """Return the Metric by which trials are picked: the first with a better side and values; None if there is none."""
     for metric in experiment.metrics:
         if metric.better and any(metric.name in trial.metrics and not math.isnan(trial.metrics[metric.name])
                                  for trial in experiment.complete):
@@ -31,10 +31,12 @@ def primary_metric(experiment):
 
 
 def picks(experiment, metric):
-    """Return the Picks of a metric, worst and median of each configuration; of equals the first of the plan.
+    """Return the Picks of a metric: the worst and the median trial of each configuration.
 
-    The median one is the lower of the two in the middle. What the limit of time has cut off counts as more than all
-    that is whole where it is a lower bound; then the median is known as long as it is whole. Else there is none.
+    Of trials with equal values the first one in the plan is picked. Of two trials in the middle, the median is the one
+    with the lower value. Lower bounds, of trials that the limit of time ended, count as larger than all complete
+    values. If the trial in the middle has a complete value, and no bound lies below it, it is the median; otherwise,
+    and if values that were cut off are no lower bounds, there is no median.
     """
     found = []
     for configuration in experiment.configurations:
@@ -48,45 +50,46 @@ def picks(experiment, metric):
 
 
 def _worst(experiment, metric, own):
-    """Return of (value, place, trial) the one of the worst; those that were cut off come first, if lower is better."""
+    """Return the worst of the tuples (value, place, trial). If lower is better, values that were cut off are worst."""
     return min(own, key=lambda each: (-math.inf if metric.better == 'lower' and endings.is_cut(
         experiment, metric, each[2]) else -each[0] if metric.better == 'lower' else each[0], each[1]))
 
 
 def _median(experiment, metric, own):
-    """Return the one in the middle, or None where it is not known which one that is."""
+    """Return the tuple in the middle, or None if it is not known which one that is."""
     cut = [endings.is_cut(experiment, metric, each[2]) for each in own]
     if any(cut) and metric.at_limit not in endings.BOUNDS:
         return None
     ranked = sorted((math.inf if is_cut else each[0], each[1], each, is_cut) for each, is_cut in zip(own, cut))
     middle = (len(own) - 1) // 2
     _, _, median, is_cut = ranked[middle]
-    # What was cut off would have gone on beyond its bound: only if that lies above the middle is its place known.
+    # A value that was cut off would have become larger than its bound. So its place is known only if its bound lies
+    # above the middle.
     is_known = not is_cut and all(each[0] >= median[0] for each, is_cut in zip(own, cut) if is_cut)
     return median if is_known else None
 
 
 def event_log(experiment, trial):
-    """Return where a trial's event log is, from the experiment's folder, or None."""
+    """Return the path of a trial's event log, relative to the experiment's folder, or None."""
     path = os.path.join('trials', trial.id, 'events.jsonl')
     return path if (experiment.folder / path).is_file() else None
 
 
 def node_logs(experiment, trial):
-    """Return where what a trial's nodes wrote is, or None."""
+    """Return the path of the folder with the logs of a trial's nodes, relative to the experiment's folder, or None."""
     path = os.path.join('trials', trial.id, 'logs')
     return path + '/' if (experiment.folder / path).is_dir() else None
 
 
 def link(experiment, trial):
-    """Return where a trial can be seen: its replay, else its event log, else None."""
+    """Return the path of a trial's replay; if there is none, that of its event log, otherwise None."""
     return f'replays/{trial.id}.html' if trial.id in experiment.replays else event_log(experiment, trial)
 
 
 def write_replays(experiment, found, write_page):
-    """Write the replays of Picks; return what went wrong, a line each.
+    """Write the replays of Picks; return a line for each that could not be written.
 
-    :param write_page: called with a list of event logs and the path of the page; move_base_abstract_replay's.
+    :param write_page: the function of move_base_abstract_replay, called with a list of event logs and the page's path.
     """
     wanted = dict.fromkeys(pick.trial.id for pick in found)
     by_id = {trial.id: trial for trial in experiment.trials}
@@ -101,8 +104,8 @@ def write_replays(experiment, found, write_page):
             try:
                 write_page([experiment.folder / event_log(experiment, trial)], folder / f'{trial.id}.html')
                 experiment.replays.add(trial.id)
-            except Exception as error:  # a log that cannot be shown is no reason to show nothing
-                text = str(error).replace(str(experiment.folder) + os.sep, '')  # the page says the same anywhere
+            except Exception as error:  # if one log cannot be shown, the report still shows the rest
+                text = str(error).replace(str(experiment.folder) + os.sep, '')  # so that the page names no folder
                 problems.append(f'{trial.id}: no replay: {text}')
     finally:
         os.close(marker)

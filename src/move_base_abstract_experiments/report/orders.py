@@ -1,10 +1,10 @@
-"""Which value of a pair is the larger one: where the limit of time cut values off, that may be known, and no mean is.
+"""The order of the two values of a pair: it may be known where the limit of time cut values off and there is no mean.
 
-A value that was cut off is a lower bound: it is larger than each whole value that lies below it, and of all others it
-is not known. Pairs of which it is not known are left out. If nothing differed, the two values of a seed could be
-exchanged, which turns the sign of a pair that is known and makes no pair known or unknown: so the signs of those that
-are known are as good as chance, and the test of signs is exact. (E. A. Gehan, Biometrika 52, 203, 1965, compares what
-is cut off by the same rule.)
+A value that was cut off is a lower bound. It is larger than each complete value below it; its order to other values is
+not known. Pairs of unknown order are left out. If nothing differed, the two values of a seed could be exchanged. That
+turns the sign of a known pair, and makes no pair known or unknown. So the signs of the known pairs would be by chance,
+and the test of signs is exact. (E. A. Gehan, Biometrika 52, 203, 1965, compares values that were cut off by the same
+rule.)
 """
 
 from typing import NamedTuple
@@ -15,14 +15,14 @@ from . import intervals
 
 
 class Order(NamedTuple):
-    """In how many pairs the second value is the larger one, the smaller one, the same; and of how many nobody knows."""
+    """The numbers of pairs in which the second value is larger, smaller, the same, or of unknown order."""
 
     larger: int
     smaller: int
     same: int
     unknown: int
     p: float
-    against: tuple  # groups in which more pairs speak against what all of them say than for it
+    against: tuple  # the groups in which most pairs have the opposite order to that of all pairs together
 
     @property
     def known(self):
@@ -31,10 +31,13 @@ class Order(NamedTuple):
 
 
 def signs(first, second, first_cut, second_cut):
-    """Return per pair 1.0 where the second value is the larger one, -1.0, 0.0 (the same), or NaN: not known.
+    """Return the order of each pair, and which pairs have values but no known order.
 
-    :param first, second: values, NaN where there is none. :param first_cut, second_cut: whether one is a lower bound.
-        All of one shape.
+    The order is 1.0 if the second value is larger, -1.0 if it is smaller, 0.0 if both are the same, NaN if it is not
+    known.
+
+    :param first, second: values, NaN where there is none. :param first_cut, second_cut: whether each is a lower bound.
+        All four have the same shape.
     """
     rows, _ = intervals.contrast((-1, 1), (first, second))
     found = np.sign(rows)
@@ -44,9 +47,10 @@ def signs(first, second, first_cut, second_cut):
 
 
 def order_of(tables, cuts, groups):
-    """Return the Order of the second table's values against the first's; None where that of no pair is known.
+    """Return the Order of the second table's values against the first's, or None if no pair has a known order.
 
-    :param tables, cuts: two of each, shape (groups, replications). :param groups: what each row is of.
+    :param tables, cuts: two values, and whether they are lower bounds; each of shape (groups, replications).
+    :param groups: the group of configurations of each row.
     """
     found, is_hidden = signs(*tables, *cuts)
     if np.isnan(found).all():
@@ -58,6 +62,6 @@ def order_of(tables, cuts, groups):
 
 
 def turned(order):
-    """Return an Order the other way round, its groups too."""
+    """Return an Order with first and second exchanged, in its groups too; None stays None."""
     return order and order._replace(larger=order.smaller, smaller=order.larger,
                                     against=tuple(group[::-1] for group in order.against))

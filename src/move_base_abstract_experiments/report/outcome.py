@@ -1,4 +1,4 @@
-"""What an experiment's folder says: the plan, and of each planned trial what became of it."""
+"""Read an experiment's folder: its plan, and the outcome of each planned trial."""
 
 import csv
 import json
@@ -21,41 +21,41 @@ from . import design, endings
 FORMAT = 1
 COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
 SAFE_ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}')
-LARGEST_INT = 10**18  # below what a table's column of whole numbers holds
-LARGEST = 1e100  # of a value; what is larger was not measured
+LARGEST_INT = 10**18  # whole numbers must be smaller, so that a column of 64-bit integers can hold them
+LARGEST = 1e100  # the largest value of a metric; larger ones cannot have been measured
 _STATES = ('identical', 'different')
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One planned trial and what became of it. Durations in s; of one that is not complete only the plan is known."""
+    """One planned trial and its outcome, durations in s. Only a complete trial has metrics, durations and robots."""
 
     id: str
     configuration: int  # its place in Experiment.configurations
     replication: int
     seed: object
     status: str  # COMPLETE, FAILED or MISSING
-    error: str = ''  # also of a complete one: that of its metrics, say
+    error: str = ''  # a complete trial can have one too, for example of its metrics
     metrics: dict = field(default_factory=dict)  # name: float, NaN where the trial has none
     simulated_seconds: float = math.nan
     wall_seconds: float = math.nan
     times_real_time: float = math.nan
-    repeatable: object = None  # True, False or None: not told
+    repeatable: object = None  # True, False, or None: not recorded
     labels: tuple = ()
-    verified: object = None  # 'identical', 'different' or None: not run again
+    verified: object = None  # 'identical', 'different', or None: not run again
     difference: str = ''
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
-    waits: dict = field(default_factory=dict)  # where: s for which robots waited there, all together
+    waits: dict = field(default_factory=dict)  # place, zone or lane: s for which all robots together waited there
     attempts: int = 1
-    ended_by: str = ''  # see endings; '': not told
-    kept: str = ''  # of what program it is, if it was kept though that is not the present one
-    open_goals: object = None  # how many goals had not ended at its end; None: not told
-    properties: object = None  # what trial.json says of them, as it stands there: see properties
+    ended_by: str = ''  # see endings; '': not recorded
+    kept: str = ''  # the trial's program, if it is not the present one and the trial was kept nevertheless
+    open_goals: object = None  # the number of goals that had not ended at the trial's end; None: not recorded
+    properties: object = None  # the 'properties' of trial.json, unchecked; sections.properties reads them
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """An experiment as its folder tells it."""
+    """An experiment, as read from its folder."""
 
     folder: Path
     plan: dict
@@ -63,12 +63,12 @@ class Experiment:
     configurations: tuple  # of design.Configuration
     metrics: tuple  # of design.Metric
     trials: tuple  # of Trial, in the order of the plan
-    replays: set = field(default_factory=set)  # IDs of those whose replay this report has written
-    known: dict = field(default_factory=dict, compare=False)  # tables that were asked for before
+    replays: set = field(default_factory=set)  # the IDs of the trials whose replay this report has written
+    known: dict = field(default_factory=dict, compare=False)  # a cache of tables
 
     @property
     def name(self):
-        """What the user calls it."""
+        """The name that the user gave the experiment."""
         return str(self.plan.get('experiment') or 'experiment')
 
     @property
@@ -86,14 +86,15 @@ class Experiment:
 
     @property
     def outcomes(self):
-        """What there is to say of how trials ended, as Metrics that are 1 or 0 in each trial."""
+        """The ways in which trials ended, other than by themselves, as Metrics that are 1 or 0 in each trial."""
         has_failed = any(trial.status == FAILED for trial in self.trials)
         return (design.FAILED_TRIALS,) * has_failed + (design.LIMITED_TRIALS,) * endings.has_limited(self)
 
     def values(self, metric):
-        """Return the values of a Metric, shape (configurations, replications); NaN: failed, not run, no value.
+        """Return the values of a Metric, shape (configurations, replications).
 
-        Columns are replications in ascending order: what stands in one column had the same seed and the same program.
+        NaN stands for a trial that failed, has not run or has no value. Columns are replications in ascending order;
+        the trials of one column have the same seed and the same program.
         """
         of = {'failed': lambda trial: float(trial.status == FAILED), 'limit': lambda trial: (
             float(trial.ended_by == endings.LIMIT) if trial.status == COMPLETE else math.nan)}
@@ -101,12 +102,12 @@ class Experiment:
             trial.metrics.get(metric.name, math.nan))), math.nan)
 
     def cut(self, metric):
-        """Return, in the shape of values(), where one is a bound only, since the limit of time ended the trial."""
+        """Return which of values() are only bounds because the limit of time ended the trial: booleans, same shape."""
         return self._table(('cut', metric.name, metric.outcome),
                            lambda trial: endings.is_cut(self, metric, trial), 0.0) > 0.0
 
     def count(self, status):
-        """Return per configuration how many trials have this status."""
+        """Return the number of trials with this status, per configuration."""
         return np.nansum(self._table(('count', status), lambda trial: float(trial.status == status), 0.0), axis=1)
 
     def _table(self, key, value_of, nothing):
@@ -123,8 +124,9 @@ class Experiment:
 def read(folder):
     """Return the Experiment of a folder.
 
-    :raises ConfigurationError: if there is no plan, or it cannot be understood. A trial that cannot be understood is
-        one that failed: its error says why.
+    A trial whose file cannot be understood counts as failed, and its error says why.
+
+    :raises ConfigurationError: if there is no plan, or it cannot be understood.
     """
     folder = Path(folder)
     plan = _json(folder / 'plan.json', records.MAX_PLAN_BYTES)
@@ -139,7 +141,10 @@ def read(folder):
 
 
 def _share(planned, places):
-    """Have equal configurations and programs of the plan's trials (places: of their configurations) take room once."""
+    """Let the trials of a plan share equal configurations and programs, to save memory.
+
+    :param places: the place of each trial's configuration.
+    """
     known = {}
     for each, place in zip(planned, places):
         for key in ('configuration', 'program'):
@@ -152,7 +157,7 @@ def _json(path, most=MAX_BYTES):
     try:
         return load_json_mapping(path, most)
     except FileNotFoundError:
-        raise ConfigurationError(f'{path}: is not there; it must be a folder that `experiment run` made') from None
+        raise ConfigurationError(f'{path}: is not there; the folder must be one that `experiment run` made') from None
 
 
 def _check_plan(plan, path):
@@ -192,7 +197,7 @@ def _check_plan(plan, path):
 
 
 def _rows_of_csv(path, metrics):
-    """Return the rows of trials.csv by ID, as trial.json would say them; for a folder whose trials were left behind."""
+    """Return the rows of trials.csv by ID, in the form of trial.json; for a folder that came without its trials."""
     if not path.is_file():
         return {}
     with open_csv(path) as stream:
@@ -218,7 +223,7 @@ def _trial(folder, plan, planned, configuration, rows):
         if path.is_file():
             told = _json(path)
             if None not in (planned.get('made_of'), told.get('made_of')) and planned['made_of'] != told['made_of']:
-                return Trial(**base, status=MISSING)  # of another program, and to run again
+                return Trial(**base, status=MISSING)  # it is of another program and has to run again
             _check_same(told, planned, path)
         elif planned['id'] in rows:
             told = rows[planned['id']]
@@ -234,12 +239,12 @@ def _trial(folder, plan, planned, configuration, rows):
 def _check_same(told, planned, path):
     for key in ('configuration', 'replication', 'seed'):
         if key in told and told[key] != planned.get(key):
-            raise ConfigurationError(f"{path}: is of another plan: its '{key}' is {shown(told[key])}, planned is "
+            raise ConfigurationError(f"{path}: is of another plan: its '{key}' is {shown(told[key])}, but the plan has "
                                      f'{shown(planned.get(key))}')
 
 
 def _told(base, told, until):
-    """Return the Trial that a trial.json (a mapping) tells of; nothing in it needs to be there or to be right."""
+    """Return the Trial of a trial.json (a mapping). Any part of it may be missing or wrong."""
     status = told.get('status')
     lines = str(told.get('error') or '').strip().splitlines()
     error = lines[0][:1000] if lines else ''
@@ -269,7 +274,7 @@ def _told(base, told, until):
 
 
 def _number(value):
-    """Return a float that can be squared, or NaN for all else that a file may hold: null, text, infinity."""
+    """Return a value as a float that can be squared, or NaN for anything else in a file: null, text, infinity."""
     try:
         number = float(value) if isinstance(value, (int, float, str)) else math.nan
     except (ValueError, OverflowError):
@@ -282,5 +287,5 @@ def _count(value):
 
 
 def _whole(value):
-    """Return a whole number from 0 on, or None for all else."""
+    """Return the value if it is a whole number of at least 0, otherwise None."""
     return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None

@@ -1,4 +1,4 @@
-"""The page: what stands on it, from the experiment and its statistics. Its markup is the templates', by Jinja2."""
+"""The content of the page report.html, from an experiment and its statistics. The markup is in the Jinja2 templates."""
 
 import itertools
 import json
@@ -28,15 +28,15 @@ from .sections import fleet, how_ended, properties, validity
 from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
 
 MARK = 'report of an experiment of move_base_abstract'
-MOST_ROWS = 16  # of configurations that are shown at once; more are folded
-MOST_PLOTTED = 5  # factors that are plotted in pairs
+MOST_ROWS = 16  # the number of configurations that are shown unfolded; with more, all of them are folded
+MOST_PLOTTED = 5  # the number of factors that are plotted in pairs
 _TEMPLATES = Path(__file__).with_name('templates')
 _NUMBER = re.compile(f'[{MINUS}+<{NBSP}]*[0-9][0-9,.]*(·10.*)?|{UNKNOWN}|')
 _SHARES = (('moving_s', 'moving'), ('waiting_s', 'waiting'), ('idle_s', 'idle'))
 
 
 class Analysis(NamedTuple):
-    """An experiment and the statistics of it that page and tables share."""
+    """An experiment, and the statistics of it that the page and the tables share."""
 
     experiment: object
     scales: dict  # metric name: wording.Scale
@@ -48,7 +48,7 @@ class Analysis(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """A section with bars: what the robots' time went into."""
+    """A section with bars that show how the robots spent their time."""
 
     heading: str
     shares: tuple  # of (label, look, (name, per cent) pairs, text)
@@ -69,7 +69,7 @@ def analyse(experiment):
 def render(analysis, added, problems=()):
     """Return the page as text.
 
-    :param added: parts.Sections of the study's own. :param problems: lines about what could not be made.
+    :param added: parts.Sections that the study adds. :param problems: lines about parts that could not be made.
     """
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(_TEMPLATES)), trim_blocks=True,
                                      lstrip_blocks=True, autoescape=True, undefined=jinja2.StrictUndefined)
@@ -81,7 +81,7 @@ def render(analysis, added, problems=()):
 
 
 def _columns(table):
-    """Return per column of a parts.Table the class of its cells: 'n' for numbers, which stand at the right."""
+    """Return the class of the cells for each column of a parts.Table: 'n' for numbers, which are aligned right."""
     columns = [[getattr(row[place], 'text', row[place]) for row in table.rows if place < len(row)]
                for place in range(len(table.header))]
     return ['n' if texts and all(_NUMBER.fullmatch(str(text)) for text in texts) else '' for texts in columns]
@@ -92,7 +92,7 @@ def _page(analysis, added, problems):
     told = findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
     others = [each for each in told if not each.is_primary] if any(each.is_primary for each in told) else []
     told = [each for each in told if each not in others]
-    with_result = {each.metric for each in told if each.is_result}  # of other metrics all is told at once
+    with_result = {each.metric for each in told if each.is_result}  # the findings of other metrics are never folded
     return dict(
         title=experiment.name, lede=_lede(experiment), warnings=_warnings(experiment), most_rows=MOST_ROWS,
         ended=_by_metric(how_ended.findings(experiment, *analysis.endings)),
@@ -110,7 +110,7 @@ def _page(analysis, added, problems):
 
 
 def _by_metric(told):
-    """Return (title of the metric, its Findings) pairs."""
+    """Return pairs (title of a metric, its Findings)."""
     groups = {}
     for each in told:
         groups.setdefault(each.metric, []).append(each)
@@ -126,37 +126,38 @@ def _lede(experiment):
 
 
 def _warnings(experiment):
-    """Return what a reader must know before the findings."""
+    """Return the warnings that a reader must see before the findings."""
     texts = []
     failed = sum(trial.status == FAILED for trial in experiment.trials)
     missing = sum(trial.status == MISSING for trial in experiment.trials)
     if failed:
         share = 100.0 * failed / (len(experiment.trials) - missing)
-        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. All figures of '
-                     'metrics are of the others: if what failed is what was hard, they flatter. A pair counts in a '
-                     'comparison only if both of its trials are complete.')
+        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. The figures '
+                     'of all metrics are of the other trials only: if it is the hard trials that failed, the figures '
+                     'look too good. A pair counts in a comparison only if both of its trials are complete.')
     kept = sum(bool(trial.kept) for trial in experiment.complete)
     if kept:
         texts.append(f'{counted(kept, "trials")} {"was" if kept == 1 else "were"} kept from before: what '
                      f'{"it is" if kept == 1 else "they are"} made of has changed since (see Repeatability). Means are '
-                     'over the trials of all programs; no pair is made of trials of two.')
+                     'over the trials of all programs; the two trials of a pair are always of the same program.')
     incomplete = sum(bool(trial.error) for trial in experiment.complete)
     if incomplete:
         texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '
-                     f'{"has" if incomplete == 1 else "have"} an error, of the metrics, say: see How trials ended.')
+                     f'{"has" if incomplete == 1 else "have"} an error, for example in the metrics: see How trials '
+                     'ended.')
     limited = sum(trial.ended_by == endings.LIMIT for trial in experiment.complete)
     if endings.has_limited(experiment):
         texts.append(f'{counted(limited, "trials")} of {whole(len(experiment.complete))} complete ones '
-                     f'{"was" if limited == 1 else "were"} ended by the limit of time. What they measured is cut '
-                     'off: it has no mean, and is compared by order at most, but where the experiment says that it '
-                     'is a value.')
+                     f'{"was" if limited == 1 else "were"} ended by the limit of time. Their values are cut off: '
+                     'they have no mean and are compared by order at most, except for metrics that the experiment '
+                     'declares to be values (at_limit).')
     texts += filter(None, (properties.warning(experiment), validity.warning(experiment)))
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)
     if different:
         texts.append(f'{counted(different, "trials")} that {"was" if different == 1 else "were"} run again gave '
-                     'another run: see Repeatability.')
+                     'a different run: see Repeatability.')
     return texts + design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)
 
 
@@ -167,21 +168,22 @@ def _findings_notes(analysis):
     averaged = ' averaged over the levels of the other factors,' if len(analysis.experiment.factors) > 1 else ''
     primary = sum(each.metric.is_primary for each in found)
     which = f'all {whole(len(found))} comparisons of levels and metrics' if not primary else \
-        f'all {whole(primary)} comparisons of levels by the primary metric counted, and by themselves ' \
+        f'all {whole(primary)} comparisons of levels by the primary metric counted, and separately ' \
         f'{whole(len(found) - primary)} by the other metrics'
-    return [f'Differences are taken within replications (same seed),{averaged} and are said to be there only if they '
-            f'hold at 5 % with {which}{"" if primary else " counted"} (Holm). The intervals hold one at a time. The '
-            'little pictures: difference and interval, dashed at 0; a scale per metric and factor. Not told apart does '
-            'not mean equal: the interval says which differences are possible yet.']
+    return [f'Differences are taken within replications (same seed),{averaged} and are reported only if a test at the '
+            f'5 % level shows them with {which}{"" if primary else " counted"} (Holm). Each interval holds by itself, '
+            'not all of them together. Each little picture shows a difference and its interval, with a dashed line at '
+            '0; the pictures of one metric and factor have the same scale. Not told apart does not mean equal: the '
+            'interval says which differences are still possible.']
 
 
 def _metrics_notes(experiment):
     if not experiment.complete:
         return []
-    return ['Each tick is a trial, the mark is the mean, its bar the 95 % interval of the mean. In plots over factors '
-            'means go over all levels of the factors that are not named, levels stand at equal distances, and bars are '
-            '95 % intervals. Differences within replications are sharper than bars that overlap suggest: they are in '
-            'the tables.']
+    return ['Each tick is a trial. The mark is the mean, and its bar is the 95 % interval of the mean. In plots over '
+            'factors, a mean is over all levels of the factors that the plot does not name, the levels have equal '
+            'distances, and bars are 95 % intervals. Even if two bars overlap, the difference within replications may '
+            'be clear: see the tables.']
 
 
 def _facts(experiment):
@@ -207,12 +209,12 @@ def _facts(experiment):
                       f'median; {ends[0]} to {ends[1]}' if ends[0] != ends[1] else ''))
     facts += filter(None, (validity.fact(experiment),))
     if len(wall):
-        facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'one after the other'))
+        facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'all complete trials, one after the other'))
     return facts
 
 
 def until_text(until):
-    """Return in words when a trial ends, as the plan tells it."""
+    """Return in words when a trial ends, from the ``until`` of the plan."""
     if not isinstance(until, dict) or not until:
         return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
     words = []
@@ -231,7 +233,7 @@ def until_text(until):
 
 
 def _metric(analysis, metric):
-    """Return what the page shows of a metric."""
+    """Return the part of the page about a metric, as a mapping for the template."""
     experiment, looks = analysis.experiment, analysis.looks
     scale = analysis.scales[metric.name]
     estimates = effects.summary(experiment, metric)
@@ -249,11 +251,11 @@ def _metric(analysis, metric):
     lacking = sum(math.isnan(trial.metrics.get(metric.name, math.nan)) for trial in experiment.complete)
     if lacking:
         about['problem'] = f'{counted(lacking, "trials")} of {whole(len(experiment.complete))} that are complete ' \
-                           f'{"has" if lacking == 1 else "have"} no value of it and count for nothing here.'
+                           f'{"has" if lacking == 1 else "have"} no value of this metric; such trials do not count.'
     cut = int(experiment.cut(metric).sum())
     if cut:
-        about['problem'] += f' The limit of time ended {counted(cut, "trials")} of those that have a value: it is ' \
-                            'cut off there, and configurations with such trials have no mean.'
+        about['problem'] += f' The limit of time ended {counted(cut, "trials")} of those that have a value: their ' \
+                            'values are cut off, and configurations with such trials have no mean.'
     else:
         about['plots'] = _plots(experiment, metric, scale, looks)
     own = [[each for each in found if each.metric is metric]
@@ -277,7 +279,7 @@ def _plots(experiment, metric, scale, looks):
 
 
 def _robots(analysis):
-    """Return the section about what the robots' time went into, or None."""
+    """Return the section about how the robots spent their time, or None if no trial recorded it."""
     experiment = analysis.experiment
     table = listings.robots(frames.robots(experiment))
     rows = []
@@ -312,7 +314,7 @@ def _looks(analysis):
     table = listings.worth_a_look(experiment, metric, analysis.scales[metric.name], picks)
     return Section('Trials worth a look', (
         f'The worst and the median complete trial of each configuration, by {metric.title}. Links lead to the replay, '
-        'or to the event log where there is none.', table))
+        'or to the event log if there is no replay.', table))
 
 
 def _repeatable(experiment):
@@ -323,38 +325,40 @@ def _repeatable(experiment):
     if again:
         same = sum(trial.verified == 'identical' for trial in again)
         low = intervals.share_estimate([trial.verified == 'identical' for trial in again]).low
-        parts.append(f'Run again under other conditions, event logs compared to the byte: identical: {whole(same)} of '
-                     f'{whole(len(again))}. So at least {digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials '
-                     'repeat (Wilson, 95 % interval).')
+        parts.append('Trials that were run again under other conditions, with the event logs compared byte by byte: '
+                     f'identical: {whole(same)} of {whole(len(again))}. So at least '
+                     f'{digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials repeat (Wilson, 95 % interval).')
     else:
-        parts.append('No trial was run again to see whether it is the same.')
+        parts.append('No trial was run again to see whether it repeats.')
     if told:
-        parts.append(f'Repeatable by what the run says of itself: {whole(sum(trial.repeatable for trial in told))} of '
-                     f'{whole(len(told))}.')
+        parts.append('Trials whose run says that it is repeatable: '
+                     f'{whole(sum(trial.repeatable for trial in told))} of {whole(len(told))}.')
     parts += filter(None, (listings.not_identical(experiment), listings.labels(experiment)))
     return Section('Repeatability', tuple(parts)) if complete else None
 
 
 def _method(analysis):
-    """Return the section that says what the intervals are."""
+    """Return the section that explains the intervals and tests."""
     parts = [
-        "Means of configurations have Student's 95 % interval; shares of yes and no have Wilson's; medians have the "
-        'interval between two order statistics, which asks nothing of the distribution.',
+        "Means of configurations have Student's 95 % interval. Shares of yes and no have Wilson's. Medians have the "
+        'interval between two order statistics, which assumes nothing about the distribution.',
         'Comparisons are of pairs: replication k has the same seed in every configuration, so the difference within '
-        "each replication is taken first. The mean of these differences has Student's interval and test. Over several "
-        'combinations of other factors each counts alike, however many pairs it has, and the test has the degrees of '
-        'freedom of the one with the fewest. One without two pairs, or with trials that the limit of time ended, is '
-        "left out, and the sentence says so. Shares are compared by Newcombe's interval and an exact test (McNemar's). "
-        'Where all differences are the same, the test is that of signs.',
-        'p is of one comparison. Holm p counts all comparisons of the same kind on this page: if nothing differed, any '
-        'would be below 5 % in at most 5 % of experiments. Counted apart are: between levels, between configurations, '
-        'how one depends on the other; the primary metric, if one is named; each way in which trials ended.',
-        'Values that differ by less than 1e-11 of their size, and are not whole numbers, are the same: sums in another '
-        'order differ by as much.',
-        'Values or differences are called skewed where there are fewer than 25 times their squared skewness (Cochran) '
-        'and the skewness is no chance (p < 1 %); then their median is told too.',
-        "Figures are rounded to one or two digits of their interval's half width; those without interval to four. The "
-        "tables in tables/ have all digits, in the metrics' own units."]
+        "each replication is taken first. The mean of these differences has Student's interval and test. If a mean is "
+        'over several combinations of other factors, each combination has the same weight, however many pairs it has, '
+        'and the test has the degrees of freedom of the combination with the fewest pairs. A combination with fewer '
+        'than two pairs, or with trials that the limit of time ended, is left out, and the sentence says so. Shares '
+        "are compared by Newcombe's interval and an exact test (McNemar's). If all differences are the same, the test "
+        'is the test of signs.',
+        'p is the probability for one comparison by itself. Holm p takes all comparisons of the same kind on this page '
+        'into account: if nothing differed, any of them would be below 5 % in at most 5 % of experiments. These kinds '
+        'are counted separately: between levels; between configurations; how a difference depends on another factor; '
+        'the primary metric, if one is named; each way in which trials ended.',
+        'Values that are not whole numbers and differ by less than 1e-11 of their size count as the same: sums in '
+        'another order differ by as much.',
+        'Values or differences are called skewed if there are fewer of them than 25 times their squared skewness '
+        '(Cochran), and the skewness is not by chance (p < 1 %). Then their median is given, too.',
+        'Figures are rounded to one or two digits of the half width of their interval; figures without an interval '
+        "have four digits. The files in tables/ have ten digits, in the metrics' own units."]
     return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
 
 

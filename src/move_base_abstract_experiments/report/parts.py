@@ -1,4 +1,4 @@
-"""What the report's sections are made of. A study that adds sections makes them of these."""
+"""The building blocks of the report's sections. A study that adds sections of its own makes them from these."""
 
 import io
 import re
@@ -6,51 +6,51 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: stands for the colour of the page's text in a figure; no picture has it by chance
+#: stands for the colour of the page's text in a figure; a colour that no picture is likely to use
 _INK = '#010203'
 _HASH_SALT = 'move_base_abstract'
 
 
 class Cell(NamedTuple):
-    """A cell of a table that leads somewhere."""
+    """A cell of a table with a link."""
 
     text: str
-    link: str
+    link: str  # an address; '' or None: only the text is shown
 
 
 class Table(NamedTuple):
-    """A table; cells are texts or Cells. How to read it says the note."""
+    """A table; its cells are texts or Cells."""
 
     title: str
-    header: tuple
-    rows: tuple
-    note: str = ''
-    is_open: bool = False  # otherwise it is folded
+    header: tuple  # one text per column
+    rows: tuple  # of tuples of cells
+    note: str = ''  # how to read the table
+    is_open: bool = False  # whether the page shows it unfolded
 
 
 class Figure(NamedTuple):
-    """A picture as SVG (figure_of makes one of matplotlib's), with what it shows."""
+    """A picture as SVG, with a caption. figure_of makes it from a matplotlib figure."""
 
     caption: str
     svg: str
 
 
 class Html(NamedTuple):
-    """Markup as it is. Whoever makes it sees to it that no text of others is in it unescaped."""
+    """HTML that goes into the page as it is. The caller must escape all text in it that comes from elsewhere."""
 
     markup: str
 
 
 class Section(NamedTuple):
-    """A heading and what stands under it: Tables, Figures, Html, and texts, each a paragraph."""
+    """A section of the page: a heading and its parts."""
 
     heading: str
-    parts: tuple
+    parts: tuple  # of Tables, Figures, Html, and texts, each of which is a paragraph
 
 
 def figure_of(figure, caption):
-    """Return the Figure of a matplotlib figure: no dates and no chance in it, its black becomes the page's ink."""
-    import matplotlib  # takes half a second; only who draws with it waits
+    """Return the Figure of a matplotlib figure. Equal figures give equal bytes; black becomes the text's colour."""
+    import matplotlib  # takes half a second, so only callers that need it wait
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     stream = io.StringIO()
     with matplotlib.rc_context({'svg.hashsalt': f'{_HASH_SALT} {caption}', 'svg.fonttype': 'none'}):
@@ -58,14 +58,14 @@ def figure_of(figure, caption):
             _in_ink(artist, matplotlib.colors)
         FigureCanvasSVG(figure).print_svg(stream)
     text = stream.getvalue()
-    # The metadata has a date, and more that no page needs.
+    # The metadata has a date, and other things that the page does not need.
     text = re.sub(r'<metadata>.*?</metadata>', '', text[text.index('<svg'):], flags=re.DOTALL)
-    text = re.sub(r'<g id="[^"]*"', '<g', text)  # every figure has these, and nothing refers to them
+    text = re.sub(r'<g id="[^"]*"', '<g', text)  # every figure has the same IDs, and nothing refers to them
     return Figure(caption, text.replace(_INK, 'currentColor'))
 
 
 def _in_ink(artist, colors):
-    """Give what is black in an artist the colour that stands for ink, and what is white none."""
+    """Give the black parts of an artist the colour that stands for the page's text, and make its white parts clear."""
     for name in ('color', 'edgecolor', 'facecolor'):
         getter, setter = getattr(artist, f'get_{name}', None), getattr(artist, f'set_{name}', None)
         if not getter or not setter:

@@ -1,4 +1,4 @@
-"""Levels and amounts as they stand in sentences: 'with 3 robots than with 1', '24 more goals', '12 s (8 %) lower'."""
+"""Levels and amounts as words in a sentence: 'with 3 robots than with 1', '24 more goals', '12 s (8 %) lower'."""
 
 import math
 
@@ -13,7 +13,7 @@ MOST_LISTED = 6
 
 
 def with_level(factors, place, level):
-    """Return a level as it stands behind 'with': 'auction', '3 robots', 'a pause of 5 s', 'charging true'."""
+    """Return a level in the words that follow 'with': 'auction', '3 robots', 'a pause of 5 s', 'charging true'."""
     factor = factors[place]
     text, words = factor.levels[level], factor.title.split(' ')
     if not factor.is_numeric or not all(word.isalpha() for word in words):
@@ -28,7 +28,7 @@ def with_level(factors, place, level):
 
 
 def than_with_level(factors, place, level):
-    """Return a level as it stands behind 'than with', where another one of its factor was named: '1', 'greedy'."""
+    """Return a level in the words that follow 'than with', after another level of its factor: '1', 'greedy'."""
     factor = factors[place]
     long = with_level(factors, place, level)
     if long == level_label(factors, place, level):
@@ -62,12 +62,12 @@ def _singular(text):
 
 
 def is_noun(unit):
-    """Return whether a unit is what is counted: goals, tasks, collisions."""
+    """Return whether a unit is the plural noun of things that are counted: goals, tasks, collisions."""
     return unit.isalpha() and unit.islower() and _is_plural(unit)
 
 
 def size_of(estimate):
-    """Return the Estimate of a difference as an amount, and whether that is one less."""
+    """Return the Estimate of a difference as a positive amount, and whether the difference is negative."""
     is_lower = estimate.value < 0.0
     if is_lower:
         estimate = Estimate(-estimate.value, -estimate.high, -estimate.low, *estimate[3:])
@@ -77,8 +77,8 @@ def size_of(estimate):
 def amount(estimate, scale, reference=math.nan, is_change=False):
     """Return '12 s (8 %) lower' or '24 more goals (300 %)', and the words of the interval, in the same direction.
 
-    :param reference: what the amount is also told in per cent of. :param is_change: of a difference, which counts
-        nothing.
+    :param reference: the value of which the amount is also given in per cent; NaN for no per cent.
+    :param is_change: whether this is the change of a difference, which is not a number of things: '24 goals higher'.
     """
     size, is_lower = size_of(estimate)
     value, low, high = estimate_texts(size, scale)
@@ -95,12 +95,12 @@ def amount(estimate, scale, reference=math.nan, is_change=False):
 
 
 def between(estimate, scale):
-    """Return '−3 and 8 s', the bounds of an interval."""
+    """Return the bounds of an interval: '−3 and 8 s'."""
     _, low, high = estimate_texts(estimate, scale)
     return f'{low} and {high}{scale.suffix}'
 
 
 def some(texts, most=MOST_LISTED):
-    """Return texts as a list in a sentence, of many the first ones."""
+    """Return texts as a list in a sentence; if there are many, the first ones and the number of the others."""
     texts = list(texts)
     return listed(texts) if len(texts) <= most else f'{", ".join(texts[:most - 1])} and {len(texts) - most + 1} more'

@@ -1,8 +1,6 @@
-"""The pictures as numbers: scales, rows of trials with their means, means over levels.
+"""The pictures as numbers: scales, rows of trials with their means, means over levels. The templates draw them.
 
-How they look is the templates' matter.
-
-Places are percentages of a row's width, or units of a plot's own size, so that text keeps its size on any screen.
+Positions are percentages of a row's width, or units of a plot's own size, so that text keeps its size on any screen.
 """
 
 import math
@@ -13,28 +11,32 @@ from .design import level_label
 from .outcome import FAILED
 from .wording import counted, fixed, shortened, with_interval
 
-TICK_STEPS = 1000  # places at which a trial can be drawn in a row
+TICK_STEPS = 1000  # the number of positions in a row at which a trial can be drawn
 PLOT_WIDTH, PLOT_HEIGHT = 360.0, 230.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 350.0, 10.0, 196.0  # of the area in which the lines are
-_LETTER = 6.4  # width of one, at most
-_DODGE = 7.0  # between the marks of two lines at one level
-_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between round numbers beside a scale, times powers of ten
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 350.0, 10.0, 196.0  # the area of the lines
+_LETTER = 6.4  # the largest width of a letter
+_DODGE = 7.0  # the distance between the marks of two lines at one level
+_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # the steps between the numbers beside a scale, times powers of ten
 
 
 class Axis(NamedTuple):
-    """A stretch of values and what is written beside it."""
+    """A range of values, and the texts beside it."""
 
     low: float
     high: float
     ticks: tuple  # of (value, text)
 
     def share(self, value):
-        """Return where a value lies, 0 at the low end, 1 at the high one."""
+        """Return where a value lies: 0 at the low end, 1 at the high end."""
         return (value - self.low) / (self.high - self.low)
 
 
 def axis(values, parts=5, pad=0.04, with_zero=False):
-    """Return the Axis that shows all these values (finite, at least one)."""
+    """Return the Axis that shows all these values.
+
+    :param values: finite numbers, at least one. :param parts: the largest number of steps between ticks.
+    :param pad: the share of the range that is added at each end. :param with_zero: whether the axis must show 0.
+    """
     low, high = min(values), max(values)
     if with_zero:
         low, high = min(low, 0.0), max(high, 0.0)
@@ -50,7 +52,7 @@ def axis(values, parts=5, pad=0.04, with_zero=False):
 
 
 def _step(least):
-    """Return the least round step that is no smaller."""
+    """Return the smallest round step that is at least ``least``."""
     size = 10.0 ** math.floor(math.log10(least))
     return next(each * size for each in _STEPS if each * size >= least * (1.0 - 1e-9))
 
@@ -61,13 +63,13 @@ def _decimals(step):
 
 
 class Row(NamedTuple):
-    """One configuration: its trials as ticks, its mean with the interval; places in per cent."""
+    """One configuration: its trials as ticks, its mean with the interval; positions in per cent."""
 
     label: str
     look: object  # colours.Look
     ticks: str  # an SVG path, x in 0..TICK_STEPS, y in 0..10
-    mid: object  # None where there is no value
-    low: object
+    mid: object  # None if there is no mean
+    low: object  # low and high are None if there is no interval
     high: object
     text: str
     note: str
@@ -151,7 +153,10 @@ def factor_plot(experiment, metric, scale, looks, factor):
 
 
 def pair_plot(experiment, metric, scale, looks, pair):
-    """Return the Plot of a metric over two factors, or None: lines are the levels of the one that gives the colours."""
+    """Return the Plot of a metric over two factors, or None if there is no value.
+
+    Each line is a level of one of the two factors: of the one that gives the colours, if it is among them.
+    """
     across, along = _roles(experiment.factors, pair, looks)
     lines = []
     for level in range(len(experiment.factors[across].levels)):
@@ -172,7 +177,11 @@ def _roles(factors, pair, looks):
 
 
 def _plot(title, about, lines, scale, note, look_of=None):
-    """Return the Plot of (label, look, effects.Levels) lines; look_of: the look of a level where a line has none."""
+    """Return the Plot of lines, or None if there is no value.
+
+    :param lines: tuples (label, look, effects.Levels). :param look_of: returns the look of a level, for a line whose
+        own look is None.
+    """
     seen = [bound * scale.factor for _, _, levels in lines for each in levels for bound in each.estimate[:3]
             if not math.isnan(bound)]
     if not seen:
@@ -195,7 +204,7 @@ def _plot(title, about, lines, scale, note, look_of=None):
 
 
 def _dash(number, look):
-    """Return the pattern of a line: those without a colour of their own are told apart by it."""
+    """Return the dash pattern of a line. Lines without a colour of their own need one, to be told apart."""
     if look is None or look.colour is not None:
         return ''
     return ('', '6 3', '2 3', '8 3 2 3', '1 2', '10 4')[number % 6]

@@ -1,4 +1,4 @@
-"""Of several levels of a factor: the best, by how much it leads, and which are not told apart from it."""
+"""Rank the levels of a factor: find the best one, and its lead over each of the others."""
 
 import math
 from typing import NamedTuple
@@ -8,14 +8,14 @@ from .intervals import Estimate
 
 
 class Ranking(NamedTuple):
-    """Differences turned so that the best level is their second one: what it leads, the nearest one first."""
+    """The best level and its Differences to the others, in which it is the second one; the smallest lead first."""
 
     level: int
     leads: tuple  # of effects.Difference
 
 
 def turned(difference):
-    """Return a Difference the other way round."""
+    """Return a Difference with first and second exchanged."""
     estimate, median = _negative(difference.estimate), difference.median
     return difference._replace(
         first=difference.second, second=difference.first, estimate=estimate, sides=difference.sides[::-1],
@@ -32,7 +32,8 @@ def _negative(estimate):
 def ranking(differences, better):
     """Return the Ranking of one factor's Differences between levels, or None if none has a value.
 
-    The best is the level whose smallest lead is the largest; of equals the first. Without a better side the lowest one.
+    The best level is the one whose smallest lead is the largest; of equal ones the first. ``better`` is 'lower',
+    'higher' or None; with None the lowest level counts as the best.
     """
     sign = 1.0 if better == 'higher' else -1.0
     leads = {}
@@ -44,7 +45,7 @@ def ranking(differences, better):
         return None
     for own in leads.values():
         own.sort(key=lambda each: (sign * each.estimate.value, each.first))
-    most = max(map(len, leads.values()))  # who is compared with fewer is not called the best of all
+    most = max(map(len, leads.values()))  # a level with fewer comparisons cannot be the best of all
     level = max((level for level, own in leads.items() if len(own) == most),
                 key=lambda level: (sign * leads[level][0].estimate.value, -level))
     return Ranking(level, tuple(leads[level]))

@@ -1,4 +1,4 @@
-"""Comparisons in sentences: what differs by how much, over what, from how many trials, and what is left out of it."""
+"""Comparisons as sentences: which difference, how large, averaged over what, from how many trials, what is left out."""
 
 from . import endings, intervals
 from .design import level_label
@@ -8,12 +8,12 @@ from .wording import NBSP, counted, digits, estimate_texts, listed, probability,
 
 
 def difference_scale(metric, scale):
-    """Return the Scale of differences of a metric: shares differ by percentage points."""
+    """Return the Scale for differences of a metric: differences of shares are in percentage points."""
     return scale._replace(unit='percentage points') if metric.is_share else scale
 
 
 def names_of(experiment, difference):
-    """Return the labels of what is compared, first and second, as tables have them."""
+    """Return the labels of the two levels or configurations that are compared, as tables have them."""
     if difference.factor is None:
         return tuple(experiment.configurations[place].label for place in (difference.first, difference.second))
     return tuple(level_label(experiment.factors, difference.factor, level)
@@ -21,7 +21,7 @@ def names_of(experiment, difference):
 
 
 def spoken(experiment, difference):
-    """Return (first, second, first behind 'than with') as sentences have them."""
+    """Return (first, second, first as it follows 'than with') in the words of sentences."""
     if difference.factor is None:
         first, second = names_of(experiment, difference)
         return first, second, first
@@ -31,7 +31,7 @@ def spoken(experiment, difference):
 
 
 def at_text(experiment, difference):
-    """Return what is held fixed, in words."""
+    """Return the levels of the other factors that are held fixed, in words."""
     return ', '.join(level_label(experiment.factors, place, level) for place, level in difference.at)
 
 
@@ -41,14 +41,14 @@ def sentence_case(text):
 
 
 def some_sentences(texts, most=6):
-    """Return texts as sentences, of many the first ones and how many more there are."""
+    """Return texts as sentences; if there are many, the first ones and the number of the others."""
     texts = [sentence_case(text) for text in texts]
     more = f' {whole(len(texts) - most)} more are in the tables.' if len(texts) > most else ''
     return ' '.join(texts[:most]) + more
 
 
 def sentence(experiment, difference, scale, aside=''):
-    """Return what a Difference says, in a sentence or several. ``aside``: what is said of the first one, if it is."""
+    """Return one or more sentences about a Difference. ``aside``: words that follow the first one's name, or ''."""
     scale = difference_scale(difference.metric, scale)
     verdict = verdict_of(difference)
     first, second, than = spoken(experiment, difference)
@@ -108,8 +108,8 @@ def _untold(experiment, difference, scale, names):
     size = f'{amount(difference.estimate, scale)[0]} with {second} than with {than}' if difference.estimate.value else \
         f'the same with {second} and {than}'
     what = 'in the only pair' if difference.estimate.n == 1 else f'in {pairs_text(difference)}'
-    return f'{_only(experiment, difference)}{size} {what}{over_text(experiment, difference)}; no interval, so that ' \
-           'nothing is said about other seeds.'
+    return f'{_only(experiment, difference)}{size} {what}{over_text(experiment, difference)}; no interval, so ' \
+           'this says nothing about other seeds.'
 
 
 def _order(experiment, difference, scale, names):
@@ -121,11 +121,11 @@ def _order(experiment, difference, scale, names):
         'higher' if is_larger else 'lower'
     where = f'all {counted(most, "pairs")}' if most == order.known else \
         f'{whole(most)} of {counted(order.known, "pairs")}, the other way round in {whole(rest)}'
-    hidden = f' Of {counted(order.unknown, "more pairs")} it is not known.' if order.unknown else ''
+    hidden = f' The order of {counted(order.unknown, "more pairs")} is not known.' if order.unknown else ''
     aside = f', {aside}' if aside else ''
     return f'{size} with {second} than with {than}{aside}, by order alone: in {where} ' \
-           f'(test of signs, Holm p{NBSP}{probability(difference.p_holm)}).{hidden} By how much is not known: ' \
-           f'{_limited(difference, second, than)}; their values are lower bounds.'
+           f'(test of signs, Holm p{NBSP}{probability(difference.p_holm)}).{hidden} The size of the difference ' \
+           f'is not known: {_limited(difference, second, than)}; their values are lower bounds.'
 
 
 def _limited(difference, second, than):
@@ -143,7 +143,7 @@ def _cut(experiment, difference, scale, names):
 
 
 def _order_seen(difference):
-    """Return what is said of an order that was looked for and is not shown."""
+    """Return the sentence about an order that was tested and is not shown, '' if none was tested."""
     order = difference.order
     if order is None:
         return ''
@@ -162,7 +162,7 @@ def _smallest(difference, scale):
 
 
 def pairs_text(difference, noun='pairs'):
-    """Return '30 pairs', or of several combinations '5 to 30 pairs with each'."""
+    """Return '30 pairs', or if several combinations are averaged '5 to 30 pairs with each'."""
     if len(difference.used) < 2:
         return counted(difference.estimate.n, noun)
     counts = [count for count in difference.counts if count >= difference.needed]
@@ -172,14 +172,14 @@ def pairs_text(difference, noun='pairs'):
 
 
 def over_text(experiment, difference):
-    """Return what a difference is averaged over, in words, if it is."""
+    """Return in words the combinations over which a difference is averaged, '' if it is of one only."""
     if len(difference.used) < 2:
         return ''
     return f', on average over {groups_text(experiment, difference, difference.used)}'
 
 
 def _only(experiment, difference):
-    """Return what a difference holds for, where that is not all that was run."""
+    """Return the words that limit a difference to a part of what was run, '' if it is about all of it."""
     is_one = len(difference.used) == 1 and _other_factors(experiment, difference) and difference.factor is not None
     if len(difference.used) < len(difference.groups) or is_one:
         return f'with {groups_text(experiment, difference, difference.used)} only: ' if difference.used else ''
@@ -207,14 +207,14 @@ def _other_factors(experiment, difference):
 
 
 def _rest(experiment, difference, scale, verdict):
-    """Return what must be said beside a difference: what is left out, lost, against it, or too small."""
+    """Return the sentences that must follow a difference: what is left out, lost, opposite to it, or too small."""
     return ''.join((_left_out(experiment, difference), _against(experiment, difference, scale),
                     _perhaps_small(difference, scale, verdict), _lost(experiment, difference, verdict),
                     _skewed(difference, scale, verdict)))
 
 
 def _left_out(experiment, difference):
-    """Return which combinations of the other factors a difference says nothing of, and why."""
+    """Return the sentence about combinations of the other factors of which a difference says nothing, and why."""
     if not difference.used:
         return ''
     reasons = {}
@@ -245,7 +245,7 @@ def _perhaps_small(difference, scale, verdict):
 
 
 def _lost(experiment, difference, verdict):
-    """Return of which trials a comparison knows nothing."""
+    """Return the sentence about trials that failed or have no value, so that a comparison knows nothing of them."""
     if verdict == 'cut' or not any(side.lacking for side in difference.sides):
         return ''
     _, second, than = spoken(experiment, difference)

@@ -1,6 +1,6 @@
-"""What a difference may be called: no word that its interval, or what became of the trials, does not bear."""
+"""Choose the verdict of a difference: a word that its interval and the outcomes of the trials justify."""
 
-#: verdict: what stands before the sentence
+#: verdict: the words before the sentence
 VERDICTS = {
     'best': 'best', 'among': 'among the best', 'better': 'better', 'worse': 'worse', 'differs': 'differs',
     'fails': 'fails more', 'survivors': 'of the complete', 'part': 'in part', 'average': 'on average',
@@ -19,7 +19,7 @@ def is_result(verdict):
 
 
 def verdict_of(difference):
-    """Return what an effects.Difference may be called, a key of VERDICTS."""
+    """Return the verdict of an effects.Difference, a key of VERDICTS."""
     estimate, smallest = difference.estimate, difference.metric.smallest
     if difference.is_cut:
         return 'order' if difference.is_ordered else 'cut'
@@ -31,13 +31,13 @@ def verdict_of(difference):
         return 'negligible'
     if difference.is_shown:
         return _of_shown(difference)
-    if estimate.method in ('constant', 'fixed'):  # what was seen is told as it is; the test of signs has no more to say
+    if estimate.method in ('constant', 'fixed'):  # every pair shows the same, but the test of signs needs more pairs
         return 'average' if difference.against else 'always'
     return 'weak' if difference.is_hint else 'none'
 
 
 def _is_whole(difference):
-    """Return whether nothing is left out of a difference, and its interval is one."""
+    """Return whether a difference leaves nothing out and has an interval with a width."""
     return difference.estimate.method not in ('constant', 'fixed') and not difference.against \
         and len(difference.used) == len(difference.groups) and not any(side.lacking for side in difference.sides)
 
@@ -55,6 +55,6 @@ def _of_shown(difference):
     is_better = (estimate.value < 0.0) == (metric.better == 'lower')
     first, second = difference.sides
     favoured, other = (second, first) if is_better else (first, second)
-    if favoured.lacking > other.lacking:  # the hard ones may be those that are not in it
+    if favoured.lacking > other.lacking:  # the better side has lost more trials, which may be the hard ones
         return 'survivors'
     return 'better' if is_better else 'worse'

@@ -1,4 +1,4 @@
-"""How numbers are written on the page: with the digits that their intervals carry, and with their units."""
+"""How the page writes numbers: with as many digits as their intervals justify, and with their units."""
 
 import math
 import unicodedata
@@ -7,15 +7,15 @@ from typing import NamedTuple
 MINUS = '−'
 NBSP = '\N{NO-BREAK SPACE}'
 UNKNOWN = '–'
-PLAIN_DIGITS = 4  # of a number that has no interval
-EXACT_DIGITS = 6  # of a number that is the same in all trials
-_TWO_DIGITS_BELOW = 2.95  # an interval whose half width begins with less is told with two digits, else with one
-_MOST_DECIMALS = 6  # more are powers of ten
+PLAIN_DIGITS = 4  # the digits of a number that has no interval
+EXACT_DIGITS = 6  # the digits of a number that is the same in all trials
+_TWO_DIGITS_BELOW = 2.95  # a half width that begins with less than this is given to two digits, otherwise to one
+_MOST_DECIMALS = 6  # numbers that need more are written with a power of ten
 _RAISED = str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹')
-_MORE = 3  # digits more at most, so that a bound that is not 0 is not shown as 0
+_MORE = 3  # the most digits that are added so that a bound that is not 0 is not shown as 0
 _SMALL_PLURALS = {'trials': 'trial', 'pairs': 'pair', 'replications': 'replication', 'configurations': 'configuration',
                   'combinations': 'combination', 'more pairs': 'more pair'}
-#: units that read badly at some size: (largest value from which, factor, unit)
+#: units that read badly for large values: (the largest value from which on, factor, the other unit)
 _LARGER = {
     'ns': ((1e9, 1e-9, 's'), (1e6, 1e-6, 'ms'), (1e3, 1e-3, 'µs')), 'us': ((1e6, 1e-6, 's'), (1e3, 1e-3, 'ms')),
     'µs': ((1e6, 1e-6, 's'), (1e3, 1e-3, 'ms')), 'ms': ((1e4, 1e-3, 's'),), 's': ((1e5, 1.0 / 3600.0, 'h'),),
@@ -27,24 +27,24 @@ _PRETTY = {'us': 'µs', 'm2': 'm²', 'm^2': 'm²', 'm3': 'm³', 'm^3': 'm³', 'm
 
 
 class Scale(NamedTuple):
-    """In which unit a metric is shown: shown = factor * own."""
+    """The unit in which a metric is shown: shown value = factor * value in its own unit."""
 
     factor: float
     unit: str
 
     @property
     def suffix(self):
-        """What stands behind a number."""
+        """The unit as it follows a number."""
         return f'{NBSP}{self.unit}' if self.unit else ''
 
     @property
     def in_brackets(self):
-        """What stands behind the metric's title where numbers go without their unit."""
+        """The unit as it follows the metric's title, where the numbers have no unit of their own."""
         return f'{NBSP}[{self.unit}]' if self.unit else ''
 
 
 def scale_of(metric, largest):
-    """Return the Scale of a metric whose largest absolute value is known (own unit)."""
+    """Return the Scale of a metric whose largest absolute value is ``largest``, in its own unit."""
     if metric.is_share:
         return Scale(100.0, '%')
     for bound, factor, unit in _LARGER.get(metric.unit, ()):
@@ -54,7 +54,7 @@ def scale_of(metric, largest):
 
 
 def decimals_of(reach, *bounds):
-    """Return to how many decimals an interval is told, by its half width; negative: to tens, hundreds, ..."""
+    """Return the number of decimals of an interval with this half width; negative: to tens, hundreds, ..."""
     if not reach > 0.0 or math.isinf(reach):
         return 0
     exponent = math.floor(math.log10(reach))
@@ -67,7 +67,7 @@ def decimals_of(reach, *bounds):
 
 
 def fixed(value, decimals):
-    """Return a number with so many decimals, commas between thousands, and a true minus sign."""
+    """Return a number with this many decimals, commas between thousands, and a true minus sign."""
     text = f'{round(value, decimals):,.{max(0, decimals)}f}'
     if float(text.replace(',', '')) == 0.0:
         text = text.lstrip('-')
@@ -75,7 +75,7 @@ def fixed(value, decimals):
 
 
 def digits(value, count=PLAIN_DIGITS):
-    """Return a number with so many significant digits and no zeros behind them."""
+    """Return a number with this many significant digits and without trailing zeros."""
     if math.isnan(value):
         return UNKNOWN
     if value == 0.0:
@@ -118,7 +118,7 @@ def _decimals_of_estimate(value, low, high):
 
 
 def with_interval(estimate, scale):
-    """Return '612 s (598 to 626 s)', or what there is of it."""
+    """Return '612 s (598 to 626 s)'; without an interval '612 s', without a value a dash."""
     value, low, high = estimate_texts(estimate, scale)
     if value == UNKNOWN:
         return UNKNOWN
@@ -130,7 +130,7 @@ def with_interval(estimate, scale):
 
 
 def probability(p):
-    """Return a probability as it is told: '= 0.03', '< 0.001'."""
+    """Return a probability as sentences have it: '= 0.03', '< 0.001'."""
     if math.isnan(p):
         return UNKNOWN
     if p < 0.001:
@@ -149,7 +149,10 @@ def duration(seconds):
 
 
 def shortened(text, length):
-    """Return a text at most so many characters wide, its middle left out if it is wider; those of Asia count double."""
+    """Return a text that is at most ``length`` characters wide: a longer one loses its middle.
+
+    Wide characters, as those of Chinese, count double.
+    """
     if _width(text) <= length:
         return text
     keep = len(text)

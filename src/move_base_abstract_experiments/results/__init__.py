@@ -1,1 +1,1 @@
-"""An experiment's folder: what it holds, how far it is, its table."""
+"""An experiment's folder: its content, its progress, its table."""

@@ -1,4 +1,4 @@
-"""The folder of an experiment: what is in it, what may be replaced, which trials are complete.
+"""The folder of an experiment: its content, and what may be replaced in it.
 
     OUT/.made_by_move_base_abstract      says that this program made the folder; locked while a run writes there
     OUT/.move_base_abstract_experiment   the same, for programs that only read
@@ -7,7 +7,7 @@
     OUT/trials/ID/                       trial.json, events.jsonl, messages.jsonl, files-*, logs/
     OUT/trials.csv, OUT/trials.parquet   a row per trial
 
-A trial's folder appears under its name when all of it is on the disk.
+A trial's folder gets its name when all of it is on the disk.
 """
 from __future__ import annotations
 
@@ -35,17 +35,20 @@ TRIAL = FolderKind('trial of an experiment', ('trial.json', 'events.jsonl', 'mes
 LOGS = FolderKind("folder of a trial's logs", ('*.txt', '*.log'))
 _MEMBER = re.compile(r'(logs/)?[\w%][\w.%-]{0,239}\Z', re.ASCII)
 _GZIP = b'\x1f\x8b'
-_MOST_BYTES = 4 << 30  # of a trial, unpacked
+_MOST_BYTES = 4 << 30  # the largest size of a trial's outputs, unpacked
 _ID = re.compile(r'[0-9]{4,7}-[0-9a-f]{6}\Z')
 
 
 class OutputFolder:
-    """OUT; a context manager that holds its lock. :raises ConfigurationError: if it is not ours, or in use."""
+    """The folder OUT; a context manager that holds its lock.
+
+    :raises ConfigurationError: when entered, if this program did not make the folder, or the folder is in use.
+    """
 
     def __init__(self, path: Union[str, Path]) -> None:
         self.path = Path(os.path.abspath(path))
         self._marker: Optional[int] = None
-        self._together: Optional[List[Path]] = None  # names of trials that are to come into their places together
+        self._together: Optional[List[Path]] = None  # the folders of trials that wait to get their names
 
     def __enter__(self) -> OutputFolder:
         self._marker = OUT.make(self.path)
@@ -68,7 +71,7 @@ class OutputFolder:
         self.write_pieces(name, [content])
 
     def write_pieces(self, name: str, pieces: Iterable[bytes]) -> None:
-        """As write(), of pieces (bytes) that come one after another."""
+        """Write a file as a whole, from pieces (bytes) that come one after another."""
         with whole_file(self.path / name, 'wb') as stream:
             stream.writelines(pieces)
 
@@ -87,13 +90,13 @@ class OutputFolder:
         return result
 
     def put_failure(self, result: Result) -> None:
-        """Leave trial.json of a trial that has no outputs."""
+        """Write the folder of a trial that has no outputs: only trial.json."""
         with self._whole_trial(result):
             pass
 
     @contextlib.contextmanager
     def _whole_trial(self, result: Result) -> Iterator[Path]:
-        """Give a trial's new folder to be filled; with trial.json it then takes the place of the old one."""
+        """Give a new folder for a trial. Afterwards it gets trial.json, and replaces the trial's old folder."""
         final = self.place(result.id)
         part = final.with_name(final.name + UNFINISHED)
         remove_trial(part)
@@ -109,7 +112,7 @@ class OutputFolder:
 
     @contextlib.contextmanager
     def together(self) -> Iterator[None]:
-        """Have the trials that are put meanwhile come into their places at the end: the disk is waited for once."""
+        """Give the trials of this context their names at its end, so that they wait for the disk only once."""
         self._together = []
         try:
             yield
@@ -117,19 +120,19 @@ class OutputFolder:
             finals, self._together = self._together or [], None
             try:
                 _settle(finals)
-            except KeyboardInterrupt:  # these trials are complete
+            except KeyboardInterrupt:  # the trials are complete, so they are kept
                 _settle(finals)
                 raise
 
     def place(self, name: str) -> Path:
-        """Return the folder of a trial."""
+        """Return the path of a trial's folder. :raises ConfigurationError: if ``name`` is no ID of a trial."""
         if not _ID.match(name):
             raise ConfigurationError(f'{name!r} is no id of a trial')
         return self.path / 'trials' / name
 
 
 def opened(content: bytes) -> tarfile.TarFile:
-    """Return the archive in bytes, opened; it may be compressed (gzip)."""
+    """Return the archive in these bytes, opened. It may be compressed by gzip."""
     mode = 'r:gz' if content[:len(_GZIP)] == _GZIP else 'r:'  # 'r:*' tries all kinds each time
     return tarfile.open(fileobj=io.BytesIO(content), mode=mode)
 
@@ -141,7 +144,7 @@ def result_in(archive: tarfile.TarFile) -> Result:
 
 
 def read_planned(path: Union[str, Path], planned: Planned) -> Optional[Result]:
-    """As records.read_planned(), but None also where trial.json cannot be understood."""
+    """Return what records.read_planned() returns, but None also if trial.json cannot be understood."""
     try:
         return records.read_planned(str(path), planned)
     except ConfigurationError:
@@ -149,7 +152,10 @@ def read_planned(path: Union[str, Path], planned: Planned) -> Optional[Result]:
 
 
 def remove_trial(path: Path) -> None:
-    """Remove a trial's folder of our own, if it is there. :raises ConfigurationError: naming what is not ours in it."""
+    """Remove a trial's folder that this program made, if it exists.
+
+    :raises ConfigurationError: naming a file in it that this program has not made.
+    """
     logs = path / 'logs'
     if path.is_dir() and not path.is_symlink():
         LOGS.remove(logs)
@@ -157,26 +163,29 @@ def remove_trial(path: Path) -> None:
 
 
 def check_trial(path: Path) -> None:
-    """Complain of what is not ours in a trial's folder, if it is there. :raises ConfigurationError: naming it."""
+    """Check that a trial's folder, if it exists, holds only files of this program.
+
+    :raises ConfigurationError: naming another one.
+    """
     if path.is_dir() and not path.is_symlink():
         LOGS.check(path / 'logs')
     TRIAL.check(path, ('logs',))
 
 
 def _settle(finals: List[Path]) -> None:
-    """Have trials whose folders are filled take their places, once all of them is on the disk."""
+    """Give the filled folders of trials their names, when all of them are on the disk."""
     pairs = [(final.with_name(final.name + UNFINISHED), final) for final in finals]
-    pairs = [(part, final) for part, final in pairs if part.is_dir()]  # some may have theirs already
+    pairs = [(part, final) for part, final in pairs if part.is_dir()]  # others may have their names already
     for part, _ in pairs:
         on_disk(part)
     for part, final in pairs:
-        with contextlib.suppress(ConfigurationError):  # checked before; what somebody has put there since stays
+        with contextlib.suppress(ConfigurationError):  # checked before; files of others that came since stay
             remove_trial(final)
             os.rename(part, final)
 
 
 def checked_members(archive: tarfile.TarFile) -> List[tarfile.TarInfo]:
-    """Return an archive's members. :raises ConfigurationError: for what is no plain file with a plain name."""
+    """Return an archive's members. :raises ConfigurationError: for one that is no plain file with a plain name."""
     members, total = [], 0
     for member in archive:
         total += member.size
@@ -188,7 +197,7 @@ def checked_members(archive: tarfile.TarFile) -> List[tarfile.TarInfo]:
 
 
 def _unpack(archive: tarfile.TarFile, info: tarfile.TarInfo, path: Path) -> None:
-    with new_file(path, 'xb') as stream:  # the folder takes its place only when all of it is on the disk
+    with new_file(path, 'xb') as stream:  # the folder gets its name only when all of it is on the disk
         shutil.copyfileobj(opened_member(archive, info.name), stream)
 
 

@@ -1,4 +1,4 @@
-"""How far a sweep is: one line that changes on a terminal, else a plain line every few seconds."""
+"""The progress of a sweep: one changing line on a terminal, otherwise a plain line every few seconds."""
 from __future__ import annotations
 
 import time
@@ -9,12 +9,15 @@ from ..records import Result
 if TYPE_CHECKING:
     from ..carrying.cluster import Runner
 
-_EVERY_S = 5.0  # wall, without a terminal
-_OFTEN_S = 0.5  # wall, on one
+_EVERY_S = 5.0  # wall; between lines without a terminal
+_OFTEN_S = 0.5  # wall; between lines on a terminal
 
 
 class Progress:
-    """Counts trials and says so."""
+    """Counts the trials that have ended, and prints the progress.
+
+    ``stream``: where it prints; ``total``: the number of trials; ``complete``: the number that were complete before.
+    """
 
     def __init__(self, stream: TextIO, total: int, complete: int) -> None:
         self._stream = stream
@@ -29,7 +32,7 @@ class Progress:
             print(f'experiment: {complete} of {total} trials are complete already', file=stream, flush=True)
 
     def begin(self, client: Any, has_dashboard: bool) -> None:
-        """The workers are there. has_dashboard: Dask serves its page on them."""
+        """Print where the workers are, and start to measure. has_dashboard: whether Dask serves its page about them."""
         address = client.scheduler_info().get('address', '')
         has_dashboard = has_dashboard and client.scheduler_info().get('services')
         link = getattr(client, 'dashboard_link', '') if has_dashboard else ''
@@ -38,7 +41,7 @@ class Progress:
         self._begin = time.monotonic()
 
     def count(self, result: Result) -> None:
-        """A trial has ended."""
+        """Count a trial that has ended."""
         self._done += 1
         self._new += 1
         self._failed += not result.is_complete
@@ -48,7 +51,7 @@ class Progress:
                 print(file=self._stream, flush=True)
 
     def look(self, runner: Runner) -> None:
-        """Say something, if it is time."""
+        """Print the progress, if it is time for it."""
         if time.monotonic() - self._last > (_OFTEN_S if self._is_terminal else _EVERY_S):
             self._say(runner.workers)
 

@@ -1,6 +1,6 @@
-"""Which trials of an experiment's folder stay when it goes on, and why others run again.
+"""Decide which trials of an experiment's folder stay when the experiment goes on, and why others run again.
 
-OUT/programs.json    {digest: {file: digest}}: what the trials, each of which names one of these, were made of
+OUT/programs.json    {digest: {file: digest}}: the ingredients of trials; each trial names one of these by its digest
 """
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _FILE_SAYS = "what the experiment's file says of them, or the version of Python,
 
 def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, keep_old: bool,
             stream: TextIO) -> List[Trial]:
-    """Return the Trials that are to run, and say why those run that were complete.
+    """Return the Trials that must run. Print why some run again although they were complete.
 
-    With keep_old these stay instead: in ``planned`` is said that they are of another program.
+    With keep_old those stay instead, and ``planned`` gets a label for each, which says that its program has changed.
     """
     programs, wanted = _read(folder.path), set()
     old: Dict[str, List[Trial]] = {}
@@ -58,9 +58,9 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
 
 
 def changed_since(output: str, trial: Trial, was: Result) -> str:
-    """Return in words what a Trial is made of that is another one than in ``was``, its trial.json; '' if nothing.
+    """Return in words which ingredients of a Trial have changed since ``was``, its trial.json; '' if none has.
 
-    It ends with 'has' or 'have'.
+    The text ends with 'has' or 'have'.
     """
     made = ingredients.of_trial(trial)
     if was.made_of == plan.made_of(trial, made):
@@ -70,7 +70,7 @@ def changed_since(output: str, trial: Trial, was: Result) -> str:
 
 
 def _what(programs: Dict[str, Made], before: Optional[str], now: str) -> str:
-    """Return in words what has changed from one of the programs to another, with 'has' or 'have'."""
+    """Return in words what differs between two of the programs, followed by 'has' or 'have'."""
     if before is None or before not in programs:
         return 'what they are made of, as it was not recorded, may have'
     what = ingredients.changed(programs[before], programs[now]) or _FILE_SAYS

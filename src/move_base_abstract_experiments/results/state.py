@@ -1,4 +1,4 @@
-"""How far an experiment is, read from its folder alone."""
+"""The state of an experiment, read from its folder alone."""
 from __future__ import annotations
 
 import time
@@ -16,7 +16,7 @@ _MOST_SHOWN = 10
 
 
 def lines(path: str) -> Iterator[str]:
-    """Yield what `experiment status` says. :raises ConfigurationError: if the folder is none of an experiment."""
+    """Yield the lines of `experiment status`. :raises ConfigurationError: if the folder is not one of an experiment."""
     plan = records.read_plan(path)
     found, damaged = _read(path, plan)
     complete = [one for one in found if one.is_complete]
@@ -47,7 +47,7 @@ def lines(path: str) -> Iterator[str]:
 
 
 def _read(path: str, plan: Plan) -> Tuple[List[Result], List[str]]:
-    """Return what the trials that are there say, and why others cannot be read."""
+    """Return the Results of the trials that have ended, and the errors of those that cannot be read."""
     found, damaged = [], []
     for one in plan.trials:
         try:

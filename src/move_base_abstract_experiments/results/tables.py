@@ -1,7 +1,7 @@
-"""The tidy table of an experiment: one row per trial in the plan's order, as CSV, and Parquet where pyarrow is there.
+"""The tidy table of an experiment: one row per trial in the plan's order, as CSV, and as Parquet if pyarrow is there.
 
-What depends on the machine stands in `wall_seconds` and `times_real_time`; all else is the same to the byte whenever
-and wherever the trials ran.
+Only the columns `wall_seconds` and `times_real_time` depend on the machine. All others are the same to the byte
+whenever and wherever the trials ran.
 """
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ AFTER = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', '
          'verified', 'ended_by', 'error')
 WALL = ('wall_seconds', 'times_real_time')
 MOST_TOLD = 5
-_MOST_LOOKED = 100  # trials, for one with metrics
+_MOST_LOOKED = 100  # the number of trials among which one with metrics is looked for
 
 
 class Summary:
-    """What there is to say of an experiment's trials in a few lines, besides the table."""
+    """A summary of an experiment's trials in a few numbers."""
 
     def __init__(self) -> None:
         self.complete = self.missing = self.identical = 0
@@ -39,7 +39,7 @@ class Summary:
         self.properties = Gathering()
 
     def take(self, result: Optional[Result]) -> None:
-        """Take the Result of a trial; None: it has not run."""
+        """Add the Result of a trial; None: it has not run."""
         if result is None:
             self.missing += 1
             return
@@ -56,7 +56,7 @@ class Summary:
 
 
 def columns(plan: Plan, metrics: Iterable[str]) -> List[str]:
-    """Return the names of the columns."""
+    """Return the names of the table's columns, in their order."""
     return ['id', *plan.factors, *BEFORE, *metrics, *AFTER]
 
 
@@ -68,7 +68,7 @@ def _row(plan: Plan, metrics: Iterable[str], result: Result) -> List[Any]:
 
 
 class _Rows:
-    """Reads the trials of a plan that have ended, one by one; ``summary`` and ``metrics`` are known at the end."""
+    """Reads the ended trials of a plan one by one; afterwards ``summary`` and ``metrics`` are complete."""
 
     def __init__(self, plan: Plan, path: Path, metrics: List[str]) -> None:
         self._plan = plan
@@ -78,9 +78,9 @@ class _Rows:
         self.summary = Summary()
 
     def pieces(self, kept: Optional[List[List[Any]]]) -> Iterator[bytes]:
-        """Yield the table as CSV, by the metrics that were given; rows are added to the list ``kept``, too.
+        """Yield the table as CSV, with the metrics that were given. The rows are added to the list ``kept``, too.
 
-        Once a metric shows that was not given, there is nothing more to yield: it is wanted with that one.
+        If a trial has a metric that was not given, no more rows follow, because the table is made again with it.
         """
         yield csv_text([columns(self._plan, self._known)])
         for one in self._plan.trials:
@@ -96,7 +96,7 @@ class _Rows:
 
 
 def csv_text(table: Iterable[Sequence[Any]]) -> bytes:
-    """Return rows as CSV (bytes): numbers in the shortest form that reads back the same; nothing for null."""
+    """Return rows as CSV (bytes): numbers in the shortest form that reads back the same, None as an empty cell."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator='\n').writerows([[_cell(value) for value in row] for row in table])
     return stream.getvalue().encode()
@@ -109,10 +109,10 @@ def _cell(value: Any) -> str:
 
 
 def write(folder: outputs.OutputFolder, plan: Plan) -> Summary:
-    """Write trials.csv of an OutputFolder, and trials.parquet where that can be; add metrics to plan.json.
+    """Write trials.csv of an OutputFolder, and trials.parquet if possible; add metrics to plan.json; return a Summary.
 
-    Return a Summary. Of a million trials one is in memory at a time (but for Parquet, which needs all): metrics that
-    the plan does not name cost a second look.
+    There may be a million trials, so only one is in memory at a time (except for Parquet, which needs all). If the plan
+    does not name a metric, the trials are read a second time.
     """
     named = list(plan.metrics)
     metrics = _first_metrics(folder, plan)
@@ -134,14 +134,14 @@ def write(folder: outputs.OutputFolder, plan: Plan) -> Summary:
 
 
 def _properties(told: Gathering) -> bytes:
-    """Return properties.csv: a row for each that is broken in some trial, or never held in any."""
+    """Return properties.csv: a row for each property that some trial broke, and each `sometimes` that never held."""
     names = ('property', 'node', 'text', 'runs', 'first_run', 'first_seed', 'first_instant_ns')
     return csv_text([names, *([row[name] for name in names] for row in told.rows),
                      *((SOMETIMES, node, text, told.runs, '', None, None) for node, text in told.never_held())])
 
 
 def _first_metrics(folder: outputs.OutputFolder, plan: Plan) -> List[str]:
-    """Return the names of the metrics: those of the plan, then by name what else the first complete trial has."""
+    """Return the names of the metrics: those of the plan, then, sorted, others of the first trial that has any."""
     named = list(plan.metrics)
     for one in plan.trials[:_MOST_LOOKED]:
         result = outputs.read_planned(folder.path, one)
@@ -151,7 +151,7 @@ def _first_metrics(folder: outputs.OutputFolder, plan: Plan) -> List[str]:
 
 
 def plan_text(plan: Plan) -> Iterator[bytes]:
-    """Yield plan.json in pieces: of a million trials it is half a gigabyte. Each trial has a line."""
+    """Yield plan.json in pieces, since with a million trials it has half a gigabyte. Each trial has a line."""
     yield b'{\n "format": %d' % FORMAT
     for key, value in vars(plan).items():
         yield f',\n {json.dumps(key)}: '.encode()
@@ -173,7 +173,7 @@ def _write_parquet(folder: outputs.OutputFolder, names: List[str], table: List[L
     try:
         import pandas
         pandas.DataFrame(table, columns=names).to_parquet(stream, engine='pyarrow', index=False)
-    except Exception as problem:  # a pyarrow that does not fit numpy, a factor of texts and numbers; the CSV is there
+    except Exception as problem:  # pyarrow does not fit numpy, or a factor has texts and numbers; the CSV is there
         lines = str(problem).strip().splitlines()
         print(f'experiment: no trials.parquet: {type(problem).__name__}: {lines[0] if lines else ""}', file=sys.stderr)
     else:

@@ -1,8 +1,8 @@
-"""What goes back from a trial: an archive of trial.json, the event log, recorded messages and files, nodes' prints.
+"""The outputs of a trial: an archive of trial.json, the event log, recorded messages and files, and nodes' prints.
 
-Programs of users have made these files: whatever they are called and are, they cost no other trial anything. Names are
-escaped as in addresses of the web ('result 0.csv' is files-result%200.csv); folders are left out, and so is, with an
-error that names it, what is no plain file or cannot be read.
+Programs of users have made these files, so their names and kinds may be anything; they must not disturb other trials.
+Names are escaped as in URLs ('result 0.csv' is files-result%200.csv). Folders are left out. A file that is no plain
+file, or cannot be read, is left out, too, and an error names it.
 """
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from .run_folders import Folders
 
 Members = List[Tuple[str, str]]  # (path, name in the archive)
 OUTPUTS = 'outputs.tar'
-MOST_BYTES = 512 * 1024 * 1024  # of a trial's outputs, before they are packed
-_COMPRESSED_FROM = 8 * 1024 * 1024  # bytes: less than that travels faster as it is
-_MOST_LOG_BYTES = 1 << 20  # the end of what a node has printed
-_LONGEST_NAME = 200  # bytes of an escaped name; files get an end to it while they are written
+MOST_BYTES = 512 * 1024 * 1024  # the largest size of a trial's outputs, before they are packed
+_COMPRESSED_FROM = 8 * 1024 * 1024  # bytes; less than that travels faster uncompressed
+_MOST_LOG_BYTES = 1 << 20  # of the output of a node; the end is kept
+_LONGEST_NAME = 200  # bytes of an escaped name; while a file is written, its name has another ending
 _LONGEST_END = 20
 _CUT = b'... (the beginning is left out)\n'
 
 
 def safe_name(name: str) -> str:
-    """Return a file's name (str) in letters, digits, '_', '.', '-' and '%'; different names stay different."""
+    """Return a file's name escaped to letters, digits, '_', '.', '-' and '%'; different names stay different."""
     raw = os.fsencode(name)
     safe = urllib.parse.quote(raw, safe='').replace('~', '%7E')
     if safe[0] in '.-':
@@ -43,7 +43,7 @@ def safe_name(name: str) -> str:
 
 
 def is_plain(path: str) -> bool:
-    """Return whether there is a plain file at a path, no link followed."""
+    """Return whether there is a plain file at a path; a link is not followed."""
     try:
         return stat.S_ISREG(os.lstat(path).st_mode)
     except OSError:
@@ -51,14 +51,16 @@ def is_plain(path: str) -> bool:
 
 
 def _is_plain_and_not_empty(path: str) -> bool:
-    """Return whether there is a plain file at a path, and something in it: most of what is printed is nothing."""
+    """Return whether there is a plain file at a path that is not empty. Most nodes print nothing."""
     return is_plain(path) and os.lstat(path).st_size > 0
 
 
 def pack(path: str, folders: Optional[Folders], patterns: Sequence[str], result: Result, has_all_logs: bool) -> None:
-    """Write OUTPUTS into a trial's folder. ``result``: to which is added what was left out.
+    """Write OUTPUTS into a trial's folder.
 
-    folders: of the run, or None. patterns: of files to be kept. has_all_logs: or what nodes have printed alone.
+    path: the trial's folder. folders: those of the run, or None. patterns: of the names of files to keep. result: goes
+    into trial.json; gets an error if something is left out. has_all_logs: whether to add the nodes' log files, and the
+    prints of the trial's own process, to the prints of the nodes.
     """
     members = [] if folders is None else _recorded(folders, patterns, result)
     if sum(os.lstat(source).st_size for source, _ in members) > MOST_BYTES:
@@ -78,13 +80,13 @@ def pack(path: str, folders: Optional[Folders], patterns: Sequence[str], result:
 
 
 def _add(archive: tarfile.TarFile, name: str, stream: IO[bytes], size: int) -> None:
-    about_file = tarfile.TarInfo(name)  # nobody looks at whose file it was, and when
+    about_file = tarfile.TarInfo(name)  # the owner and the time of the file are left out
     about_file.size = size
     archive.addfile(about_file, stream)
 
 
 def _prints(path: str, folders: Optional[Folders], has_all: bool) -> Members:
-    """Return [(path, name in the archive)] of what nodes, and the trial's process, have printed."""
+    """Return [(path, name in the archive)] for the prints of nodes and of the trial's process."""
     found = []
     if folders is not None:
         ends = ('.txt', '.log') if has_all else ('.txt',)
@@ -96,7 +98,7 @@ def _prints(path: str, folders: Optional[Folders], has_all: bool) -> Members:
 
 
 def _recorded(folders: Folders, patterns: Sequence[str], result: Result) -> Members:
-    """Return [(path, name in the archive)] of what is recorded; what cannot be kept is told as an error."""
+    """Return [(path, name in the archive)] for the recorded files; the result gets an error if some cannot be kept."""
     found = [(os.path.join(folders.own, name), name) for name in (run_folders.LOG, run_folders.MESSAGES)]
     found = [(source, name) for source, name in found if os.path.lexists(source)]
     found += [(os.path.join(folders.files, name), 'files-' + safe_name(name))
@@ -109,7 +111,7 @@ def _recorded(folders: Folders, patterns: Sequence[str], result: Result) -> Memb
 
 
 def _names_to_keep(folders: Folders, patterns: Sequence[str]) -> List[str]:
-    """Return the names in the nodes' working folder that one of the patterns fits, but for folders, sorted."""
+    """Return the names of files in the nodes' working folder that match one of the patterns, sorted."""
     return [name for name in sorted(os.listdir(folders.files))
             if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
             and not os.path.isdir(os.path.join(folders.files, name))]
@@ -127,7 +129,7 @@ def _problem(path: str) -> Optional[str]:
 
 
 def _cut(path: str) -> bool:
-    """Leave the end of a long output; return whether it can be read."""
+    """Cut a long output, so that only its end is left; return whether it can be read."""
     try:
         with open(path, 'rb') as stream:
             size = os.fstat(stream.fileno()).st_size

@@ -1,6 +1,6 @@
-"""One trial in its own process: the run, the run under another condition, the metrics, and what goes back.
+"""One trial in its own process: the run, the second run under another condition, the metrics, and the outputs.
 
-carry_out() leaves an archive in the trial's folder (see bundle.py).
+carry_out() writes the outputs as an archive into the trial's folder (see bundle.py).
 """
 from __future__ import annotations
 
@@ -34,14 +34,17 @@ _LONGEST_ERROR = 300
 
 
 def result_of(job: Job) -> Result:
-    """Return the Result of a trial of which nothing is known yet."""
+    """Return the Result of a trial that has not run yet."""
     trial = job.trial
     return Result(trial.id, trial.configuration, trial.replication, trial.seed, made_of=job.made_of,
                   program=job.program)
 
 
 def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
-    """Run the trial of a Job in an empty folder. ``problem``: why it cannot be run, in a line."""
+    """Run the trial of a Job in an empty folder, and write its outputs there. An error goes into its trial.json.
+
+    ``problem``: why the trial cannot be run, in one line; None: it can.
+    """
     experiment, result, folders = job.trial.experiment, result_of(job), None
     result.ended_by = termination.ERROR
     try:
@@ -54,7 +57,7 @@ def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
         first = dict(result.metrics)  # without those that the user's function adds
         if experiment.metrics.function:
             _measure(job, folders, result)
-        if job.trial.verified_by and not (experiment.function and result.labels):  # it says that it would differ
+        if job.trial.verified_by and not (experiment.function and result.labels):  # with labels, it may well differ
             _verify(job, path, folders, result, first)
         if experiment.isolation == BATCH:
             unsure.append(series.LABEL)
@@ -65,10 +68,10 @@ def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
     except Exception as error:
         traceback.print_exc()
         result.error = _first_line(f'{type(error).__name__}: {error}', folders)
-    if result.is_complete and job.crashed_before:  # it is one of those that came through
+    if result.is_complete and job.crashed_before:  # the run crashes sometimes, but this attempt did not
         result.labels = [*result.labels, f'its first attempt failed: {job.crashed_before[0]}']
         result.repeatable = False
-    if not experiment.function:  # what that looks up, it looks up in a process of its own
+    if not experiment.function:  # a function looks up programs in a process of its own
         launch_files.save_programs(path)
     try:
         bundle.pack(path, folders, experiment.record.files, result, has_all_logs=not result.is_complete)
@@ -85,13 +88,13 @@ def _check_version(job: Job) -> None:
 
 
 def _check_files(job: Job) -> List[str]:
-    """Complain of files that are others than when the experiment started; return labels for what is unsure."""
+    """Check that files are the same as when the experiment started; return labels for what cannot be decided."""
     ingredients.check(job.files)
     return worker_files.check(job)
 
 
 def _check_files_again(job: Job, result: Result, unsure: List[str]) -> None:
-    """Complain of files that have changed while the trial ran; add the labels."""
+    """Add the labels; check that no file has changed while the trial ran, otherwise the trial fails."""
     result.labels = result.labels + unsure
     try:
         ingredients.check(job.files)
@@ -101,7 +104,7 @@ def _check_files_again(job: Job, result: Result, unsure: List[str]) -> None:
 
 
 def _run_first(job: Job, folders: Folders, result: Result) -> None:
-    from . import run  # which needs ROS
+    from . import run  # needs ROS
     begin = time.monotonic()
     ended = run.run(job, folders)
     result.wall_seconds = round(time.monotonic() - begin, 6)
@@ -118,7 +121,7 @@ def _run_first(job: Job, folders: Folders, result: Result) -> None:
 
 
 def _look_at_properties(job: Job, result: Result, processes: List[ends.Process], folders: Folders) -> None:
-    """Tell which of the properties that the experiment asks for the run has broken, if it has an event log."""
+    """Record which properties the run has broken, of those that the experiment names, if there is an event log."""
     names = job.trial.experiment.properties
     if not names:
         return
@@ -132,9 +135,9 @@ def _look_at_properties(job: Job, result: Result, processes: List[ends.Process],
 
 def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Log,
            problem: Optional[SimulatorError] = None) -> None:
-    """Tell how the processes of a run ended.
+    """Record how the processes of a run ended.
 
-    :raises RunError: for a problem, and for a crash that the experiment does not allow.
+    :raises RunError: if there is a problem, or a crash that the experiment does not allow.
     """
     found = ends.judge(processes, log)
     result.ends, result.crashes = [one.told for one in found], ends.crashes(found)
@@ -146,7 +149,7 @@ def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Lo
 
 
 def _take_log(folders: Folders, result: Result, starts: metrics.Starts) -> metrics.Summary:
-    """Tell what the event log of a run says; return its Summary."""
+    """Record what the event log of a run says; return its Summary."""
     summary = metrics.summarise(folders.log, starts)
     result.repeatable, result.labels, result.events = summary.repeatable, summary.labels, summary.events
     result.robots, result.waits, result.log_sha256 = summary.robots, summary.waits, metrics.digest(folders.log)
@@ -183,7 +186,7 @@ def _call(job: Job, folders: Folders, result: Result) -> None:
 
 
 def _measure(job: Job, folders: Folders, result: Result) -> None:
-    """Call the user's function; what is wrong with it is told and stops nothing."""
+    """Call the user's function for metrics. If it fails, the result gets an error, and the trial stays complete."""
     try:
         result.metrics.update(user_metrics.call(job, folders, result))
     except functions.FunctionError as problem:
@@ -191,7 +194,7 @@ def _measure(job: Job, folders: Folders, result: Result) -> None:
 
 
 def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[str, Number]) -> None:
-    """Run once more under another condition, each node started as a program, and compare."""
+    """Run the trial a second time under another condition, with each node started as a program, and compare."""
     again = run_folders.make_folders(os.path.join(path, 'again'))
     try:
         if job.trial.experiment.function:
@@ -212,7 +215,7 @@ def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[s
 
 
 def _other_end(result: Result, ended: run.Ended, again: Folders) -> Optional[str]:
-    """Return in which way a second run that went the same way did not end in the same one, or None."""
+    """Return how the end of a second run differs from that of the first, although its events are the same; or None."""
     found = ends.crashes(ends.judge(ended.processes, ends.read_log(again.log)))
     if found != result.crashes:
         return ' / '.join(', '.join(one) or 'no crash' for one in (result.crashes, found))[:_LONGEST_ERROR]
@@ -220,7 +223,10 @@ def _other_end(result: Result, ended: run.Ended, again: Folders) -> Optional[str
 
 
 def other_metrics(first: Dict[str, Number], second: Dict[str, Number]) -> Optional[str]:
-    """Return which of the metrics that a function gave twice is another one, or there once only, or None."""
+    """Return the first metric that differs between two calls of a function, with both values, or None.
+
+    A metric that only one of the calls returned differs, too.
+    """
     for name in sorted({*first, *second}):
         values = [one.get(name, 'none') for one in (first, second)]
         if values[0] != values[1]:
@@ -229,7 +235,7 @@ def other_metrics(first: Dict[str, Number], second: Dict[str, Number]) -> Option
 
 
 def compare(folders: Folders, again: Folders) -> Optional[str]:
-    """Return where two runs differ, in a line, or None."""
+    """Return the first difference of two runs in one line, or None. A function without an event log has none."""
     if not os.path.exists(folders.log):
         return None
     compared = run_difference.compare(folders.log, again.log)
@@ -244,15 +250,15 @@ def compare(folders: Folders, again: Folders) -> Optional[str]:
 
 
 def _first_line(text: str, folders: Optional[Folders]) -> str:
-    """Return the first line of an error, with the first error line of the nodes' outputs, without wall times."""
+    """Return the first line of an error, with the first error in the nodes' outputs; without stamps of wall time."""
     line = text.strip().splitlines()[0] if text.strip() else 'no text'
     logs = folders.logs if folders is not None else ''
     for name in sorted(os.listdir(logs)) if logs else ():
         path = os.path.join(logs, name)
-        # The master's complains of who has gone.
+        # The ROS master's output has errors about nodes that have ended.
         if name.endswith('.txt') and name != 'rosmaster.txt' and bundle.is_plain(path) and os.access(path, os.R_OK):
             with open(path, encoding='utf-8', errors='replace') as stream:
                 found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
-            if found and found not in line:  # of a function the error is what it has printed itself
+            if found and found not in line:  # a function's error is in its own output, too
                 return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
     return line[:_LONGEST_ERROR]

@@ -1,7 +1,7 @@
-"""Functions of users, called in processes of their own; and trials that are such a function, where no graph is run.
+"""Call functions of users in processes of their own; and run trials that are such a function instead of a ROS graph.
 
-A function that is a trial may be a simulation in plain Python, or start what it likes: all that it has started is gone
-at its end.
+A function that is a trial may be a simulation in plain Python. It may also start processes; they are all ended when the
+function has returned.
 """
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ from ..description.job import Job
 from ..description.trial import Trial
 from . import run_folders, termination
 
-LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
+LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # imported if a function starts nodes with it
 _NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
-_DYING_S = 1.0  # wall, in which a process that says no more has ended
+_DYING_S = 1.0  # wall; a process that has closed its pipe has this time to end
 _MOST_METRICS = 200
 _MOST_LABELS = 100
 _LONGEST_LABEL = 200
@@ -47,13 +47,14 @@ _NAME = re.compile(r'[A-Za-z]\w{0,63}\Z', re.ASCII)
 
 
 class FunctionError(SimulatorError):
-    """A function raised, did not come to its end, or returned what it must not."""
+    """A function raised an exception, did not come to its end, or returned a value that is not allowed."""
 
 
 class DeathError(FunctionError):
-    """A process that has not said what came out. ``code``: its exit code, of a signal its negative number, or None.
+    """A process that has ended, or was ended, without a result.
 
-    ``ended_by``: of termination, or None.
+    ``code``: its exit code, or the negative number of the signal that ended it, or None. ``ended_by``: a code of
+    termination, or None.
     """
 
     def __init__(self, seconds: float, code: Optional[int], is_late: bool) -> None:
@@ -64,10 +65,11 @@ class DeathError(FunctionError):
 
 
 class FunctionTrial:
-    """What a function that is a trial is given; see docs/experiments.md.
+    """The argument of a function that is a trial; see docs/experiments.md.
 
     configuration: {factor: value}; replication, seed: whole numbers; args: the experiment's args, filled in; files: a
-    Path, the folder that it works in; event_log: a Path where it may leave an event log. It may set simulated_seconds.
+    Path, the function's working folder; event_log: a Path at which it may write an event log. The function may set
+    simulated_seconds.
     """
 
     def __init__(self, trial: Trial, folders: run_folders.Folders) -> None:
@@ -81,12 +83,15 @@ class FunctionTrial:
         self.labels: List[Any] = []
 
     def not_repeatable(self, reason: str) -> None:
-        """Say why the same seed may give another trial: the report tells it."""
+        """Record a reason why the same seed may give another result. The report shows it as a label."""
         self.labels.append(reason)
 
 
 class Returned(NamedTuple):
-    """What a trial that is a function gave. ``processes``: fields of ends.Process, its own and of nodes it started."""
+    """The result of a trial that is a function.
+
+    ``processes``: the fields of ends.Process, for its own process and for nodes that it started.
+    """
 
     metrics: Dict[str, Optional[float]]
     labels: List[str]
@@ -95,9 +100,9 @@ class Returned(NamedTuple):
 
 
 def sources(names: Iterable[str], folder: str) -> Dict[str, str]:
-    """Return {path from the folder: text} of those modules of functions that lie beside the experiment's file.
+    """Return {path from the folder: text} of those modules of functions that are beside the experiment's file.
 
-    They go with a trial to a worker that may have no such folder. Of a package all modules go.
+    They are sent with a trial, because the worker may not have the folder. A package is sent with all its modules.
     """
     found = {}
     for name in names:
@@ -109,7 +114,7 @@ def sources(names: Iterable[str], folder: str) -> Dict[str, str]:
 
 
 def _modules_beside(name: str, folder: str) -> List[str]:
-    """Return the paths from the folder of the modules that a module's name stands for there: Python's own choice."""
+    """Return the paths, from the folder, of the module or package with this name, by the rules of Python's import."""
     alone = f'{name}.py'
     if os.path.isfile(os.path.join(folder, alone)) and not os.path.isfile(os.path.join(folder, name, '__init__.py')):
         return [alone]
@@ -117,7 +122,11 @@ def _modules_beside(name: str, folder: str) -> List[str]:
 
 
 def place(job: Job, folder: str) -> Job:
-    """Have a job find its modules: where they are, or, if they are not there or others, in a new place in a folder."""
+    """Return the job with the folder in which its modules are found.
+
+    That is the folder of the experiment, if it holds the same modules here. Otherwise they are written into a new
+    folder below ``folder``.
+    """
     beside, texts = job.trial.experiment.folder, job.common.sources
     if all(_holds(os.path.join(beside, path), text) for path, text in texts.items()):
         return dataclasses.replace(job, modules=beside)
@@ -143,7 +152,10 @@ def _holds(path: str, text: str) -> bool:
 
 
 def load(name: str, folder: str) -> Callable[..., Any]:
-    """Return the function of a name module:function; modules beside the experiment's file are found, too."""
+    """Return the function of a name 'module:function'.
+
+    :param folder: the folder of the experiment's own modules, which goes to the front of Python's path.
+    """
     if folder not in sys.path:
         sys.path.insert(0, folder)
     module, _, function = name.partition(':')
@@ -154,9 +166,10 @@ def load(name: str, folder: str) -> Callable[..., Any]:
 
 
 def call(work: Callable[[], Any], seconds: float, output: str, cwd: str) -> Any:
-    """Return what work() returns, as JSON carries it, called in a forked process; all that it has started ends with it.
+    """Call work() in a forked process; return its result, as JSON can hold it. All processes that it started are ended.
 
-    seconds: wall. output: the path of a file for what it prints. :raises FunctionError: saying what is wrong.
+    seconds: the limit of wall time. output: the path of the file for its prints. cwd: its working folder.
+    :raises FunctionError: saying what is wrong.
     """
     read, write = os.pipe()
 
@@ -171,7 +184,7 @@ def call(work: Callable[[], Any], seconds: float, output: str, cwd: str) -> Any:
         finally:
             for stream in (sys.stdout, sys.stderr):
                 stream.flush()
-            # Children that were forked from this process hold the pipe, too: the end of the line is the end.
+            # Children of this process may hold the pipe open, so the end of the line marks the end of the answer.
             with os.fdopen(write, 'wb') as stream:
                 stream.write(text.encode() + b'\n')
     pid = processes.fork(child, output, cwd)
@@ -193,15 +206,16 @@ def call(work: Callable[[], Any], seconds: float, output: str, cwd: str) -> Any:
 
 
 def described(problem: BaseException) -> str:
-    """Return the first line of an exception; of those that are raised on purpose the text alone."""
+    """Return the type and the first line of an exception; for a SimulatorError the line alone."""
     lines = str(problem).strip().splitlines()
     text = lines[0] if lines else ''
     return text if isinstance(problem, SimulatorError) and text else f'{type(problem).__name__}: {text}'
 
 
 def checked(found: Any, factors: Iterable[str], known: Iterable[str]) -> Dict[str, Optional[float]]:
-    """Return what a function gave, checked. ``known``: names of metrics that there are already.
+    """Return the metrics that a function returned, checked: {name: number or None}.
 
+    :param factors: the names of the factors. :param known: the names of metrics that are taken already.
     :raises ValueError, TypeError: saying what is allowed.
     """
     if not isinstance(found, dict) or len(found) > _MOST_METRICS:
@@ -211,7 +225,7 @@ def checked(found: Any, factors: Iterable[str], known: Iterable[str]) -> Dict[st
         if not isinstance(name, str) or not _NAME.match(name) or name in (*known, *OWN_COLUMNS, *factors):
             raise ValueError(f'{name!r} is not a name for a metric: a letter, then letters, digits and underscores, '
                              'not a column of the table already')
-        value = given.item() if hasattr(given, 'item') else given  # of numpy
+        value = given.item() if hasattr(given, 'item') else given  # a number of numpy
         if value is not None and not isinstance(value, (bool, int, float)):
             raise TypeError(f'{name} must be a number or None, got {type(value).__name__}')
         if isinstance(value, float) and math.isinf(value):
@@ -234,7 +248,7 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
 
 
 def environment(folders: run_folders.Folders) -> Dict[str, str]:
-    """Return what the environment of a function says besides."""
+    """Return the environment variables that a function gets in addition."""
     return {'ROS_LOG_DIR': folders.logs, 'ROS_HOME': folders.files}
 
 
@@ -251,7 +265,7 @@ def perform(job: Job, folders: run_folders.Folders) -> Returned:
 
 
 def _note_threads() -> List[str]:
-    """Return a list to which the exceptions that nobody catches in this process's threads are added from now on."""
+    """Return a list that will get the uncaught exceptions of this process's threads from now on."""
     noted: List[str] = []
     show = threading.excepthook
 
@@ -264,7 +278,7 @@ def _note_threads() -> List[str]:
 
 
 def _seed(seed: int) -> None:
-    """Have the global generators of Python and numpy start from the trial's seed, as those of nodes do."""
+    """Seed the global generators of Python and numpy with the trial's seed, as in nodes."""
     random.seed(seed)
     if _NUMPY in sys.modules:
         sys.modules[_NUMPY].seed(seed % 2 ** 32)
@@ -273,13 +287,13 @@ def _seed(seed: int) -> None:
 
 
 class _Seeding:
-    """Finds numpy's generator, and has it start from a seed, once the function imports it: many do not."""
+    """A finder that seeds numpy's generator when the function imports numpy; many functions never do."""
 
     def __init__(self, seed: int) -> None:
         self._seed = seed
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
-        """As of any finder of modules."""
+        """Return the spec of numpy.random with a loader that seeds it; None for any other module."""
         if name != _NUMPY:
             return None
         sys.meta_path.remove(self)
@@ -305,9 +319,9 @@ def _seconds(given: Any) -> Optional[float]:
 
 
 def prepare(experiment: Experiment, folder: str) -> None:
-    """Call the function that 'prepare' of an experiment names in this process. folder: of modules.
+    """Call, in this process, the function that 'prepare' of an experiment names. folder: that of its modules.
 
-    :raises ConfigurationError: if it fails, or leaves a thread.
+    :raises ConfigurationError: if the function fails, or leaves a thread.
     """
     name = experiment.prepare
     try:
@@ -318,7 +332,7 @@ def prepare(experiment: Experiment, folder: str) -> None:
 
 
 def _read_line(descriptor: int, seconds: float) -> Optional[bytes]:
-    """Return what comes until the end of the first line, or of the pipe; None if that takes longer [s, wall]."""
+    """Return the bytes up to the end of the first line, or of the pipe; None if that takes longer [s, wall]."""
     pieces: List[bytes] = []
     deadline = time.monotonic() + seconds
     with os.fdopen(descriptor, 'rb', buffering=0) as stream:
@@ -334,9 +348,9 @@ def _read_line(descriptor: int, seconds: float) -> Optional[bytes]:
 
 
 def again(job: Job, path: str, folders: run_folders.Folders) -> Returned:
-    """Run a job's function once more: in a Python started anew, with another hash seed.
+    """Run a job's function a second time, in a new Python process with another hash seed.
 
-    path: the pickled job's, to be. :raises SimulatorError: if it failed.
+    path: the file into which the job is pickled. :raises SimulatorError: if the function failed.
     """
     with open(path, 'wb') as stream:
         pickle.dump((job, folders), stream)
@@ -356,7 +370,7 @@ def again(job: Job, path: str, folders: run_folders.Folders) -> Returned:
 
 
 def main(words: List[str]) -> None:
-    """Run a trial in this process, which was started for it: what again() asks for."""
+    """Run the trial for again() in this process, which again() started. ``words``: the path of the pickled job."""
     with open(words[0], 'rb') as stream:
         job, folders = pickle.load(stream)
     try:

@@ -1,10 +1,11 @@
 """The built-in metrics of a trial, from its event log alone.
 
-A robot *moves* from `departed` to `stands`; it *waits* while it stands with a goal that it has set out for and that has
-not ended; else it is *idle*. Distances go along the corners of a leg, from where the robot stood before to where it
-stands then; where it stood first a `motion` says, or who knows the launch file. A leg that the end of the run cuts off
-adds nothing to the distance, as nobody has told where it was cut. Robots *meet* in a run that has a row `meets`; each
-of two that do has a row `encounter`. Of orders, and what time went into then: :mod:`.fleet_account`.
+A robot *moves* from `departed` to `stands`. It *waits* while it stands and the goal for which it has departed has not
+ended. Otherwise it is *idle*. The distance of a leg goes along its corners, from where the robot stood before to where
+it stands then. The first position comes from a row `motion`, or from the caller, who knows the launch file. A leg that
+the end of the run cuts off adds nothing to the distance, because the log does not say where it was cut. Robots *meet*
+in a run that has a row `meets`; each of the two robots of an encounter has a row `encounter`. Orders, and how robots
+spent their time then, are in :mod:`.fleet_account`.
 """
 from __future__ import annotations
 
@@ -24,10 +25,10 @@ from . import radio, termination
 from .validity import Validity
 
 Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
-Starts = Dict[str, Place]  # of robots
+Starts = Dict[str, Place]  # {robot: where it stands at the start}
 _NS_PER_S = 1e9  # dividing by it rounds once
-_NEAR = 1e-9  # m, by which one point must be nearer than another
-#: of a robot; what each says stands at robot_trace
+_NEAR = 1e-9  # m; a point must be nearer than another one by this much
+#: the kinds of rows about a robot's place; robot_trace explains them
 PLACES = ('motion', 'departed', 'route', 'stands')
 REACHED = 'SUCCEEDED'
 FAILED = ('ABORTED', 'REJECTED', 'LOST')
@@ -35,7 +36,7 @@ ROBOT_VALUES = ('goals', 'distance_m', 'moving_s', 'idle_s', 'waiting_s')
 
 
 class Summary(NamedTuple):
-    """What a log says: the end record's labels, and numbers.
+    """The content of a log: the numbers that were counted, and the labels of the end record.
 
     ``robots``: {name: {one of ROBOT_VALUES, or of validity.ROBOT_VALUES: number}}.
     """
@@ -47,7 +48,7 @@ class Summary(NamedTuple):
     repeatable: bool
     labels: List[str]
     reason: str
-    ended_by: str  # of termination
+    ended_by: str  # a code of termination
     by_fault: bool
     open_goals: int  # of robots that were under way or stood with a goal when the run ended
     log: ends.Log
@@ -55,11 +56,11 @@ class Summary(NamedTuple):
 
 
 class _Robot:
-    """One robot while its events are read."""
+    """The state and the sums of one robot while its events are read."""
 
     def __init__(self, place: Place, start_ns: int) -> None:
         self.place = place  # where it stands or last stood
-        self.way: Tuple[Tuple[float, float], ...] = ()  # (x, y) [m] of the corners and the goal that it is under way to
+        self.way: Tuple[Tuple[float, float], ...] = ()  # (x, y) [m] of the corners and of the goal, while it moves
         self.since_ns = start_ns
         self.state = 'idle'
         self.ns = {'moving': 0, 'idle': 0, 'waiting': 0}
@@ -82,9 +83,9 @@ class _Robot:
 
 
 def driven(way: Sequence[Tuple[float, float]], end: Tuple[float, float]) -> float:
-    """Return the length [m] of a way, [(x, y), ...] [m], to its point that is nearest to ``end``, and on to that.
+    """Return the length [m] of a way up to its point nearest to ``end``, plus the distance from there to ``end``.
 
-    Of points that are equally near the first counts.
+    If several points are equally near, the first one counts. ``way``: [(x, y), ...] [m]; ``end``: (x, y) [m].
     """
     if len(way) <= 2:
         return math.dist(way[0], end)
@@ -102,7 +103,7 @@ def driven(way: Sequence[Tuple[float, float]], end: Tuple[float, float]) -> floa
 
 
 def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
-    """Return the Summary of an event log. ``starts``: {robot: (x, y)} [m], where they stand first.
+    """Return the Summary of an event log. ``starts``: {robot: (x, y)} [m], where the robots stand at the start.
 
     :raises EventLogError: if it cannot be read, or the run did not end properly.
     """
@@ -130,7 +131,7 @@ def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
 
 
 class _Tally:
-    """What is counted while the events of a log are read."""
+    """The sums of all robots while the events of a log are read."""
 
     def __init__(self, starts: Starts, start_ns: int) -> None:
         self._starts = starts
@@ -146,7 +147,7 @@ class _Tally:
         values = json.loads(event.values)
         self._validity.take(event.robot, event.kind, values)
         self.fleet.take(event.time_ns, event.robot, event.kind, values)
-        if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such a row
+        if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such rows
             self._take_place(event, values)
         elif event.kind in radio.KINDS:
             self._radio.take(event.kind, values, event.time_ns)
@@ -176,11 +177,11 @@ class _Tally:
             robot.way = ((values[0], values[1]),)
         elif event.kind == 'route':
             robot.way = (*zip(values[::2], values[1::2]), *robot.way[-1:])
-        elif robot.state != 'moving':  # its motion's limits are told, and where it is
+        elif robot.state != 'moving':  # a row `motion`, which has the robot's place and its limits of motion
             robot.place = (values[0], values[1])
 
     def close(self, end_ns: int) -> int:
-        """Return how many robots were under way or stood with a goal when the run ended."""
+        """End the sums; return the number of robots that moved, or stood with a goal, when the run ended."""
         count = sum(robot.state != 'idle' for robot in self._robots.values())
         for robot in self._robots.values():
             robot.be('idle', end_ns)
@@ -205,7 +206,7 @@ class _Tally:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value of a row is a finite number that can be counted with."""
+    """Return whether a value of a row is a finite number."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < sys.float_info.max
 
 

@@ -3,14 +3,14 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional, Tuple
 
-#: what each says stands at src/lockstep/radio_traffic.h, and in docs/radio.md
+#: src/lockstep/radio_traffic.h and docs/radio.md explain these rows
 KINDS = ('radio', 'radio_lost', 'link')
-_SENT, _AT = 5, 6  # of a row `radio`: instants [ns]
+_SENT, _AT = 5, 6  # the places of the instants [ns] in a row `radio`: sent, arrived
 _NS_PER_S = 1e9
 
 
 class Radio:
-    """What is counted of a run; nothing if it had no radio."""
+    """The sums of a run's messages and links. Without a radio there are none."""
 
     def __init__(self) -> None:
         self._arrived = self._lost = self._age_ns = 0
@@ -18,7 +18,7 @@ class Radio:
         self._down_ns = 0
 
     def take(self, kind: str, values: List[Any], now_ns: int) -> None:
-        """Count a row of one of KINDS. Anybody may write such a row: one of another form is none."""
+        """Count a row of one of KINDS. Any program may write such a row; rows of another form are ignored."""
         if kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
             self._turn((values[0], values[1]), values[2] == 'up', now_ns)
         elif kind == 'radio' and len(values) == _AT + 1 and all(type(one) is int for one in values[_SENT:]):
@@ -33,7 +33,7 @@ class Radio:
         self._links[link] = is_up, now_ns
 
     def metrics(self, end_ns: int) -> Dict[str, Optional[float]]:
-        """Return the metrics of the run, which ended at ``end_ns``; {} of one without a radio."""
+        """Return the metrics of the run, which ended at ``end_ns``; {} if it had no radio."""
         for link, (is_up, _) in list(self._links.items()):
             self._turn(link, is_up, end_ns)
         sent = self._arrived + self._lost

@@ -1,7 +1,7 @@
-"""One run of a launch file or a command in lockstep, from nothing to its end; called in a process of its own.
+"""One run of a launch file or a command in lockstep, from its start to its end; called in a process of its own.
 
-No `roslaunch` process: the file is read by roslaunch's own loader, changed by the room `launching`, and its nodes are
-started from here. Everything that was started is gone when run() returns.
+There is no `roslaunch` process. roslaunch's own loader reads the file, the package `launching` changes it, and its
+nodes are started from here. When run() returns, everything that was started has ended.
 """
 from __future__ import annotations
 
@@ -27,17 +27,21 @@ from .run_folders import Folders
 from .run_plan import Run
 from .termination import RunError
 
-Statuses = Dict[int, int]  # {pid: as os.waitpid() gives it}
-_END_RECORD_BYTES = 1 << 16  # a log's last line is shorter
+Statuses = Dict[int, int]  # {pid: status as of os.waitpid()}
+_END_RECORD_BYTES = 1 << 16  # the last line of a log is shorter
 _ONLOOKER_GRACE_S = 5.0  # wall
-_OWN_END_S = 6.0  # wall, that participants may take to end by themselves once the run is over
+_OWN_END_S = 6.0  # wall; the time in which participants may end by themselves when the run is over
 _LOOK_S = 0.02  # wall
-_BEFORE_START_S = 5.0  # wall, that the time master may take to be asked
+_BEFORE_START_S = 5.0  # wall; the time in which the time master must answer
 _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
 
 
 class Ended(NamedTuple):
-    """Where robots stood first as far as parameters say it, how its processes ended, and why it failed, or None."""
+    """A run that has ended.
+
+    ``starts``: where robots stood at the start, as far as parameters say it. ``processes``: how each ended.
+    ``problem``: why the run failed, or None.
+    """
 
     starts: Starts
     processes: List[ends.Process]
@@ -49,16 +53,17 @@ class _Process(NamedTuple):
     pid: int
     takes_part: bool
     is_required: bool
-    output: str  # path of the file of what it prints
-    has_last_words: bool = True  # whether it may have something to do once the run is over
-    names: Tuple[str, ...] = ()  # of the participants that it may be, if it is a command
-    is_command: bool = False  # and no node of a launch file
-    is_shell: bool = False  # which starts the node
+    output: str  # the path of the file for its prints
+    has_last_words: bool = True  # whether it may have something to do when the run is over
+    names: Tuple[str, ...] = ()  # for a command: the names of the participants that it may start
+    is_command: bool = False  # whether it is a command and no node of a launch file
+    is_shell: bool = False  # whether it is a shell that starts the node
 
 
 def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> Ended:
-    """Run a Job's launch file or command to its end. condition: under which it runs once more, all nodes cold.
+    """Run a Job's launch file or command to its end.
 
+    condition: the condition of a second run, in which each node is started as a program; None: the first run.
     :raises SimulatorError: if it cannot be started.
     """
     this = Run(job, folders, condition)
@@ -80,7 +85,7 @@ def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> En
 
 
 def _enter(folders: Folders) -> None:
-    """Have this process, and all that it starts, use this computer's own address and the run's folders."""
+    """Let this process, and all that it starts, use 127.0.0.1 and the run's folders."""
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files,
@@ -88,7 +93,7 @@ def _enter(folders: Folders) -> None:
 
 
 def _tell_bags(run: Run) -> None:
-    """Write the digests of the bags of those who took part into the event log."""
+    """Write the digests of the bags that participants have written into the event log."""
     from move_base_abstract_ros.launching import bags
     bags.add_to_log(run.folders.log, bags.written(run.path(run_plan.BAG_NOTES)))
 
@@ -96,7 +101,7 @@ def _tell_bags(run: Run) -> None:
 def _start_all(config: Any, taking: List[str], uri: str, run: Run, statuses: Statuses) -> List[_Process]:
     """Start the time master and all nodes; return them as _Process objects, the time master first.
 
-    Into ``statuses`` go those that have ended meanwhile.
+    ``statuses`` gets the processes that have ended meanwhile.
     """
     from roslaunch.core import setup_env
     from roslaunch.node_args import NodeParamsException, create_local_process_args
@@ -134,7 +139,7 @@ def _start_all(config: Any, taking: List[str], uri: str, run: Run, statuses: Sta
 
 def _await_end(master: int, started: List[_Process], run: Run,
                statuses: Statuses) -> Tuple[List[ends.Process], Optional[RunError]]:
-    """Wait until the time master has ended, end everybody; return (ends.Processes, why it failed or None)."""
+    """Wait until the time master has ended, then end all others; return (ends.Processes, why it failed or None)."""
     time_master, folders, limit = started[0], run.folders, run.experiment.time_limit
     deadline = time.monotonic() + limit
     seen: Set[int] = set()
@@ -169,7 +174,7 @@ def _await_end(master: int, started: List[_Process], run: Run,
 
 def _ended(one: _Process, statuses: Statuses, early: Set[int], told: Set[int],
            shown: Dict[int, Tuple[str, ...]]) -> ends.Process:
-    """Return the ends.Process of a _Process that has ended, or was killed in vain."""
+    """Return the ends.Process of a _Process that has ended, or could not be ended."""
     code = processes.code_of(statuses[one.pid]) if one.pid in statuses else None
     return ends.Process(one.name, one.takes_part, code, one.pid in early, one.pid in told,
                         _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names,
@@ -186,16 +191,16 @@ def _last_lines(path: str) -> Tuple[str, ...]:
 
 
 def _shown_by(path: str) -> Tuple[str, ...]:
-    """Return the first lines of a process's output that show exceptions which nobody caught."""
+    """Return the first lines of a process's output that show uncaught exceptions."""
     with contextlib.suppress(OSError), open(path, encoding='utf-8', errors='replace') as stream:
         return tuple(itertools.islice(filter(ends.shows_uncaught, stream), ends.LAST_LINES))
     return ()
 
 
 def is_over(folders: Folders) -> bool:
-    """Return whether the event log of a run that ended as wished is complete: its time master has nothing more to do.
+    """Return whether a run has ended without a fault and its event log is complete.
 
-    It may be killed then; roscpp's own end takes a third of a second.
+    The time master has nothing more to do then, and may be killed; roscpp's own end takes a third of a second.
     """
     try:
         with open(folders.log, 'rb') as stream:
@@ -207,7 +212,7 @@ def is_over(folders: Folders) -> bool:
 
 
 def _judge(process: _Process, statuses: Statuses, run: Run) -> Optional[RunError]:
-    """Return what is wrong with the end of a process while the run goes on, or None."""
+    """Return the error if a process must not end while the run goes on, or None."""
     code = processes.code_of(statuses[process.pid])
     if process.is_required and not process.takes_part:
         return RunError(f'{process.name}, which is required and looks on, ended (exit code {code})')
@@ -216,14 +221,15 @@ def _judge(process: _Process, statuses: Statuses, run: Run) -> Optional[RunError
             return RunError(f'{process.name} ended with exit code {code}') if code else None
         names = _not_there_yet(statuses)
         if names is not None and process.name not in names:
-            return RunError(f'{process.name} ended (exit code {code}) before it took part, so that time never starts')
+            return RunError(f'{process.name} ended (exit code {code}) before it took part, so time never starts')
     return None
 
 
 def _not_there_yet(statuses: Statuses) -> Optional[List[str]]:
-    """Return who takes part while the time master waits for others; None once time has started, or if it is mute.
+    """Return the participants that are there while the time master waits for others.
 
-    A process of its own asks: this one has no thread.
+    None if time has started, or if the time master does not answer. Another process asks, because this one must not
+    have threads.
     """
     read, write = os.pipe()
 
@@ -241,9 +247,9 @@ def _not_there_yet(statuses: Statuses) -> Optional[List[str]]:
 
 
 def _end_others(started: List[_Process], statuses: Statuses) -> Set[int]:
-    """End who looks on, politely, and give those who take part the time to end by themselves.
+    """End the onlookers by SIGINT, and give the participants time to end by themselves.
 
-    Return who got a signal.
+    Return the process IDs that got a signal.
     """
     onlookers = [one.pid for one in started if not one.takes_part and one.pid not in statuses]
     for pid in onlookers:

@@ -1,4 +1,4 @@
-"""The folders in which a run leaves what it leaves."""
+"""The folders into which a run writes its files."""
 from __future__ import annotations
 
 import os
@@ -6,17 +6,17 @@ import stat
 from typing import Any, NamedTuple
 
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'  # the names of files in a run's own folder
-PRINTED = OUTPUT, PRINTS = 'function.txt', 'trial.txt'  # what a trial's function, and its process, print
+PRINTED = OUTPUT, PRINTS = 'function.txt', 'trial.txt'  # the prints of a trial's function and of its process
 _OWNERS = stat.S_IRUSR | stat.S_IWUSR
-RUN = 'run'  # the name of the folder below a trial's own
+RUN = 'run'  # the name of a run's folder, in that of its trial
 
 
 class Folders(NamedTuple):
-    """Where a run leaves what: its event log and messages, the nodes' own files, what they print."""
+    """The folders of a run, as paths."""
 
-    own: str
-    files: str
-    logs: str
+    own: str  # for the event log and recorded messages
+    files: str  # the nodes' working folder
+    logs: str  # for the nodes' prints and logs
 
     @property
     def log(self) -> str:
@@ -30,7 +30,7 @@ class Folders(NamedTuple):
 
 
 def make_folders(path: str) -> Folders:
-    """Make the Folders of a run, below a folder in which nothing is but perhaps these, empty."""
+    """Make the Folders of a run in a folder that holds nothing, or these folders, empty."""
     folders = _below(path)
     for one in folders:
         os.makedirs(one, exist_ok=True)
@@ -42,17 +42,16 @@ def _below(path: str) -> Folders:
 
 
 def is_as_new(entry: Any) -> bool:
-    """Return whether an entry of a folder is a file in which nothing was printed: the next trial may print into it."""
+    """Return whether an entry of a folder is an empty file for prints, which the next trial can use."""
     about = entry.stat(follow_symlinks=False)
     return (entry.name in PRINTED and stat.S_ISREG(about.st_mode) and about.st_size == 0 and about.st_nlink == 1
             and stat.S_IMODE(about.st_mode) & _OWNERS == _OWNERS)
 
 
 def empty_again(path: str) -> bool:
-    """Empty a folder in which make_folders() has made others; return whether all is as it was when they were new.
+    """Empty the folders that make_folders() has made for the next trial; return whether they are as new.
 
-    For the next trial: three folders that are made and removed cost more than the files in them. Of what was printed
-    empty files stay.
+    To make and remove three folders takes longer than to remove the files in them. Empty files for prints stay.
     """
     folders = _below(path)
     own = os.lstat(path)
@@ -65,6 +64,6 @@ def empty_again(path: str) -> bool:
                 for entry in entries:
                     if entry.path not in folders and not (folder == folders.logs and is_as_new(entry)):
                         os.unlink(entry.path)
-    except OSError:  # a folder in it, for one
+    except OSError:  # for example because there is a folder in it
         return False
     return True

@@ -1,4 +1,4 @@
-"""What a trial's launch file or command becomes in lockstep: roslaunch's configuration, changed for one run."""
+"""Prepare a trial's launch file or command for lockstep: roslaunch's configuration, changed for one run."""
 from __future__ import annotations
 
 import contextlib
@@ -19,13 +19,13 @@ from .termination import END_NODE
 
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 RECORDER_NODE = '/experiment_recorder'
-BAG_NOTES = 'bags'  # in which nodes name the bags that they write
-DECISIONS = 'chaos_decisions.jsonl'  # the file of what chaos has decided, where record.files names it
-START_NOTE = 'started'  # which the time master leaves once time has started
+BAG_NOTES = 'bags'  # the file in which nodes note the bags that they write
+DECISIONS = 'chaos_decisions.jsonl'  # the file of the decisions of chaos, if record.files names it
+START_NOTE = 'started'  # the file that the time master writes when time starts
 
 
 class Run(NamedTuple):
-    """One run of a Job. ``condition``: under which it runs once more, None the first time."""
+    """One run of a Job. ``condition``: the condition of a second run; None: the first run."""
 
     job: Job
     folders: Folders
@@ -33,21 +33,21 @@ class Run(NamedTuple):
 
     @property
     def experiment(self) -> Experiment:
-        """Whose trial it is."""
+        """The experiment of the trial."""
         return self.job.trial.experiment
 
     @property
     def is_reversed(self) -> bool:
-        """Whether nodes start one after another, in the reverse order."""
+        """Whether nodes start one after another, in reverse order."""
         return self.condition is not None and '--start-order' in self.condition.options
 
     def path(self, name: str) -> str:
-        """Return the path of a file of the run's own."""
+        """Return the path of a file in the run's own folder."""
         return os.path.join(self.folders.own, name)
 
 
 def plan_of(run: Run) -> Tuple[Any, List[str]]:
-    """Return roslaunch's configuration, changed for lockstep, and the names of who takes part."""
+    """Return roslaunch's configuration, changed for lockstep, and the names of the participants."""
     from move_base_abstract_ros.launching import plan
     plan.name_anonymous_ones_alike()
     trial = run.job.trial
@@ -64,7 +64,7 @@ def _add_own_nodes(config: Any, run: Run) -> None:
     experiment = run.experiment
     if experiment.record.motion and LOG_MOTION not in config.params:
         config.params[LOG_MOTION] = Param(LOG_MOTION, True)
-    if experiment.command:  # it is no node of a launch file, which would say who takes part
+    if experiment.command:  # its participants are not in a launch file
         config.params[PARTICIPANTS] = Param(PARTICIPANTS, list(experiment.participants or ()))
 
     def add(name: str, kind: str, parameters: Dict[str, Any], required: bool) -> None:
@@ -121,7 +121,7 @@ def _wishes(config: Any, run: Run) -> Any:
 
 
 def starts_of(config: Any) -> Starts:
-    """Return {robot: (x, y)} [m] of the robots that parameters name: of a move_base each, or of a fleet."""
+    """Return {robot: (x, y)} [m] for the robots in the parameters of nodes move_base and of fleets."""
     found: Starts = {}
     for key, param in config.params.items():
         node, _, name = key.rpartition('/')

@@ -1,8 +1,8 @@
-"""Trials that are functions one after another in one process (``isolation: batch``): no fork for each of them.
+"""Run trials that are functions one after another in one process (``isolation: batch``), without a fork for each.
 
-The process ends, and another one takes its place, after a trial that has left anything behind which can be seen from
-outside of it: a thread, a child, an open file, another environment, much memory, an exception, or other values in the
-modules that the function is made of. What a function changes in modules of others is not seen.
+If a trial leaves something behind, the process ends and another one takes its place. That may be a thread, a child
+process, an open file, another environment, much memory, an exception, or other values in the modules of the function.
+Changes that a function makes in modules of others are not noticed.
 """
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ from . import functions, run_folders
 from .run_folders import Folders
 
 LABEL = 'isolation: batch: trials before it may have run in its process'
-_MOST_TRIALS = 250  # of one process
-_MOST_GROWN = 64 << 20  # bytes of memory, since the process began
+_MOST_TRIALS = 250  # the largest number of trials in one process
+_MOST_GROWN = 64 << 20  # bytes; the process may grow by this much memory
 _MOST_COMPARED = 1 << 20  # bytes of a value; a larger one counts as changed
 _MOST_BYTES = 1 << 20  # of an answer
-_DYING_S = 1.0  # wall, in which a process that says no more has ended
+_DYING_S = 1.0  # wall; a process that has closed its connection has this time to end
 _FIXED = (types.ModuleType, types.FunctionType, types.BuiltinFunctionType, type, int, float, complex, str, bytes,
-          type(None))  # that are the same as long as it is the same object
+          type(None))  # the types of values that cannot change: the same object is the same value
 _TASKS = '/proc/self/task'
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM, signal.SIGCHLD)
-_LAST = b'!'  # before an answer after which the process ends
+_LAST = b'!'  # begins the last answer of a process, after which it ends
 
 
 class Series:
@@ -46,10 +46,10 @@ class Series:
     def __init__(self) -> None:
         self._child: Optional[Tuple[int, socket.socket]] = None
         self._count = 0
-        self._program: Any = None  # whose trials they are
+        self._program: Any = None  # the modules and the program of the trials in the process
 
     def run(self, job: Job, folders: Folders) -> functions.Returned:
-        """Run the trial that is a job's function, as functions.run_trial()."""
+        """Run the trial that is a job's function, as functions.run_trial() does."""
         processes.adopt_orphans()
         processes.block_child_signal()
         if self._count >= _MOST_TRIALS or self._program != (job.modules, job.program):
@@ -78,7 +78,7 @@ class Series:
         return functions.Returned(*answer['value'])
 
     def end(self) -> None:
-        """End the process, and all that is left of its trials."""
+        """End the process, and all processes that its trials have left."""
         if self._child is not None:
             pid, connection = self._child
             self._child = None
@@ -103,7 +103,7 @@ run, end = _series.run, _series.end
 
 
 def _read_line(connection: socket.socket, seconds: float) -> Optional[bytes]:
-    """Return what comes until the end of the first line, or of the connection; None if that takes longer [s, wall]."""
+    """Return the bytes up to the end of the first line, or of the connection; None if that takes longer [s, wall]."""
     text, deadline = b'', time.monotonic() + seconds
     while not text.endswith(b'\n') and len(text) < _MOST_BYTES:
         if not select.select([connection], [], [], max(0.0, deadline - time.monotonic()))[0]:
@@ -116,7 +116,7 @@ def _read_line(connection: socket.socket, seconds: float) -> Optional[bytes]:
 
 
 def _carry_on(asked: socket.socket) -> None:
-    """Run what is asked for until nobody can ask any more, or a trial has left something behind."""
+    """Run the trials that are asked for until the connection ends, or a trial has left something behind."""
     watch, is_last = _Watch(), False
     with asked.makefile('rb') as requests:
         while not is_last and requests.peek(1):
@@ -128,7 +128,7 @@ def _carry_on(asked: socket.socket) -> None:
 
 
 def _answer(job: Job, folders: Folders, watch: _Watch) -> Tuple[str, bool]:
-    """Return what came out of a trial, as JSON, and whether it has left something behind."""
+    """Run a trial; return its result as JSON, and whether the trial has left something behind."""
     processes.redirect(os.path.join(folders.logs, run_folders.OUTPUT))
     os.chdir(folders.files)
     os.environ.update(functions.environment(folders))
@@ -146,7 +146,7 @@ def _answer(job: Job, folders: Folders, watch: _Watch) -> Tuple[str, bool]:
 
 
 class _Watch:
-    """Sees what a trial leaves behind in its process, and in the modules that it is made of, but for those by pip."""
+    """Notices what a trial leaves behind in its process, and in its modules except those that pip has installed."""
 
     def __init__(self) -> None:
         self._memory = _resident()
@@ -155,20 +155,20 @@ class _Watch:
         self._before: Any = None
 
     def begin(self, job: Job) -> None:
-        """A trial begins."""
+        """Take note of the state in which a trial begins."""
         self._paths = {path for path, _, _ in job.files.files if not program_files.is_by_pip(path)}
         self._folder = job.modules + os.sep
         self._before = _process(), self._values()
 
     def has_seen_something(self) -> bool:
-        """Return whether something is other than at the trial's begin."""
+        """Return whether something has changed since the trial began."""
         process, values = self._before
         now = self._values()
         return (_process() != process or functions.LOOPBACK in sys.modules or _resident() - self._memory > _MOST_GROWN
                 or any(name not in now or _differ(found, now[name]) for name, found in values.items()))
 
     def _values(self) -> Dict[str, Dict[str, Any]]:
-        """Return {module or class: {name: value, or its bytes}} of the modules that are looked into."""
+        """Return {module or class: {name: value, or its bytes}} for the trial's modules."""
         found: Dict[str, Dict[str, Any]] = {}
         for name, module in list(sys.modules.items()):
             file = getattr(module, '__file__', None) or ''
@@ -181,7 +181,7 @@ class _Watch:
 
 
 def _kept_of(owner: Any) -> Dict[str, Any]:
-    """Return {name: value, or its bytes} of a module or class, with the defaults of its functions."""
+    """Return {name: value, or its bytes} for a module or class, with the defaults of its functions."""
     found = {}
     for name, value in list(vars(owner).items()):
         if not name.startswith('__'):
@@ -192,7 +192,7 @@ def _kept_of(owner: Any) -> Dict[str, Any]:
 
 
 def _kept(value: Any) -> Any:
-    """Return a value, or, of one that can change, its bytes; where these cannot be had that is the value, too."""
+    """Return a value that cannot change as it is, and any other one as its pickle, if it has one."""
     if isinstance(value, _FIXED):
         return value
     try:
@@ -203,7 +203,7 @@ def _kept(value: Any) -> Any:
 
 
 class _Changed:
-    """Is equal to nothing."""
+    """Stands for a value that always counts as changed."""
 
 
 def _differ(before: Dict[str, Any], now: Dict[str, Any]) -> bool:
@@ -213,12 +213,12 @@ def _differ(before: Dict[str, Any], now: Dict[str, Any]) -> bool:
 
 
 def _process() -> List[Any]:
-    """Return what the system knows of this process and its environment."""
+    """Return the state of this process: threads, children, open files, environment, path, hook, signal handlers."""
     return [len(os.listdir(_TASKS)), processes.children(), sorted(os.listdir('/proc/self/fd')), dict(os.environ),
             list(sys.path), sys.excepthook, [signal.getsignal(number) for number in _SIGNALS]]
 
 
 def _resident() -> int:
-    """Return how much memory this process has in use [bytes]."""
+    """Return the memory that this process uses [bytes]."""
     with open('/proc/self/statm') as stream:
         return int(stream.read().split()[1]) * os.sysconf('SC_PAGESIZE')

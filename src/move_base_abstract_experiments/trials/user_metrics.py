@@ -1,7 +1,7 @@
-"""The user's function of a trial: `module:function`, called with what a trial has left, returns numbers by name.
+"""Call the user's function for metrics: `module:function` gets the outputs of a trial and returns numbers by name.
 
-It runs in a process of its own that is no node, once the run is over. An exception in it, or a time limit, is told in
-the table and stops nothing.
+It runs in a process of its own, which is no node, when the run is over. If it raises an exception or takes too long,
+the table says so, and the trial stays complete.
 """
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _LIMIT_S = 120.0  # wall
 
 
 class TrialData:
-    """What the function is given.
+    """The argument of the function: the outputs of a trial.
 
     configuration: {factor: value}; replication, seed: whole numbers; folder: a Path, with events.jsonl and
-    messages.jsonl; files: a Path, where the nodes have left files; built_in: the built-in metrics; robots: {name:
-    {goals, distance_m, moving_s, idle_s, waiting_s}}; simulated_seconds.
+    messages.jsonl; files: a Path, the working folder of the nodes with their files; built_in: the built-in metrics;
+    robots: {name: {goals, distance_m, moving_s, idle_s, waiting_s}}; simulated_seconds.
     """
 
     def __init__(self, folders: run_folders.Folders, result: Result) -> None:
@@ -40,14 +40,17 @@ class TrialData:
         self.simulated_seconds = result.simulated_seconds
 
     def events(self) -> Iterator[Tuple[int, str, str, Any]]:
-        """Yield (time_ns, robot, kind, values) of the event log."""
+        """Yield (time_ns, robot, kind, values) for each event of the event log; time_ns is simulated time [ns]."""
         path = str(self.folder / run_folders.LOG)
         with event_log.open_text(path) as stream:
             for event in EventLog(stream, path):
                 yield event.time_ns, event.robot, event.kind, json.loads(event.values)
 
     def messages(self, topic: Optional[str] = None) -> Iterator[Tuple[int, str, Any]]:
-        """Yield (time_ns, topic, message) of what was recorded (record.messages), a message being a mapping."""
+        """Yield (time_ns, topic, message) for each recorded message (record.messages); the message is a mapping.
+
+        :param topic: only messages of this topic; None: of all.
+        """
         path = self.folder / run_folders.MESSAGES
         if path.exists():
             with open(path, encoding='utf-8') as stream:
@@ -58,7 +61,10 @@ class TrialData:
 
 
 def call(job: Job, folders: run_folders.Folders, result: Result) -> Dict[str, Optional[float]]:
-    """Return {name: number or None}. :raises FunctionError: saying what is wrong."""
+    """Call the user's function for metrics; return {name: number or None}.
+
+    :raises FunctionError: saying what is wrong.
+    """
     experiment = job.trial.experiment
 
     def work() -> Dict[str, Optional[float]]:

@@ -1,4 +1,4 @@
-// A canvas that is as sharp as the screen, and the page's colours.
+// Canvases with the resolution of the screen, and the page's colours.
 const COLOURS = {};
 
 function readColours() {
@@ -10,8 +10,8 @@ function readColours() {
   }
 }
 
-// Have a canvas cover its element; return its context, in CSS pixels, or null where there is nothing to draw on. For
-// print that is a picture of lines in its place.
+// Let a canvas cover its element; return its context, in CSS pixels, or null if the element has no size. For print an
+// SVG picture takes the place of the canvas.
 function prepare(canvas, width, height) {
   if (document.documentElement.classList.contains('print')) {
     if (!width || !height) return null;
@@ -42,7 +42,7 @@ function rgb(colour) {
   return [number >> 16, (number >> 8) & 255, number & 255];
 }
 
-// Save the map of the first run as a picture of lines and letters (SVG), dark on white, as it is in sight now.
+// Save the map of the first run as an SVG picture, dark on white, with the present view.
 function savePicture(player) {
   const [view] = player.maps, {clientWidth: width, clientHeight: height} = view.figure;
   const svg = document.createElementNS(SVG, 'svg'), isPrint = document.documentElement.classList.contains('print');

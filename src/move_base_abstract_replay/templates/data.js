@@ -1,7 +1,8 @@
-// What page_data.py packed, and questions to it. Binary search everywhere: nothing here walks through a whole run.
+// The data that page_data.py has packed, and functions that look things up in it. They use binary search, so that none
+// walks through a whole run.
 const PLACED = 0, EVEN = 1, BACKWARDS = 2, LIMITED = 3;
 
-// Return {about, columns} of the text that packed.py made.
+// Return {about, columns} from a text that packed.py has made.
 async function unpack(text) {
   const letters = atob(text.trim());
   const bytes = new Uint8Array(letters.length);
@@ -29,7 +30,7 @@ function upperBound(values, wanted, begin, end) {
   return begin;
 }
 
-// One log. Times in ns. Rows are those of the timeline; the first `robots` of them are robots.
+// One log. Times are in ns. Rows are those of the timeline; the first `robots` rows are robots.
 class Run {
   constructor({about, columns}) {
     Object.assign(this, columns);
@@ -49,7 +50,7 @@ class Run {
     this.hosts = [...new Map(fixed.map((host) => [host.name, host])).values()]; // of the radio
     this.robots = about.rows.filter((row) => row.robot).length;
     this.events = this.event_time.length;
-    this.legs = new Array(this.robots); // the latest that was asked for
+    this.legs = new Array(this.robots); // a cache: the latest leg of each robot
   }
 
   start(motion) {
@@ -60,7 +61,7 @@ class Run {
     return {x: this.motion_goal_x[motion], y: this.motion_goal_y[motion], yaw: this.motion_goal_yaw[motion]};
   }
 
-  // The motion that a robot is in or has been in last; -1 before the log says where it is.
+  // The present motion of a robot, or its last one; -1 before the log says where the robot is.
   motionAt(robot, time) {
     const first = this.motion_first[robot];
     const found = upperBound(this.motion_begin, time, first, this.motion_first[robot + 1]) - 1;
@@ -107,7 +108,7 @@ class Run {
     return {...legPose(this.legOf(robot, motion), until), motion};
   }
 
-  // Of the links that are up, [[x, y], [x, y]]: both ends, where they are known.
+  // The links that are up, each as its two ends {x, y}; links with an end that is not known are left out.
   linksAt(time, poses) {
     const place = (end) => (end.robot === undefined ? end : poses[end.robot]);
     const isUp = ({times, up}) => {
@@ -121,14 +122,14 @@ class Run {
     return this.motion_law[motion] !== PLACED && time < this.motion_end[motion];
   }
 
-  // The place of a row's state among `states`; the last one, idle, where no span holds.
+  // The place of a row's state among `states`; without a span it is the last one, idle.
   stateAt(row, time) {
     const first = this.span_first[row];
     const span = upperBound(this.span_begin, time, first, this.span_first[row + 1]) - 1;
     return span >= first && time < this.span_end[span] ? this.span_state[span] : this.states.length - 1;
   }
 
-  // The state of charge of a robot, 0 to 1; null without a battery. Straight between what is known.
+  // The state of charge of a robot, 0 to 1; null without a battery. Between known values it is interpolated linearly.
   chargeAt(robot, time) {
     const first = this.charge_first[robot], end = this.charge_first[robot + 1];
     if (first === end) return null;
@@ -139,7 +140,7 @@ class Run {
     return from + (to - from) * (time - begin) / (until - begin);
   }
 
-  // How many orders are open, under way and over, in words.
+  // The numbers of orders that are open, under way and over, in words.
   ordersAt(time) {
     const row = upperBound(this.count_time, time, 0, this.count_time.length) - 1;
     if (row < 0) return '';

@@ -1,4 +1,4 @@
-// The events as a list of which only the rows in sight exist.
+// The list of events. Only the rows in sight exist as elements.
 const EVENT_ROW = 26, MOST_PIXELS = 15e6; // browsers know no taller elements; a longer list scrolls in larger steps
 
 class EventList {
@@ -25,7 +25,7 @@ class EventList {
     this.filter();
   }
 
-  // Give times and names the room that the longest of them take, within reason.
+  // Make the columns of times and names as wide as their longest texts, within limits.
   fitColumns() {
     const context = document.createElement('canvas').getContext('2d');
     context.font = `600 13px ${FONT}`;
@@ -80,7 +80,7 @@ class EventList {
     return this.most ? this.scroller.scrollTop / this.most * Math.max(lines, 0) : 0;
   }
 
-  // Have the current line in sight.
+  // Scroll so that the current line is in sight.
   center() {
     const seen = this.scroller.clientHeight / EVENT_ROW, {current, top} = this;
     if (current >= top + 1 && current <= top + seen - 2) return;

@@ -1,4 +1,5 @@
-// Names on the map that do not cover one another: who comes first has the best place, who finds none has no name.
+// Names on the map that do not cover one another. Those that are written first get the best places; a name without a
+// free place is left out.
 const LABEL_HEIGHT = 15, CELL = 64; // px
 
 class Labels {
@@ -30,7 +31,7 @@ class Labels {
     }
   }
 
-  // Write a text beside (x, y), `gap` from it; return whether there was place for it. `isKept`: there is, in any case.
+  // Write a text beside (x, y), `gap` from it; return whether there was room for it. `isKept`: write it in any case.
   write(text, x, y, {gap = 10, colour = COLOURS.ink, weight = '', size = 12, isKept = false} = {}) {
     const {context} = this;
     context.font = `${weight ? `${weight} ` : ''}${size}px ${FONT}`;
@@ -53,7 +54,7 @@ class Labels {
   }
 }
 
-// What all names begin with, up to a last '_' or '/': it is left out on the map where many robots are.
+// The common beginning of all names, up to a last '_' or '/'. With many robots the map leaves it out.
 function commonBeginning(names) {
   if (names.length < 2) return '';
   let shared = names[0];

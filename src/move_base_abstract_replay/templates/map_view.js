@@ -7,7 +7,7 @@ class Camera {
 
   fit(width, height) {
     const [x0, y0, x1, y1] = this.box;
-    const [side, top, bottom] = [28, 34, 46]; // px; names and the scale lie there
+    const [side, top, bottom] = [28, 34, 46]; // px; margins for names and the scale
     this.scale = Math.min((width - 2 * side) / Math.max(x1 - x0, 1), (height - top - bottom) / Math.max(y1 - y0, 1));
     this.scale = Math.max(this.scale, 1e-6); // px/m
     [this.x, this.y] = [(x0 + x1) / 2, (y0 + y1) / 2 - (bottom - top) / 2 / this.scale];
@@ -150,7 +150,7 @@ class MapView {
     this.tell(poses, uses);
   }
 
-  // Names: where somebody waits, and who, then what is counted, then all others, as far as there is room.
+  // Write names as far as there is room: first where robots wait and which ones, then things with counts, then others.
   write(context, poses, width, height) {
     const labels = new Labels(context, width, height), size = this.robots.size;
     labels.take([0, height - 38, 90, height]); // the scale
@@ -198,7 +198,7 @@ class MapView {
     context.stroke();
   }
 
-  // The links of the radio that are up: dashed, since ways are lines, too.
+  // The links of the radio that are up. They are dashed, because trails are lines, too.
   drawLinks(context, poses) {
     context.strokeStyle = COLOURS.accent;
     context.lineWidth = 1.5;
@@ -238,7 +238,7 @@ class MapView {
     context.fillRect(16, height - 15, length, 2);
   }
 
-  // Say in words what the chosen robot does or who is in the chosen thing, and how the orders are.
+  // Show in words what the chosen robot does, or which robots are in the chosen thing; and the state of the orders.
   tell(poses, uses) {
     const {run} = this, {chosen, chosenThing, world, time} = this.player;
     const robot = run.rows.findIndex((row) => row.robot && row.name === chosen);

@@ -1,5 +1,5 @@
 // The motion law of the simulator's core (move_base_abstract/motion/leg.py): turn, drive from rest to rest, turn.
-// Times in ns, lengths in m, angles in rad. A test holds it to the core, leg by leg.
+// Times are in ns, lengths in m, angles in rad. A test compares it with the core, leg by leg.
 const NS_PER_S = 1e9, ROUNDING = 1e-9;
 
 function normalizeAngle(angle) {
@@ -22,8 +22,8 @@ function withSign(size, sign) {
   return sign < 0 || Object.is(sign, -0) ? -Math.abs(size) : Math.abs(size);
 }
 
-// A leg between two poses {x, y, yaw}. limits: [max speed, acceleration, turn rate, xy and yaw tolerance]; 0 of the
-// second and third is no limit.
+// A leg between two poses {x, y, yaw}. limits: [max speed, acceleration, turn rate, xy and yaw tolerance]; an
+// acceleration or turn rate of 0 is no limit.
 function makeLeg(start, goal, limits, departNs) {
   const [maxSpeed, acceleration, turnRate, xyTolerance, yawTolerance] =
       [limits[0], limits[1] || Infinity, limits[2] || Infinity, limits[3], limits[4]];
@@ -34,7 +34,7 @@ function makeLeg(start, goal, limits, departNs) {
   const wanted = normalizeAngle(goal.yaw - course);
   const lastTurn = withSign(Math.max(0, Math.abs(wanted) - yawTolerance), wanted);
   const product = acceleration * distance;
-  // The product of two tiny numbers is 0, and a robot that never starts would be there at once.
+  // The product of two tiny numbers may be 0; then the robot would never start and yet arrive at once.
   const reached = product ? Math.sqrt(product) : Math.sqrt(acceleration) * Math.sqrt(distance);
   const peak = acceleration === Infinity ? maxSpeed : Math.min(maxSpeed, reached);
   const ramp = acceleration === Infinity ? 0 : peak / acceleration;
@@ -78,7 +78,7 @@ function legPose(leg, timeNs) {
   return {x: leg.end.x, y: leg.end.y, yaw: normalizeAngle(leg.course + turned)};
 }
 
-// A leg of which only the ends are known: straight and even.
+// The pose on a leg of which only the ends are known: straight, at an even speed.
 function evenPose(start, end, beginNs, endNs, timeNs, turns) {
   if (timeNs >= endNs || endNs <= beginNs) return end;
   const share = Math.max(0, timeNs - beginNs) / (endNs - beginNs);

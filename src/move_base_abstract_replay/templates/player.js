@@ -1,7 +1,7 @@
-// The present, and who shows it.
+// The player: the present time, and the views that show it.
 const FONT = 'system-ui, -apple-system, "Segoe UI", "Liberation Sans", "DejaVu Sans", sans-serif';
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
-const SLIDER_STEPS = 10000, WATCHED_S = 30; // wall s that a run takes at the speed at which it begins
+const SLIDER_STEPS = 10000, WATCHED_S = 30; // wall s that a run takes at the initial speed
 
 class Player {
   constructor(runs, ground, world, {box, difference}) {
@@ -29,7 +29,7 @@ class Player {
     }
   }
 
-  // The time in the page's address: #t=12.5 [s]
+  // The time in the page's address, such as #t=12.5 [s]
   ofAddress() {
     const found = /^#t=([0-9.]+)$/.exec(window.location.hash);
     return found && Number.isFinite(+found[1]) ? secondsToNs(+found[1]) : this.begin;
@@ -71,7 +71,7 @@ class Player {
     return new URLSearchParams(window.location.search).get('style') === 'print';
   }
 
-  // Draw at once as it is printed: dark on white, in lines and letters that can be made larger.
+  // Draw at once in the style for print (dark on white, as SVG), or leave that style.
   printed(isPrint) {
     document.documentElement.classList.toggle('print', isPrint);
     this.recolour();
@@ -162,7 +162,7 @@ class Player {
 
   advance(wall) {
     if (!this.isPlaying) return;
-    const passed = this.last === null ? 0 : Math.min(wall - this.last, 250); // ms; a page in the background stands
+    const passed = this.last === null ? 0 : Math.min(wall - this.last, 250); // ms; a page in the background stands still
     this.last = wall;
     this.seek(this.time + passed * 1e6 * this.speed.value);
     if (this.time >= this.end) this.stop();
@@ -179,7 +179,7 @@ class Player {
     this.redraw();
   }
 
-  // Draw once in the next frame, however often it is asked for.
+  // Draw in the next frame, once, however often this is called.
   redraw() {
     if (this.isAwaited) return;
     this.isAwaited = true;

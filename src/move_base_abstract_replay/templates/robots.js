@@ -1,6 +1,6 @@
-// Robots on the map: their ways, their charge, and the orders they work on. Sizes follow scale and number.
-const TRAIL_LEGS = 12, TRAILS = 120; // of one robot, and of all: more hide one another
-const FEW_ROBOTS = 12, MANY_ROBOTS = 200; // few have their whole names; of many the names come when one comes closer
+// Robots on the map: their ways, their charge, and the orders they work on. Sizes depend on the scale and the number.
+const TRAIL_LEGS = 12, TRAILS = 120; // legs in the trail of one robot, and in those of all; more would hide one another
+const FEW_ROBOTS = 12, MANY_ROBOTS = 200; // few have their whole names; the names of many are shown when zoomed in
 const NOBODY = 2 ** 32 - 1;
 const OPEN = 0;
 
@@ -95,7 +95,7 @@ class RobotView {
     context.stroke();
   }
 
-  // The charge is a ring around the robot that is as full as its battery.
+  // The charge is a ring around the robot; its filled part is the share of charge of the battery.
   drawCharge(context, robot, pose, size) {
     const share = this.run.chargeAt(robot, this.player.time);
     if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
@@ -116,7 +116,7 @@ class RobotView {
     return this.isChosen(robot) ? name : name.slice(this.beginning);
   }
 
-  // Names of the chosen one and of those who wait, or of the others.
+  // Write the names of the chosen robot and of waiting or failed ones (`areFirst`), or those of all others.
   write(labels, poses, areFirst) {
     const areMany = this.run.robots > MANY_ROBOTS && this.view.camera.scale < NAMED_FROM;
     poses.forEach((pose, robot) => {
@@ -128,7 +128,7 @@ class RobotView {
     });
   }
 
-  // Where orders are to be fetched or brought: a diamond, filled for those that nobody has.
+  // Draw a diamond at the next stop of each order; it is filled if no robot has the order.
   drawOrders(context) {
     const {run, view} = this, size = Math.min(6, Math.max(3, 0.3 * view.camera.scale));
     context.lineWidth = 1.5;
@@ -145,7 +145,7 @@ class RobotView {
     }
   }
 
-  // What the chosen robot does, in words.
+  // The state of the chosen robot in words.
   words(robot, pose) {
     const {run} = this, {time} = this.player, share = run.chargeAt(robot, time);
     const order = [...run.phases.at(time)].find((phase) => run.phase_robot[phase] === robot);
@@ -157,7 +157,7 @@ class RobotView {
   }
 }
 
-// The colour of a robot, by the number at the end of its name, else by its place; RViz has the same hues.
+// The colour of a robot, by the number at the end of its name, otherwise by its place. RViz has the same hues.
 function hue(name, robot) {
   const digits = /(\d{1,9})$/.exec(name), number = digits ? +digits[1] : robot;
   return `hsl(${Math.round(360 * ((number * 0.618033988749895) % 1))} ${COLOURS.vivid})`;

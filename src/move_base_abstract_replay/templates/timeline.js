@@ -1,5 +1,6 @@
-// The rows of the timeline: what each robot does, and when. Drawn anew only when the window, the scroll or the size
-// changes; the line of the present lies in a canvas above. Spans narrower than a pixel share it by their lengths.
+// The rows of the timeline: what each robot does, and when. They are drawn again only when the time window, the scroll
+// position or the size changes. The line of the present is on a canvas above. Spans that are narrower than a pixel
+// share the pixel in proportion to their lengths.
 const ROW = 24, AXIS = 26, NARROW = 1.5; // px
 
 class Timeline {
@@ -44,7 +45,7 @@ class Timeline {
     this.isDirty = true;
   }
 
-  // Show factor times as much, with `time` where it is.
+  // Show `factor` times as much time; `time` stays where it is on the screen.
   zoom(factor, time) {
     const {begin, end} = this.player, all = Math.max(end - begin, 1);
     const length = Math.min(Math.max((this.to - this.from) * factor, 1000), all);
@@ -55,7 +56,7 @@ class Timeline {
     this.player.redraw();
   }
 
-  // Have the window hold a time; what is zoomed follows the present.
+  // Move the window so that it contains a time. So a zoomed timeline follows the present.
   follow(time) {
     if (time >= this.from && time <= this.to) return;
     const length = this.to - this.from, {begin, end} = this.player;
@@ -101,7 +102,7 @@ class Timeline {
 
   draw() {
     const width = this.element.clientWidth, isPrint = document.documentElement.classList.contains('print');
-    const height = isPrint ? AXIS + ROW * this.rows.length + 6 : this.element.clientHeight; // on paper nobody scrolls
+    const height = isPrint ? AXIS + ROW * this.rows.length + 6 : this.element.clientHeight; // paper has no scroll bar
     if (width !== this.width || height !== this.height) this.isDirty = true;
     Object.assign(this, {width, height});
     for (const canvas of [this.canvas, this.above]) Object.assign(canvas.style, {width: `${width}px`, height: `${height}px`});
@@ -192,7 +193,7 @@ class Timeline {
     const end = run.tick_first[row + 1];
     let k = upperBound(run.tick_time, this.from - 1, run.tick_first[row], end);
     context.fillStyle = COLOURS.muted;
-    while (k < end && run.tick_time[k] <= this.to) { // one jump per pixel, however many ticks are in it
+    while (k < end && run.tick_time[k] <= this.to) { // one step per pixel, however many ticks are in it
       const pixel = Math.floor(this.toX(run.tick_time[k]));
       const next = upperBound(run.tick_time, this.toTime(pixel + 1) - 1e-3, k, end);
       const high = height * Math.min(1, 0.4 + 0.15 * Math.log2(Math.max(next - k, 1)));

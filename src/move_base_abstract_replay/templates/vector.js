@@ -1,5 +1,5 @@
-// A canvas' context that draws an SVG picture: what a page draws on its canvases becomes lines and text for print.
-// Only what this page uses of a context is here.
+// A drawing context, like that of a canvas, that makes an SVG picture: the drawings of the page become lines and text
+// for print. It has only those parts of a context that this page uses.
 const SVG = document.querySelector('svg').namespaceURI;
 const short = (value) => +value.toFixed(2);
 

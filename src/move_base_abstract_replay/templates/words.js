@@ -1,4 +1,4 @@
-// Numbers and events as people read them.
+// Numbers and events as texts for people.
 const THIN = '\u202f';
 
 function grouped(text) {
@@ -7,7 +7,7 @@ function grouped(text) {
   return rest === undefined ? parts : `${parts}.${rest}`;
 }
 
-// A time [ns] in s to the millisecond.
+// A time [ns] as text in s, to the millisecond.
 function seconds(time) {
   return grouped((time / NS_PER_S).toFixed(3));
 }
@@ -34,7 +34,7 @@ function messageText(kind, values) {
   return `${kind === 'message' ? '' : `${kind} `}${values[0] || 'nobody'} → ${receivers.join(', ') || 'nobody'}, ${grouped(String(bytes))} bytes`;
 }
 
-// What a leg has besides its law of motion; see `manner` of move_base_abstract/runs/trace.py.
+// The manner of a leg, besides its law of motion, in words; see `manner` in move_base_abstract/runs/trace.py.
 function mannerText([rest, travel, backwards, , spin]) {
   return [...(backwards ? [`drives the first ${metres(backwards)} m backwards`] : []),
           ...(spin ? [`spins for ${metres(spin)} s before its last turn`] : []),
@@ -56,7 +56,7 @@ const EVENT_TEXTS = {
   response: (v) => messageText('response', v),
 };
 
-// An event as text. Anybody may write a line of any kind: what is not as expected is shown as it is.
+// An event as text. Any program may write a row of any kind; a row of another form is shown as it is.
 function eventText(run, index) {
   const kind = run.kinds[run.event_kind[index]];
   const values = JSON.parse(run.event_values[index]);
@@ -69,7 +69,7 @@ function eventText(run, index) {
   return `${kind} ${values.map((value) => (typeof value === 'string' ? value : JSON.stringify(value))).join(', ')}`;
 }
 
-// A step of 1, 2 or 5 times a power of ten, not below `least`.
+// The smallest step of 1, 2 or 5 times a power of ten that is at least `least`.
 function niceStep(least) {
   const power = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= least * 0.999999);

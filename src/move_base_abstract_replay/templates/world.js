@@ -1,7 +1,7 @@
-// Zones, lanes and places of the scenario: where they are, how many are in them, and who waits.
+// The zones, lanes and places of the scenario: where they are, the number of robots in them, and which ones wait.
 const INSIDE = 0, WAITS = 1;
 
-// Those of many spans that hold at a time. It goes forwards and back from change to change, never from the beginning.
+// The spans, of many, that hold at a time. It steps forwards and back from change to change, never from the beginning.
 class Present {
   constructor(times, isBegin, of) {
     Object.assign(this, {times, isBegin, of, done: 0, held: new Set()});
@@ -28,7 +28,7 @@ class World {
     this.hasUse = this.things.some(({kind, capacity}) => kind === 'place' || capacity !== null);
   }
 
-  // Of each thing that is used at a time: {inside: [robot], waiting: [robot]}, first come first.
+  // For each thing in use at a time: {inside: [robot], waiting: [robot]}, in the order in which the robots came.
   usesAt(run, time) {
     const uses = new Map();
     for (const stay of [...run.stays.at(time)].sort((one, other) => one - other)) {
@@ -43,14 +43,14 @@ class World {
     return thing.capacity !== null && use !== undefined && use.inside.length >= thing.capacity;
   }
 
-  // 'gate 1/2 +3': how many are in it, for how many there is room, and how many wait.
+  // The sign of a thing: 'gate 1/2 +3' means one robot is in it, there is room for two, and three wait.
   sign(thing, use, withName) {
     const inside = use ? use.inside.length : 0, waiting = use ? use.waiting.length : 0;
     const counts = thing.capacity === null ? (inside ? `${inside}` : '') : `${inside}/${thing.capacity}`;
     return [withName ? thing.name : '', counts, waiting ? `+${waiting}` : ''].filter(Boolean).join(' ');
   }
 
-  // In words, with names.
+  // The use of a thing in words, with the names of robots.
   words(thing, use, nameOf) {
     const list = (robots) => robots.slice(0, 8).map(nameOf).join(', ') + (robots.length > 8 ? ', …' : '');
     const {inside, waiting} = use || {inside: [], waiting: []};

@@ -1,5 +1,5 @@
-// How the world is drawn: what is full or waited for stands out, the rest is quiet.
-const NAMED_FROM = 26; // px/m: from here on places and zones have their names, below only where something goes on
+// Draws the world. Things that are full, or for which robots wait, stand out.
+const NAMED_FROM = 26; // px/m; from this scale on all places and zones show their names, below it only those in use
 
 class WorldView {
   constructor(world, view) {
@@ -105,7 +105,8 @@ class WorldView {
     context.strokeRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
   }
 
-  // What waits is written first, then what is counted; names from a certain scale on.
+  // Return a function that writes the names of one rank: 0 for things with waiting robots, 1 for things with counts, 2
+  // for others. Lanes and things without a capacity have names only from a certain scale on.
   write(labels, chosen) {
     const {things} = this.world, isNear = this.view.camera.scale >= NAMED_FROM, order = [[], [], []];
     things.forEach((thing, k) => {

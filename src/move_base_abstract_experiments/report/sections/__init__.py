@@ -1,1 +1,1 @@
-"""Sections of the page that are about the trials, not about a metric: how they ended, what of them can be trusted."""
+"""Sections of the page about the trials, not about a metric: how they ended, and how far they can be trusted."""

@@ -1,4 +1,4 @@
-"""Where robots waited for room: at places, at zones, on lanes, for chargers; per trial, of all robots together."""
+"""The section about where robots waited for room: places, zones, lanes, chargers; per trial, all robots together."""
 
 from .. import frames
 from ..listings import cut
@@ -10,7 +10,7 @@ _SECONDS = Scale(1.0, 's')
 
 
 def section(experiment):
-    """Return the section of an experiment in which somebody waited for room, or None."""
+    """Return the section, or None if no robot waited for room in any trial."""
     frame = frames.waits(experiment)
     if frame.empty:
         return None
@@ -21,8 +21,8 @@ def section(experiment):
         levels = ', '.join(str(record[name]) for name in factors if record[name] != '')
         rows.append((levels or UNKNOWN, record['where'], whole(record['n']), value,
                      f'{low} to {high}' if low else UNKNOWN))
-    rows, note = cut(rows, 'Means of the complete trials; one in which nobody waited there counts as 0 s. Who waits '
-                     'for two areas at once counts at each of them.', 'tables/waits.csv')
+    rows, note = cut(rows, 'Means over the complete trials; a trial in which no robot waited there counts as 0 s. '
+                     'A robot that waits for two areas at once counts at each of them.', 'tables/waits.csv')
     table = Table('Waiting by place, zone and lane', ('configuration', 'where', 'trials', 'mean per trial',
                                                       '95 % interval'), rows, note, is_open=len(rows) <= 24)
-    return Section(HEADING, ('Time for which robots stood until there was room, the sum of all robots.', table))
+    return Section(HEADING, ('The time for which robots stood and waited for room, summed over all robots.', table))

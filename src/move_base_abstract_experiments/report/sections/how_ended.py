@@ -1,4 +1,4 @@
-"""How trials ended, in words: who failed, whom the limit of time ended, and whether shares of them differ."""
+"""How trials ended, in words: which failed, which the limit of time ended, and whether the shares of these differ."""
 
 from .. import effects, endings, intervals
 from ..findings import Finding
@@ -9,18 +9,19 @@ from ..ranking import turned
 from ..sentences import difference_scale, over_text, pairs_text, sentence_case, spoken
 from ..wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
 
-MOST_TOLD = 6  # differences in sentences; all are in tables/endings.csv
+MOST_TOLD = 6  # the number of differences in sentences; all are in tables/endings.csv
 MOST_ROWS = 200
-MOST_OPEN = 16  # rows of a table that is not folded
+MOST_OPEN = 16  # a table with more rows is folded
 SCALE = Scale(100.0, '%')
 _HEADERS = {'failed': 'share that failed', 'limit': 'share ended by the limit of time'}
 _ENDS = {endings.LIMIT: 'limit of time', 'time_limit': 'limit of wall time', 'topic': 'message'}
-_NOTE = "Shares have Wilson's interval; the limit is that of simulated time (until: seconds), of complete trials."
+_NOTE = "Shares have Wilson's interval. The limit of time is that of simulated time (until: seconds). Its share is " \
+        'of complete trials.'
 _DONE = {'failed': 'failed', 'limit': 'were ended by the limit of time'}
 
 
 def findings(experiment, mains, singles):
-    """Return the Findings about shares of trials that failed, and that the limit of time ended.
+    """Return the Findings about the shares of trials that failed, or that the limit of time ended.
 
     :param mains, singles: effects.outcome_differences of the experiment.
     """
@@ -40,7 +41,7 @@ def findings(experiment, mains, singles):
 
 
 def _largest(differences):
-    """Return of each factor the Difference that is the largest in these trials."""
+    """Return the largest Difference of each factor; differences of 0 or without an interval are left out."""
     largest = {}
     for each in differences:
         if each.estimate.has_interval and abs(each.estimate.value) > abs(
@@ -50,7 +51,7 @@ def _largest(differences):
 
 
 def _finding(experiment, difference):
-    """Return the Finding of a Difference of shares, the larger one first."""
+    """Return the Finding of a Difference of shares; its sentence names the larger share first."""
     if difference.estimate.value < 0.0:
         difference = turned(difference)
     metric = difference.metric
@@ -66,9 +67,9 @@ def _finding(experiment, difference):
         size = size.replace('higher', 'more')
         return Finding(metric.title, 'fails' if metric.outcome == 'failed' else 'differs',
                        sentence_case(f'{text}: {size}{over} ({interval}; {pairs}).'), None)
-    if difference.estimate.value == 1.0:  # what was seen is told as it is
+    if difference.estimate.value == 1.0:  # every pair shows it, but there are too few pairs for the test
         return Finding(metric.title, 'always', sentence_case(
-            f'{text}: in every pair, of which there are too few for a test ({pairs}).'), None)
+            f'{text}: in every pair, but there are too few pairs for a test ({pairs}).'), None)
     why = f'too weak to count (Holm p{NBSP}{probability(difference.p_holm)})' \
         if difference.is_hint else 'not told apart'
     return Finding(metric.title, 'weak' if difference.is_hint else 'none', sentence_case(
@@ -77,14 +78,14 @@ def _finding(experiment, difference):
 
 
 def _counted(experiment, difference, side):
-    """Return '15 of 30 trials' of the trials on one side."""
+    """Return the words '15 of 30 trials' about one side (0: first, 1: second) of a Difference."""
     places = sorted({group[side] for group in difference.groups})
     values = intervals.known(experiment.values(difference.metric)[places])
     return f'{whole(int(values.sum()))} of {counted(len(values), "trials")}'
 
 
 def table(experiment):
-    """Return the table of how the trials of each configuration ended, or None where all came to their own end."""
+    """Return the table of how the trials of each configuration ended, or None if all ended by themselves."""
     outcomes = experiment.outcomes
     if not outcomes:
         return None
@@ -103,7 +104,7 @@ def table(experiment):
 
 
 def _ends_text(trials):
-    """Return how trials ended, 'idle 28, limit of time 2', the most frequent first."""
+    """Return how trials ended, the most frequent way first: 'idle 28, limit of time 2'."""
     counts = {}
     for trial in trials:
         if trial.ended_by:
@@ -113,5 +114,5 @@ def _ends_text(trials):
 
 
 def ends_text(experiment):
-    """Return how all trials ended."""
+    """Return how all trials ended, in words: 'idle 28, limit of time 2'."""
     return _ends_text(experiment.trials)

@@ -1,4 +1,4 @@
-"""Which properties held: of how many trials each held, was broken or was not judged, and where it was broken first."""
+"""The section about properties: in how many trials each held, was broken, or was not judged; and its first break."""
 
 from typing import NamedTuple
 
@@ -13,26 +13,26 @@ from ..wording import UNKNOWN, counted, listed, whole
 HEADING = 'Properties'
 MOST_TOLD = 6
 _NOTE = 'Not judged: the trial has not run, has left no event log, or has never made the statement. The first break ' \
-        'is the first in the order of the plan; instants are simulated. All breaks: trials/*/trial.json.'
+        'is the first in the order of the plan; instants are in simulated time. All breaks are in trials/*/trial.json.'
 
 
 class Break(NamedTuple):
-    """The first that a trial has of a property: when [ns] (None: it has no instant), and what happened, in words."""
+    """The first break of a property in a trial: its instant [ns] (None: it has none), and what happened, in words."""
 
     instant_ns: object
     words: str
 
 
 class Judged(NamedTuple):
-    """What is known of a trial. Keys are (property, node, text), of built-in ones (property, '', '')."""
+    """What a trial says about properties. Keys are (property, node, text); (property, '', '') if it is built in."""
 
-    names: frozenset  # of the built-in ones that were looked at
+    names: frozenset  # the names of the built-in properties by which the trial was judged
     broken: dict  # key: Break
-    statements: dict  # key: what came of it
+    statements: dict  # key: the outcome of the statement
 
 
 def read(told):
-    """Return the Judged of what a trial.json says of properties, None if it says nothing; wrong parts are left out."""
+    """Return the Judged of the 'properties' of a trial.json, or None if there are none. Wrong parts are left out."""
     if not isinstance(told, dict) or not told:
         return None
     broken = {}
@@ -56,14 +56,14 @@ def _rows(value, kind):
 
 
 def _key(name, node, text):
-    """Return the key of a property, or None if there is none of that name."""
+    """Return the key of a property, or None if there is no property of this name."""
     if name in BUILT_IN:
         return name, '', ''
     return (name, str(node), str(text)) if name in KINDS else None
 
 
 class Count(NamedTuple):
-    """Of a property: in how many trials it held and was broken, and where first."""
+    """The numbers of trials in which a property held and in which it was broken, and its first break."""
 
     key: tuple
     held: int
@@ -72,7 +72,7 @@ class Count(NamedTuple):
 
 
 def _known(experiment):
-    """Return (Trial, Judged) of each Trial of which something is known, in the order of the plan."""
+    """Return (Trial, Judged) for each Trial that was judged, in the order of the plan."""
     if 'properties' not in experiment.known:
         found = [(trial, read(trial.properties)) for trial in experiment.trials]
         experiment.known['properties'] = [(trial, judged) for trial, judged in found if judged is not None]
@@ -80,7 +80,7 @@ def _known(experiment):
 
 
 def counts(experiment):
-    """Return the Count of each property that some trial was judged by: the built-in ones, then statements."""
+    """Return the Count of each property by which a trial was judged: the built-in ones, then statements."""
     known = _known(experiment)
     keys = {_key(name, '', ''): None for name in BUILT_IN if any(
         name in judged.names or _key(name, '', '') in judged.broken for _, judged in known)}
@@ -102,16 +102,16 @@ def _has_held(judged, key):
 
 
 def warning(experiment):
-    """Return what a reader must know of broken properties, None if there is none."""
+    """Return the warning about broken properties, or None if none was broken."""
     broken = [f'{_title(each.key)} (in {counted(each.broken, "trials")})' for each in counts(experiment) if each.broken]
     if not broken:
         return None
     more = [f'{whole(len(broken) - MOST_TOLD)} more'] if len(broken) > MOST_TOLD else []
-    return f'What must hold was broken: {listed(broken[:MOST_TOLD] + more)}: see {HEADING}.'
+    return f'Properties were broken: {listed(broken[:MOST_TOLD] + more)}: see {HEADING}.'
 
 
 def section(experiment):
-    """Return the section about properties, or None if no trial was judged."""
+    """Return the section, or None if no trial was judged."""
     found = counts(experiment)
     if not found:
         return None
@@ -122,15 +122,15 @@ def section(experiment):
     parts = []
     if rows:
         rows, note = cut(rows, _NOTE, 'properties.csv')
-        header = ('property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'what')
+        header = ('property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'details')
         parts.append(Table('What must hold', header, rows, note, is_open=True))
     never = [each for each in seen if each[1] == whole(0)]
     if never:
         parts.append(f'Came true in no trial: {listed([each[0] for each in never[:MOST_TOLD]])}'
                      f'{" and others" if len(never) > MOST_TOLD else ""}. No trial tests what depends on it.')
     if seen:
-        seen, note = cut(seen, 'In trials in which the statement was made.', 'properties.csv')
-        header = ('statement', 'came true in', 'did not in')
+        seen, note = cut(seen, 'Only trials in which the statement was made count.', 'properties.csv')
+        header = ('statement', 'came true in', 'did not come true in')
         parts.append(Table('What should come true now and then', header, seen, note, is_open=True))
     return Section(HEADING, tuple(parts))
 

@@ -1,4 +1,4 @@
-"""How far a result can be trusted that used calibrations: the share of goals outside of what they were fitted to."""
+"""How far a result that used calibrations can be trusted: the share of goals outside of what was recorded for them."""
 
 from ..outcome import COMPLETE
 from ..wording import digits, listed, whole
@@ -9,7 +9,7 @@ _WORDS = {'longer': 'were longer than any recorded leg', 'shorter': 'were shorte
 
 
 def _sums(experiment):
-    """Return {quantity: its sum over all robots of all complete trials} of goals and of those that lay outside."""
+    """Return {quantity: sum over all robots of all complete trials} for all goals and for goals outside."""
     sums = {}
     for trial in experiment.trials:
         for quantities in trial.robots.values() if trial.status == COMPLETE else ():
@@ -24,7 +24,7 @@ def _share(count, of):
 
 
 def fact(experiment):
-    """Return the fact (title, value, more) of an experiment in which calibrations were used that say more, or None."""
+    """Return the fact (title, value, note) about goals outside of what was recorded, None if no trial counts them."""
     sums = _sums(experiment)
     begun, beyond = sums.get('goals_begun', 0.0), sums.get('goals_beyond', 0.0)
     if not begun:
@@ -35,7 +35,7 @@ def fact(experiment):
 
 
 def warning(experiment):
-    """Return what a reader must know of goals outside of what was recorded, None where all lay inside."""
+    """Return the warning about goals outside of what was recorded, or None if all goals lay inside."""
     sums = _sums(experiment)
     begun, beyond = sums.get('goals_begun', 0.0), sums.get('goals_beyond', 0.0)
     if not beyond:
