@@ -67,7 +67,7 @@ def read(path: str) -> Replay:
         raise ConfigurationError(f'{path}: is not there') from None
     if content.get('chaos') != FORMAT:
         raise ConfigurationError(f"{path}: is not a file of chaos of format {FORMAT}; got "
-                                 "{shown(content.get('chaos'))}")
+                                 f"{shown(content.get('chaos'))}")
     fields: Dict[str, Any] = {
         'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
         'document': dict, 'happened': list, 'sha256': str}
