@@ -22,7 +22,7 @@ Sees sees();
 bool ordered();
 
 /** @return whether addresses are to be the same in each run: the environment does not ask for
- * random ones, and the program is to take part. Any thread may call it, even before constructors. */
+ * random ones, and the program is to take part. For any thread, before any constructor has run. */
 bool hasOrderedAddresses();
 
 /** @return the launcher's --seed. */
