@@ -1,5 +1,5 @@
-// A heap whose addresses follow only from the order of the calls and the sizes of the blocks. It
-// uses neither ROS nor libc's heap.
+// A heap whose addresses follow only from the order of the calls and the sizes of the blocks.
+// No ROS, and no libc heap below it.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
 
