@@ -1,22 +1,22 @@
-# What a person types. Everything that is built lies under .ws/; `make help` lists the targets.
+# The targets that people use. Everything that is built is below .ws/; `make help` lists the targets.
 SHELL := /bin/bash
 .SHELLFLAGS := -eo pipefail -c
 .DEFAULT_GOAL := help
-# One goal after the other: two that install at the same time would be in each other's way.
+# One goal after the other, because two goals that install packages at the same time would disturb each other.
 .NOTPARALLEL:
 .PHONY: help deps build demo docs test explore lint bench study study-trial experiment picture clean
 .PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
-# Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
+# Debian's own Python, for which ROS was built; PATH may have another python3 first.
 PYTHON := /usr/bin/python3
 BUILD_TYPE ?= RelWithDebInfo
-# ROS Noetic and ROS One lie outside the system's paths (Ubuntu; not tested); Debian's own packages need nothing.
+# ROS Noetic and ROS One (Ubuntu, not tested) are outside of the system's paths. Debian's own packages need no setup.
 ROS_SETUP := $(firstword $(wildcard /opt/ros/noetic/setup.bash /opt/ros/one/setup.bash))
 ENTER_ROS := $(if $(ROS_SETUP),source $(ROS_SETUP) &&)
 ENTER := source '$(WS)/setup.sh' &&
 
-# Neither another workspace nor a running ROS master of the calling shell takes part.
+# No other workspace and no running ROS master of the calling shell are used.
 unexport CMAKE_PREFIX_PATH PYTHONPATH ROS_PACKAGE_PATH ROS_HOSTNAME ROS_NAMESPACE ROS_MASTER_URI
 export ROS_IP := 127.0.0.1
 export ROS_HOME := $(WS)/ros_home
@@ -27,42 +27,42 @@ CSV ?= $(if $(MISSION)$(WORLD),,$(FIELD_DATA))
 # make study STUDY_FIELD=csv:/path/of/readings.csv (or meuse)
 STUDY_FIELD ?= $(if $(FIELD_DATA),csv:$(abspath $(FIELD_DATA)),synthetic)
 
-help:  ## this list
+help:  ## print this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile | expand -t 20
 	@echo
 	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
 	@echo 'A shell in the built environment: source .ws/setup.sh'
 
-deps:  ## install what is missing to build and to run: Debian packages, by apt
+deps:  ## install missing Debian packages to build and run, by apt
 	@tools/install_deps
 
-# What other targets need besides; it comes before `build`, so that all is installed at once.
+# Further packages of other targets. They come before `build`, so that all packages are installed at once.
 deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
 	@tools/install_deps $(patsubst deps-%,%,$@)
 
 build: deps  ## build the catkin package in .ws/
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
 
-demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings, WORLD=warehouse has orders
+demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings, WORLD=warehouse has orders
 	@$(ENTER) rosrun move_base_abstract demo \
 	  $(if $(CLOCK),--clock '$(CLOCK)') $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
 	  $(if $(ROUTES),--routes) $(if $(WORLD),--world '$(WORLD)') $(if $(POLICY),--policy '$(POLICY)') \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
 test: TESTS := tests
-test: deps-test build  ## all tests; ONLY=part_of_a_name for some
+test: deps-test build  ## run all tests; ONLY=part_of_a_name runs some
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
 
-explore: deps-test build  ## property tests with other examples each time, long; EXAMPLES=50000 of each, ONLY=part_of_a_test
+explore: deps-test build  ## run the property tests for long, with other examples each time; EXAMPLES=50000 of each, ONLY=part_of_a_test
 	@$(ENTER) EXAMPLES='$(EXAMPLES)' '$(WS)/venv/bin/python' -m pytest -q -p no:cacheprovider test/unit -m hypothesis \
 	  --hypothesis-profile=explore $(if $(ONLY),-k '$(ONLY)')
 
-lint: deps-lint build  ## ruff and C++ includes with the borders, Python 3.8, catkin_lint, clang-format, shell scripts
+lint: deps-lint build  ## check the sources: ruff, borders between packages, Python 3.8, catkin_lint, clang-format, shell scripts
 	@$(ENTER) tools/lint
 
-bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
+bench: deps-bench deps-test deps-study build  ## run the benchmarks; the results are JSON lines
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target bench_ping_pong bench_rate bench_dense_agent >'$(WS)/build_bench.log' || \
 	  { cat '$(WS)/build_bench.log'; exit 1; }
@@ -73,20 +73,20 @@ bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS) && \
 	  $(PYTHON) bench/world $(BENCH_ARGS) && '$(WS)/venv/bin/python' bench/plain $(BENCH_ARGS)
 
-experiment: deps-experiment build  ## a small experiment and its report in .ws/experiment, resumable; EXPERIMENT=FILE another one
+experiment: deps-experiment build  ## run a small experiment, with a report in .ws/experiment, resumable; EXPERIMENT=FILE runs another one
 	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \
 	  -o '$(WS)/experiment' $(EXPERIMENT_ARGS)
 
-study-trial: deps-study build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
+study-trial: deps-study build  ## run one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
 	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)
 
-study: deps-study build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' options
+study: deps-study build  ## run the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' adds options
 	@$(ENTER) rosrun move_base_abstract study run --field '$(STUDY_FIELD)' --output '$(WS)/study' $(STUDY_ARGS)
 
-picture: deps-picture deps-study build  ## take the pictures of the README: RViz on a screen without a monitor
+picture: deps-picture deps-study build  ## take the pictures of the README, from RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
 
-docs: deps-docs build  ## the documentation site, .ws/docs/html/index.html; a broken link is an error
+docs: deps-docs build  ## build the documentation site, .ws/docs/html/index.html; a broken link is an error
 	@$(ENTER) $(PYTHON) tools/build_docs.py '$(WS)/docs'
 
 clean:  ## remove everything that was built

@@ -2,9 +2,9 @@
 
 usage: build_docs.py OUTPUT    (in the built environment: source .ws/setup.sh)
 
-The pages stay where they are, and readable as they are. What is generated comes of the sources (public names and their
-docstrings, messages) and of runs that are made now (replays, reports). A warning is an error: a link to a page or a
-heading that is not there, a docstring that cannot be read; so is a link within the finished site that leads nowhere.
+The pages of the repository do not change. Other pages are generated from the sources (public names, their docstrings,
+messages) and from runs that are made now (replays, reports). Warnings are errors: a link to a page or heading that does
+not exist, or a docstring that cannot be read. A broken link within the finished site is an error, too.
 """
 import shutil
 import subprocess
@@ -25,7 +25,7 @@ def main(words):
     output = Path(words[0]).resolve()
     source = output / 'source'
     if source.exists():
-        shutil.rmtree(source)  # made here, by an earlier run
+        shutil.rmtree(source)  # from an earlier run of this program
     staging.stage(ROOT, STAGED, source)
     _write(source / 'docs' / 'reference_interfaces.md', reference.interfaces())
     _write(source / 'docs' / 'reference_python.md', reference.python())
@@ -39,7 +39,7 @@ def main(words):
                str(output / 'doctrees'), str(source), str(html)]
     code = subprocess.run(command, check=False).returncode
     lost = links.lost(html) if code == 0 else []
-    print(*['docs: {}: {} leads nowhere'.format(*one) for one in lost], sep='\n', end='\n' if lost else '')
+    print(*['docs: {}: {} is a broken link'.format(*one) for one in lost], sep='\n', end='\n' if lost else '')
     print('docs: there are errors, see above' if code or lost else 'the site: {}'.format(html / 'index.html'))
     return code or int(bool(lost))
 

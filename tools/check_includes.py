@@ -1,10 +1,10 @@
-"""Check what the C++ files include against their folders' borders (docs/architecture.md); exit 1 if one is crossed.
+"""Check the includes of C++ files against the borders of their folders (docs/architecture.md).
 
-usage: check_includes.py    (in any folder)
+usage: check_includes.py    (in any folder; exit code 1 if a file includes a header that it must not include)
 
-A pure folder may include its own headers and those of the C++ standard library that know no threads, files and clocks.
-For its sources the compiler is asked too, which sees what comes in by way of others: on Debian, ROS's headers lie where
-those of the system do, so that any file could include them unnoticed.
+A pure folder may include its own headers, and those of the C++ standard library without threads, files and clocks. Its
+sources are also checked with the compiler, which finds indirect includes. On Debian, ROS's headers are in the folder of
+the system's headers, so any file could include them unnoticed.
 """
 import re
 import subprocess
@@ -21,7 +21,7 @@ PURE = frozenset((
     'numeric', 'optional', 'set', 'sstream', 'stdexcept', 'string', 'string_view', 'tuple', 'type_traits',
     'unordered_map', 'unordered_set', 'utility', 'variant', 'vector'))
 
-#: folder: (what else than its own headers it may include of ours, whether it is pure)
+#: {folder: (our other headers that it may include, whether it is pure)}
 ROOMS = {
     'src/clock': ((), True),
     'src/lockstep/wire': (('clock/',), True),
@@ -51,11 +51,11 @@ ROOMS = {
     'include/move_base_abstract': ((), False),
 }
 
-#: headers that the build makes, and of what: (maker, table)
+#: headers that the build makes: {header: (program that makes it, table)}
 MADE = {'lockstep/wire/wire_format.h': ('src/lockstep/wire/make_wire_format.py',
                                         'src/move_base_abstract/lockstep/wire_format.py')}
 
-#: where the compiler's and libc's own headers lie, below /usr/include or such
+#: headers of the compiler and libc, below /usr/include
 _LIBC = re.compile(r'(?:[\w.-]+-linux-gnu[\w.-]*/)?(?:[\w.-]+\.h|(?:bits|sys|gnu|asm|asm-generic|linux)/.+)$')
 _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 _NO_ROS = re.compile(r'\A(?://[^\n]*\n)*//[^\n]*\bNo ROS\b')
@@ -63,7 +63,7 @@ _ROS = re.compile(r'(?:ros|rosgraph_msgs|std_msgs|std_srvs|xmlrpcpp|move_base_ab
 
 
 def crossings(root, room):
-    """Return one line per #include below root/room that its border forbids."""
+    """Return a line for each #include below root/room that its border forbids."""
     others, is_pure = ROOMS[room]
     found = []
     for path in sorted((root / room).glob('*.*')):
@@ -83,7 +83,7 @@ def crossings(root, room):
 
 
 def comes_in(root, room):
-    """Return one line per header that the compiler reads for a pure folder and that is none of the system's own."""
+    """Return a line for each header that the compiler reads for a pure folder and that is none of the system's."""
     found = []
     with tempfile.TemporaryDirectory() as made:
         for name, (maker, table) in MADE.items():
@@ -112,7 +112,7 @@ def _is_allowed(root, room, name, made):
 
 
 def main():
-    """Check all rooms."""
+    """Check all folders; return the exit code."""
     found = []
     for room, (_, is_pure) in ROOMS.items():
         found += crossings(ROOT, room) + (comes_in(ROOT, room) if is_pure else [])

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Tell which names of our own modules are used, in the product, its tests or benchmarks, and do not exist.
+"""Find names of our own modules that are used in the product, its tests or benchmarks, but do not exist.
 
-usage: check_names.py FOLDER...    (files below them are read; src/ is where our modules are)
+usage: check_names.py FOLDER...    (reads all files below the folders; our modules are in src/)
 
-Needs neither ROS nor any import: a name exists where its module binds it at the top level. Programs that a file holds
-as texts, as tests do for the processes they start, are read as the files are.
+It needs neither ROS nor imports: a name exists if its module binds it at the top level. Programs in texts of a file are
+read in the same way, as tests have them for the processes that they start.
 """
 import ast
 import pathlib
@@ -17,7 +17,7 @@ GENERATED = ('cfg', 'msg', 'srv')  # catkin makes these modules
 
 
 def bound_names(tree):
-    """Return the names that a module binds at its top level, below if, try and with too, and those of its __all__."""
+    """Return the names that a module binds at its top level, also below if, try and with, and those of ``__all__``."""
     names, waiting = set(), list(tree.body)
     while waiting:
         node = waiting.pop()
@@ -31,20 +31,20 @@ def bound_names(tree):
             stored = [child.id for child in ast.walk(node)
                       if isinstance(child, ast.Name) and isinstance(child.ctx, ast.Store)]
             names.update(stored)
-            if stored == ['__all__'] and isinstance(node.value, ast.List):  # it may import them when they are asked for
+            if stored == ['__all__'] and isinstance(node.value, ast.List):  # it may import them when they are used
                 names.update(one.value for one in node.value.elts)
     return names | {'__name__', '__file__', '__doc__'}
 
 
 def handed_on(tree):
-    """Return the names of its modules that a package hands on, as move_base_abstract.common.handed_on does it."""
+    """Return the names of its modules that a package exports by move_base_abstract.common.handed_on."""
     return {name for node in tree.body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
             and getattr(node.value.func, 'id', '') == 'handed_on'
             for names in node.value.args[1].values for name in names.value.split()}
 
 
 def our_modules():
-    """Return the top-level names of each of our modules, and of each package the modules in it, by dotted name."""
+    """Return {dotted name: names} of our modules and packages: their top-level names, and the modules of a package."""
     modules = {}
     for path in sorted(SOURCE.rglob('*.py')):
         parts = path.relative_to(SOURCE).with_suffix('').parts
@@ -57,13 +57,13 @@ def our_modules():
 
 
 def is_ours(module, modules):
-    """Tell whether a module is one that lies in src/, or would if it existed."""
+    """Return whether a module is in src/, or would be there if it existed."""
     parts = module.split('.')
     return parts[0] in modules and parts[-1] not in GENERATED
 
 
 def missing_names(tree, modules):
-    """Yield (line, module, name) of every name of ``modules`` that ``tree`` imports or looks up in vain."""
+    """Yield (line, module, name) of every name that ``tree`` uses from one of ``modules``, but that does not exist."""
     here = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level == 0 and is_ours(node.module, modules):
@@ -79,7 +79,7 @@ def missing_names(tree, modules):
 
 
 def programs(tree):
-    """Yield the first line and the tree of each text in ``tree`` that is a program with imports of ours."""
+    """Yield (first line, tree) of each text in ``tree`` that is a program with imports of our modules."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and IMPORT.search(node.value):
             try:
@@ -89,7 +89,7 @@ def programs(tree):
 
 
 def main():
-    """Check all files below the folders named; the exit status is 1 if a name is missing."""
+    """Check all files below the folders of the command line; return the exit code, 1 if a name is missing."""
     modules, bad = our_modules(), False
     for folder in sys.argv[1:]:
         for path in sorted(pathlib.Path(folder).rglob('*.py')):

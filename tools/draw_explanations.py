@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Draw docs/images/round.svg, windows.svg and rooms.svg: how a round works, what windows are, what is made of what.
+"""Draw docs/images/round.svg, windows.svg and rooms.svg: a round, windows, and the layers of the package.
 
 usage: tools/draw_explanations.py
 
-The drawings are narrow, so that they can be read at 400 px. Their colours are variables: of the page where they stand
-in one, else light or dark as the reader has it. A unit test holds the files to this program.
+The drawings are narrow, so that they can be read at 400 px. Their colours are variables. Within a page they are those
+of the page, otherwise light or dark as the reader's system says. A unit test compares the files with this program.
 """
 import html
 from pathlib import Path
@@ -40,7 +40,7 @@ class Drawing:
         self._title, self._height, self._lines = title, height, []
 
     def text(self, x, y, words, kind=''):
-        """Write words; kinds: b(old), s(oft), m(iddle), h: over lines."""
+        """Write words; letters of kind: b(old), s(oft), m(iddle), h (a halo, for words over lines)."""
         self._lines.append(f'<text x="{x}" y="{y}" class="{kind}">{html.escape(words)}</text>')
 
     def box(self, x, y, width, height, kind='box', words=(), text_kind='m'):
@@ -74,7 +74,7 @@ class Drawing:
 
 
 def a_round():
-    """Draw two nodes and the time master through an instant with three rounds, and the leap behind it."""
+    """Draw two nodes and the time master in an instant with three rounds, and the leap after it."""
     drawing = Drawing('How a round works: grants, reports, and the leap to the next instant', 596)
     master, fleet, coordinator = 62, 190, 318
     for x, words in ((master, 'time master'), (fleet, 'robots'), (coordinator, 'your node')):
@@ -103,7 +103,7 @@ def a_round():
 
 
 def windows():
-    """Draw three nodes that work at once within windows, and a message that arrives one lookahead later."""
+    """Draw three nodes that work at the same time within windows, and messages that arrive one lookahead later."""
     drawing = Drawing('Windows: all nodes work at once, messages arrive one lookahead later', 330)
     left, width = 76, 92
     for count in range(4):
@@ -130,7 +130,7 @@ def windows():
 
 
 def rooms():
-    """Draw what the package is made of, each layer upon what it may use."""
+    """Draw the layers of the package; each layer is above the layers that it may use."""
     drawing = Drawing('The rooms of the package: each knows only what lies below it', 470)
     drawing.text(4, 18, 'yours', 's')
     drawing.box(2, 26, 184, 46, 'warm', ('your nodes', 'rospy, roscpp, any'))

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Draw maps/farm_yard.png anew, the map that ships with the package: the same bytes each time.
+"""Draw maps/farm_yard.png again, the map that ships with the package, with the same bytes each time.
 
 usage: tools/draw_farm_yard.py [OUTPUT.png]
 
-60 m x 40 m at 0.1 m, lower left corner at (0, 0). Four blocks of buildings between streets that are free:
-east-west at y = 4, 20 and 36 m, north-south at x = 4, 30 and 56 m; so every straight leg along a street is free.
+The map is 60 m x 40 m in cells of 0.1 m, with its lower left corner at (0, 0). It has four blocks of buildings between
+free streets: east-west at y = 4, 20 and 36 m, north-south at x = 4, 30 and 56 m. So every straight leg along a street
+is free.
 """
 from output_file import output_file
 from PIL import Image, ImageDraw
@@ -31,7 +32,7 @@ class Plan:
         self._draw.rectangle(self._corners(x0, y0, x1, y1), fill=shade)
 
     def house(self, x0, y0, x1, y1):
-        """Walls around an inside that no sensor has seen."""
+        """Draw walls around an unknown inside."""
         self.block(x0, y0, x1, y1)
         self.block(x0 + WALL, y0 + WALL, x1 - WALL, y1 - WALL, UNKNOWN)
 

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Draw maps/field.png anew, the map of the demo's field: the same bytes each time.
+"""Draw maps/field.png again, the map of the demo's field, with the same bytes each time.
 
 usage: tools/draw_field.py [OUTPUT.png]
 
-A field of 330 m x 240 m, lower left corner at (0, 0), free everywhere, and a hedge around it, 5 m away.
+The field is 330 m x 240 m and free, with its lower left corner at (0, 0) and a hedge around it, 5 m away.
 """
 from output_file import output_file
 from PIL import Image, ImageDraw

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Draw the moving picture of the README: five robots go around buildings, and wait where a crossing is full.
+"""Draw the moving picture of the README: five robots go around buildings, and wait while a crossing is full.
 
-usage: tools/draw_moving_picture.py [OUTPUT.gif]     (without a name: docs/images/run.gif), in the built environment
+usage: tools/draw_moving_picture.py [OUTPUT.gif]     (default: docs/images/run.gif), in the built environment
 """
 from output_file import output_file
 from PIL import Image, ImageDraw
@@ -15,13 +15,13 @@ from move_base_abstract_ros.nodes.demo_run.nodes import robot_settings, shipped
 COLOURS = ('#d62728', '#1f77b4', '#2ca02c', '#9467bd', '#ff7f0e')
 ZONE = (26.0, 16.0, 34.0, 24.0)  # m: the crossing in the middle, with room for one robot
 SECONDS, FRAMES_PER_SECOND = 90, 2  # of simulated time
-FRAME_MS = 50  # on the screen: ten times real time
+FRAME_MS = 50  # on the screen, which is ten times real time
 RADIUS = 0.8  # m
-METRE = 10  # pixels, as the map has them
+METRE = 10  # pixels, as in the map
 
 
 def begun():
-    """Return a fleet that has begun with the mission, and the picture of its map."""
+    """Return a fleet that has begun the mission, and the picture of its map."""
     plan = mission.read_mission(shipped('config', 'demo_routes_mission.yaml'))
     description = read_description(shipped('maps', 'farm_yard.yaml'))
     robots = [{'name': robot.name, 'start_x': robot.start.x, 'start_y': robot.start.y} for robot in plan.robots]

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Draw the picture of docs/routes.md: the ways of `make demo ROUTES=1`, as the plain Python fleet goes them.
+"""Draw the picture of docs/routes.md: the ways of `make demo ROUTES=1`, computed with the fleet in plain Python.
 
-usage: tools/draw_routes.py [OUTPUT.png]     (without a name: docs/images/routes.png), in the built environment
+usage: tools/draw_routes.py [OUTPUT.png]     (default: docs/images/routes.png), in the built environment
 """
 import math
 import os
@@ -15,7 +15,7 @@ from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.nodes.demo_run.nodes import robot_settings, shipped
 
-PIXELS = 2  # of the picture for each of the map's; drawn at twice that and made smaller, so that lines are smooth
+PIXELS = 2  # of the picture for each pixel of the map; drawn at twice that and scaled down, for smooth lines
 SMOOTH = 2
 COLOURS = ('#d62728', '#1f77b4', '#2ca02c', '#9467bd', '#ff7f0e')
 RADIUS = 0.6  # m, of the discs where robots start
@@ -54,7 +54,7 @@ def draw():
     image = yard.resize([side * PIXELS * SMOOTH for side in yard.size], Image.NEAREST).convert('RGB')
     pen = ImageDraw.Draw(image)
     for number, (colour, way) in enumerate(zip(COLOURS, points.values())):
-        shift = (number - 2) * 0.18  # m: side by side where robots share a street
+        shift = (number - 2) * 0.18  # m: ways are side by side if robots share a street
         places = [((x + shift) * scale, image.height - (y + shift) * scale) for x, y in way]
         pen.line(places, fill=colour, width=round(0.2 * scale), joint='curve')
         radius = RADIUS * scale

@@ -1,8 +1,8 @@
-"""Name the Python and C++ files of more than 400 lines, functions of more than 40, lines of more than 120 characters.
+"""Find Python and C++ files of more than 400 lines, functions of more than 40, C++ lines of more than 120 characters.
 
-usage: long_pieces.py FILE_OR_FOLDER...    (exit 1 if there are any; ruff looks at the length of Python's lines)
+usage: long_pieces.py FILE_OR_FOLDER...    (exit code 1 if there are any; ruff checks the length of Python lines)
 
-C++ is read as far as clang-format has brought it into its form: what stands before a brace tells what the brace opens.
+C++ files must be in clang-format's form: the text before a brace then shows what the brace opens.
 """
 import ast
 import re
@@ -14,7 +14,7 @@ FUNCTION_LINES = 40
 LINE_CHARACTERS = 120
 
 _CPP = ('.cpp', '.h')
-#: comments, texts and characters, directives: what may contain braces that open nothing
+#: comments, texts, characters and directives, which may contain braces that open nothing
 _HIDDEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.[^\'\n]*|[^\'\\\n])\''
                      r'|^[ \t]*#(?:\\\n|[^\n])*', re.DOTALL | re.MULTILINE)
 _NO_FUNCTION = re.compile(r'\s*(?:\w+\s+)*(?:namespace|class|struct|union|enum|extern)\b|.*=\s*$', re.DOTALL)
@@ -22,7 +22,7 @@ _NAME = re.compile(r'([~\w:]+|operator\s*\S+)\s*\(')
 
 
 def complaints(path):
-    """Return one line per piece of a file that is too long."""
+    """Yield a line for each part of a file that is too long."""
     text = path.read_text(encoding='utf-8')
     lines = text.count('\n')
     if lines > FILE_LINES:
@@ -37,16 +37,16 @@ def complaints(path):
 
 
 def python_functions(text):
-    """Return (line, name, lines) of each function."""
+    """Yield (line, name, number of lines) of each function."""
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             yield node.lineno, node.name, node.end_lineno - node.lineno + 1
 
 
 def cpp_functions(text):
-    """Return (line, name, lines) of each function that is not inside another."""
+    """Yield (line, name, number of lines) of each function that is not inside another one."""
     text = _HIDDEN.sub(_blank, text)
-    at = begin = 0  # of what may be the head of a function
+    at = begin = 0  # position, and begin of a possible head of a function
     while at < len(text):
         letter = text[at]
         if letter in ';}' or letter == ':' and re.search(r'\b(?:public|private|protected)\s*$', text[begin:at]):
@@ -70,7 +70,7 @@ def _blank(match):
 
 
 def _opens_list(head):
-    """Whether the brace begins a value: of a member that a constructor initialises, or of a variable."""
+    """Return whether the brace begins a value: of a member that a constructor initialises, or of a variable."""
     return bool(re.search(r'\)\s*:.*[\w>]$', head, re.DOTALL)) or bool(re.search(r'[\w\]>]$', head)) and '(' not in head
 
 
@@ -89,7 +89,7 @@ def _name(head):
 
 
 def main():
-    """Check the files and folders of the command line."""
+    """Check the files and folders of the command line; return the exit code."""
     found = []
     for name in map(Path, sys.argv[1:]):
         for path in sorted(name.rglob('*')) if name.is_dir() else [name]:

@@ -1,4 +1,4 @@
-"""Where a tool draws to: the file of this repository that it is for, or a new one that the command line names."""
+"""The output file of a tool: its file in this repository, or a new one that the command line names."""
 import os
 import sys
 from pathlib import Path
@@ -7,9 +7,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def output_file(own, usage):
-    """Return the path that the command line names, or that of the repository's ``own`` file; exits with an error.
+    """Return the path on the command line, or by default that of the repository's ``own`` file.
 
-    What is there already by another name was not made for this, and stays.
+    An existing file, other than ``own``, is never replaced. Wrong arguments end the program with ``usage``.
     """
     if len(sys.argv) > 2:
         sys.exit(usage)
@@ -17,5 +17,5 @@ def output_file(own, usage):
         return ROOT / own
     path = Path(sys.argv[1])
     if os.path.lexists(path) and not (path.resolve() == ROOT / own and not path.is_symlink()):
-        sys.exit(f'{path}: is there already and is not replaced; name a new file')
+        sys.exit(f'{path}: exists already and is not replaced; name a new file')
     return path

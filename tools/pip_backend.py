@@ -1,4 +1,4 @@
-"""What pip builds the package with (PEP 517): setuptools, told that it is pip who asks and not catkin. See setup.py."""
+"""The build backend of pip (PEP 517): setuptools, with a variable that tells setup.py that pip calls, not catkin."""
 import os
 
 os.environ['MOVE_BASE_ABSTRACT_FOR_PIP'] = '1'

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Take the picture of the README: five robots on the map that ships with the package, as RViz shows them.
+"""Take the picture of the README: RViz with five robots on the map that ships with the package.
 
-usage: tools/take_picture.py [OUTPUT.png]     (without a name: docs/images/rviz.png)
+usage: tools/take_picture.py [OUTPUT.png]     (default: docs/images/rviz.png)
 
 Everything runs on a ROS master of its own on 127.0.0.1 and on a screen without a monitor (Xvfb) with OpenGL in
-software. Simulated time stands still while the picture is taken. WAIT [s, wall] ends what does not come.
+software. Simulated time stands still while the picture is taken. No wait is longer than WAIT [s, wall].
 """
 import io
 import math
@@ -27,7 +27,7 @@ from move_base_abstract_ros.time_master_client import TimeMasterClient
 
 WAIT = 60.0
 SCREEN = (1400, 860)  # as large as the window in rviz/simulator.rviz
-COLOURED_PIXELS = 2000  # at least so many belong to robots when RViz has drawn them
+COLOURED_PIXELS = 2000  # fewest pixels of the robots, when RViz has drawn them
 COLOURS = 256  # of the picture's palette, which keeps the file small
 ARRIVAL, UNTIL = 11.0, 6.0  # s, simulated: from the goals to the first task, and from there to the picture
 SETTINGS = {'max_speed': 2.0, 'marker_size': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.6,
@@ -64,7 +64,7 @@ def main():
 
 
 class Screen:
-    """An Xvfb on a display number that it chooses itself; this process and those that it starts use it."""
+    """An Xvfb on a display number that it chooses itself; this process and its children use it."""
 
     def __init__(self):
         command = ['Xvfb', '-displayfd', '1', '-nolisten', 'tcp', '-screen', '0', '{}x{}x24'.format(*SCREEN)]
@@ -81,7 +81,7 @@ class Screen:
 
 
 def start(ros):
-    """Start time, map, robots and RViz; RViz keeps its own files among the logs of this run."""
+    """Start time master, map, robots and RViz, whose own files go to the logs of this run."""
     package = rospkg.RosPack().get_path(PACKAGE)
     ros.run('time_master', 'time_master', parameters={'factor': 4.0, 'start_paused': False})
     ros.run('map_server', 'map_server', arguments=[os.path.join(package, 'maps', 'farm_yard.yaml')])
@@ -96,7 +96,7 @@ def start(ros):
 
 
 def send_goals(clock):
-    """Give every robot its goal at one instant and one of them a task, and let time stop when they are on their way."""
+    """Send every robot its goal at one instant, and one of them a task; stop time when they are on their way."""
     worker = SimpleActionClient(f'/{WORKER}/work', PlaceTaskAction)
     clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ROBOTS}
     for name, client in [*clients.items(), (WORKER, worker)]:
@@ -121,7 +121,7 @@ def send_goals(clock):
 
 
 def shoot(ros, output, topics=('/move_base_abstract/markers', '/map')):
-    """Write the screen to ``output`` when RViz listens to ``topics``, has drawn them and nothing moves any more."""
+    """Write the screen to ``output`` when RViz has subscribed to ``topics``, has drawn them, and nothing moves."""
     for topic in topics:
         wait_for_subscriber(topic, '/rviz')
     deadline = time.monotonic() + WAIT
@@ -137,13 +137,13 @@ def shoot(ros, output, topics=('/move_base_abstract/markers', '/map')):
 
 
 def screenshot():
-    """Return what the screen shows."""
+    """Return a picture of the screen."""
     done = subprocess.run(['import', '-window', 'root', 'png:-'], stdout=subprocess.PIPE, check=True)
     return Image.open(io.BytesIO(done.stdout)).convert('RGB')
 
 
 def coloured_pixels(image):
-    """Return how many pixels are neither grey nor pale."""
+    """Return the number of pixels that are neither grey nor pale."""
     _, saturation, _ = image.convert('HSV').split()
     return sum(saturation.histogram()[200:])
 

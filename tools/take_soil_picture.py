@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Take the README's picture of the soil study: prediction and variance, robots, samples and tasks, as RViz shows them.
+"""Take the README's picture of the soil study: RViz with prediction, variance, robots, samples and tasks.
 
-usage: tools/take_soil_picture.py [OUTPUT.png]     (without a name: docs/images/soil_mapping.png)
+usage: tools/take_soil_picture.py [OUTPUT.png]     (default: docs/images/soil_mapping.png)
 
-As take_picture.py: on a ROS master and a screen of its own. The mission runs in lockstep to UNTIL and stands still.
+Like take_picture.py it uses a ROS master and a screen of its own. The mission runs in lockstep to UNTIL, then stands
+still.
 """
 import os
 
@@ -16,7 +17,7 @@ from output_file import output_file
 from move_base_abstract_ros.loopback import PACKAGE, Loopback
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 
-UNTIL = 230.0  # s, simulated: when the picture is taken
+UNTIL = 230.0  # s, simulated: the instant of the picture
 
 
 def main():
@@ -38,7 +39,7 @@ def main():
 
 
 def start(ros):
-    """Start the study as its launch file does, and RViz."""
+    """Start the study with its launch file, and RViz."""
     package = rospkg.RosPack().get_path(PACKAGE)
     launch = os.path.join(package, 'launch', 'soil_mapping.launch')
     quickly = ['--sigint-timeout', '1', '--sigterm-timeout', '1']  # so that no node outlives its roslaunch

@@ -1,6 +1,6 @@
-"""Read the JUnit XML files of a test run and say what passed and what failed.
+"""Read the JUnit XML files of a test run, and print which tests failed and how many passed.
 
-usage: test_summary.py RESULTS_FOLDER    (exit 1: something failed, or nothing was tested)
+usage: test_summary.py RESULTS_FOLDER    (exit code 1 if a test failed, or none passed)
 """
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -14,7 +14,7 @@ PASSED, FAILED, SKIPPED = 'passed', 'failed', 'skipped'
 
 @dataclass(frozen=True)
 class Case:
-    """One test: where it stands, how it ended, and its text if it did not pass."""
+    """One test: its name, its outcome, and its text if it failed."""
 
     name: str
     outcome: str
@@ -22,7 +22,7 @@ class Case:
 
 
 def read_cases(folder):
-    """Return the cases of all result files below a folder, in file order."""
+    """Return the cases of all result files below a folder, in the order of the files."""
     cases = []
     for path in sorted(Path(folder).rglob('*.xml')):
         step = path.relative_to(folder).parts[0]
@@ -38,15 +38,15 @@ def _read_file(path):
         return [Case(path.stem, FAILED, text)]
     cases = [_read_case(element) for element in root.iter('testcase')]
     if path.name.startswith('rostest-'):
-        # rostest's own file repeats each test file as one case. Its passes say nothing new; its
-        # failures say that a test file timed out or died, which no other file does.
+        # rostest's own file repeats each test file as one case. Only its failures are needed: no
+        # other file says that a test file timed out or died.
         tail = log_tail(path.parent.parent)
         return [replace(case, text=f'{case.text}\n{tail}') for case in cases if case.outcome == FAILED]
     return cases or [Case(path.stem, FAILED, f'{path} holds no test')]
 
 
 def log_tail(folder):
-    """Return the last lines of what a step printed, '' if it left no log in its folder."""
+    """Return the last lines that a step printed; '' if there is no log in its folder."""
     path = Path(folder) / LOG_NAME
     return '\n'.join(path.read_text(errors='replace').splitlines()[-LOG_TAIL_LINES:]) if path.exists() else ''
 

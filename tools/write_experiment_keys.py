@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Write the table of keys into docs/experiments.md: each option of an experiment's file, as the code has it.
+"""Write the table of keys into docs/experiments.md: each option of an experiment's file, from the code.
 
-usage: tools/write_experiment_keys.py [OUTPUT.md]     (without a name: docs/experiments.md)
+usage: tools/write_experiment_keys.py [OUTPUT.md]     (default: docs/experiments.md)
 
-A unit test holds the page to the code: who adds an option runs this, and tools/write_schema.py.
+A unit test compares the page with the code. If you add an option, run this and tools/write_schema.py.
 """
 import dataclasses
 import os
@@ -24,7 +24,7 @@ TABLE = re.compile(re.escape(HEAD) + r'(\|.*\n)*')
 
 
 def rows(cls, above=''):
-    """Yield the rows of a dataclass's options, those within an option after it."""
+    """Yield the rows of a dataclass's options; the options within an option follow it."""
     for key, one in kinds.options_of(cls).items():
         default = '' if one.default is None else str(one.default).lower() if isinstance(one.default, bool) else (
             f'`{one.default}`' if isinstance(one.default, (list, dict)) else one.default)
@@ -35,11 +35,11 @@ def rows(cls, above=''):
 
 
 def make_page():
-    """Return the page's text with the table anew."""
+    """Return the page's text with a new table."""
     with open(PAGE, encoding='utf-8') as stream:
         page, count = TABLE.subn(lambda _: HEAD + ''.join(rows(Experiment)), stream.read())
     if count != 1:
-        raise SystemExit(f'{PAGE}: wanted is one table that begins with {HEAD!r}, there are {count}')
+        raise SystemExit(f'{PAGE}: must have one table that begins with {HEAD!r}, got {count}')
     return page
 
 

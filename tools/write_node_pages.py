@@ -3,9 +3,9 @@
 
 usage: tools/write_node_pages.py
 
-Parameters come from the tables that the nodes check against; topics, services and actions from
-docs/nodes/interfaces.yaml, which a rostest holds to the nodes. A table within a page stands between
-`<!-- parameters: NAME -->` and `<!-- end -->`. A unit test holds the pages to this program.
+Parameters come from the tables by which the nodes check them. Topics, services and actions come from
+docs/nodes/interfaces.yaml, which a rostest compares with the nodes. A table within a page is between
+`<!-- parameters: NAME -->` and `<!-- end -->`. A unit test compares the pages with the output of this program.
 """
 import ast
 import re
@@ -65,7 +65,7 @@ def kind_of(parameter):
 
 
 def shown(value):
-    """Return a default as YAML would have it."""
+    """Return a default as YAML text."""
     if value in (None, '') or value == ():
         return ''
     if isinstance(value, (tuple, list)):
@@ -87,7 +87,7 @@ def table(parameters):
     """Return the lines of a table of Parameters."""
     lost = [parameter.name for parameter in parameters if not parameter.what.endswith('.')]
     if lost:
-        raise SystemExit(f'{lost[0]}: its Parameter has no sentence that says what it is for')
+        raise SystemExit(f'{lost[0]}: its Parameter has no sentence that describes it')
     return [*HEAD, *map(row, parameters)]
 
 
@@ -143,14 +143,14 @@ def page(node, described):
 
 
 def filled(text):
-    """Return a page's text with its tables of parameters made anew."""
+    """Return a page's text with new tables of parameters."""
     def fill(match):
         return '\n'.join([match.group(1), *table(WITHIN[match.group(2)]), match.group(3)])
     return re.sub(r'(<!-- parameters: (\w+) -->)\n.*?(<!-- end -->)', fill, text, flags=re.DOTALL)
 
 
 def pages():
-    """Return {path: text} of all pages that this program writes, or writes into."""
+    """Return {path: text} of all pages that this program writes, whole or in part."""
     interfaces = yaml.safe_load((NODES / 'interfaces.yaml').read_text(encoding='utf-8'))
     made = {NODES / (node + '.md'): page(node, described) for node, described in interfaces.items()}
     for path in sorted(DOCS.glob('*.md')):

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Write docs/scenario_keys.md: each key of a scenario file, as the tables of the code have it.
+"""Write docs/scenario_keys.md: each key of a scenario file, from the tables of the code.
 
-usage: tools/write_scenario_keys.py [OUTPUT.md]     (without a name: docs/scenario_keys.md)
+usage: tools/write_scenario_keys.py [OUTPUT.md]     (default: docs/scenario_keys.md)
 
-A unit test holds the page to the tables: who adds a key runs this, once a page of the docs has a row for it.
+A unit test compares the page with the tables. If you add a key, add a row for it to a page of the docs, then run this.
 """
 import os
 import re
@@ -30,7 +30,7 @@ positions and headings are in the global frame. The last column leads to the pag
 This page is written by `tools/write_scenario_keys.py`; a test holds it to the code.
 """
 UNIT = re.compile(r' \[([^\[\]_]*)\]')
-#: texts of keys that no table of the code has
+#: {key: (default, allowed)} of keys that no table of the code has
 TEXTS = {
     'defaults': ('', 'a mapping of settings of every robot'), 'robots': ('', 'a list of robots'),
     'zones': ('', 'a list of zones'), 'places': ('', 'a list of places'), 'arrivals': ('', 'a list of arrivals'),
@@ -46,7 +46,7 @@ TEXTS = {
 
 
 def row(parameter, page):
-    """Return the row of a Parameter, of which ``page`` tells."""
+    """Return the row of a Parameter that ``page`` describes."""
     units = UNIT.findall(parameter.allowed)
     return '| `{}` | {} | {} | {} | [{}]({}) |'.format(
         parameter.name, units[-1] if units else '', shown(parameter.default), UNIT.sub('', parameter.allowed),
@@ -54,7 +54,7 @@ def row(parameter, page):
 
 
 def shown(value):
-    """Return a default as YAML would have it."""
+    """Return a default as YAML text."""
     if value is None or value == ():
         return ''
     if isinstance(value, tuple):
@@ -65,16 +65,16 @@ def shown(value):
 
 
 def as_parameters(names, known):
-    """Return the Parameters of ``names``: those of ``known``, or of TEXTS."""
+    """Return the Parameters with these ``names``, from ``known`` or from TEXTS."""
     found = {parameter.name: parameter for parameter in known}
     lost = [name for name in names if name not in found and name not in TEXTS]
     if lost:
-        raise SystemExit('{}: no table of the code is known to have this key: add it to TEXTS'.format(lost[0]))
+        raise SystemExit('{}: no known table of the code has this key: add it to TEXTS'.format(lost[0]))
     return [found.get(name) or Parameter(name, TEXTS[name][0], None, TEXTS[name][1]) for name in names]
 
 
 def sections():
-    """Return [(heading, Parameters, pages to look into first)]."""
+    """Return [(heading, Parameters, pages that are searched first)]."""
     of_robot = robot_table.TABLE + robot_table.LIMITS
     return [
         ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, *rules.TABLE, scenario._ENCOUNTERS]),
@@ -95,7 +95,7 @@ def sections():
 
 
 def page_of(key, first):
-    """Return the page of the docs in which a table has a row for the key: of the ``first`` ones, else any."""
+    """Return the page of the docs with a table that has a row for the key; the ``first`` pages are searched first."""
     names = [*sorted(name for name in os.listdir(DOCS) if name.endswith('.md') and name != PAGE),
              'nodes/fleet.md', 'nodes/task_source.md']
     pattern = re.compile(r'^\|[^|]*`~?{}`[^|]*\|'.format(re.escape(key)), re.MULTILINE)
@@ -103,7 +103,7 @@ def page_of(key, first):
         with open(os.path.join(DOCS, name), encoding='utf-8') as stream:
             if pattern.search(stream.read()):
                 return name
-    raise SystemExit('{}: no page of docs/ has a row for this key: say there what it does, first'.format(key))
+    raise SystemExit('{}: no page of docs/ has a row for this key: describe it there first'.format(key))
 
 
 def make_page():

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Write the schemas in config/: what scenario and experiment files may hold, for editors that complete and check YAML.
+"""Write the schemas of scenario and experiment files in config/, for editors that complete and check YAML.
 
 usage: tools/write_schema.py
 
-They are made of the tables of the code, as docs/scenario_keys.md is; unit tests hold them to these.
+They are made from the tables of the code, like docs/scenario_keys.md. Unit tests compare them with the tables.
 """
 import json
 import os
@@ -20,7 +20,7 @@ EXPERIMENT_FILE = os.path.join('config', 'experiment.schema.json')
 
 
 def of_parameter(parameter):
-    """Return the schema of a Parameter: what it takes, in words, and by kind where the code knows it."""
+    """Return the schema of a Parameter: the allowed values in words, and their type if the code knows it."""
     schema = {'description': parameter.allowed, **SCHEMAS.get(parameter.convert, {})}
     if isinstance(parameter.default, (bool, int, float)) or parameter.default and isinstance(parameter.default, str):
         schema['default'] = parameter.default
@@ -35,7 +35,7 @@ def of_table(parameters, required=()):
 
 
 def make_schema():
-    """Return the schema, a mapping."""
+    """Return the schema of a scenario, a mapping."""
     tables = {heading.split(':')[0]: parameters for heading, parameters, _ in write_scenario_keys.sections()}
     settings = of_table(tables['Settings'])
     robot = of_table([*tables['Settings'], *tables['A robot']], ['name'])

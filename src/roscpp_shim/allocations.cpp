@@ -1,6 +1,6 @@
-// The program's memory. What a thread that has the turn allocates comes from a heap of its own, so
-// that its address is a function of the turns; all else (roscpp's threads, this library, what
-// roscpp keeps for both) comes from libc's, as ever.
+// The program's memory. Allocations of the thread that has the turn come from a heap of their own,
+// so that their addresses follow from the order of the turns. All others (of roscpp's threads, of
+// this library, of data that roscpp shares with its threads) come from libc's heap, as usual.
 #include "allocations.h"
 
 #include <dlfcn.h>
@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::size_t kGrain = 16;
 
-/** @brief The functions behind these. */
+/** @brief libc's own functions, which those below replace. */
 struct Behind {
   void* (*malloc)(std::size_t);
   void (*free)(void*);
@@ -37,7 +37,7 @@ struct Behind {
   std::size_t (*usable)(void*);
 };
 
-/** @brief What is allocated while those are looked up. It is never given back. */
+/** @brief Memory for allocations while those functions are looked up. It is never freed. */
 struct Beginning {
   alignas(kGrain) char bytes[std::size_t{1} << 16];
   std::size_t used;
@@ -56,20 +56,20 @@ struct Beginning {
   }
 };
 
-// Zeros at first: memory is asked for before any constructor has run.
+// All are zero at first, because programs allocate before any constructor has run.
 OrderedHeap heap;
 Behind functions;
 Beginning beginning;
-std::atomic<int> looked_up{0};  // 1: it is being done
+std::atomic<int> looked_up{0};  // 1: under way; 2: done
 
-/** @return the functions behind; null while they are being looked up. */
+/** @return libc's own functions; null while they are being looked up. */
 const Behind* behind() {
   if (looked_up.load(std::memory_order_acquire) == 2) {
     return &functions;
   }
   int is_new = 0;
   if (!looked_up.compare_exchange_strong(is_new, 1)) {
-    return nullptr;  // there is one thread yet
+    return nullptr;  // this thread is looking them up: there is only one thread yet
   }
   functions.malloc = real<void*(std::size_t)>("malloc");
   functions.free = real<void(void*)>("free");
@@ -81,8 +81,7 @@ const Behind* behind() {
   return &functions;
 }
 
-/** @brief The dynamic loader: what it allocates belongs to threads and libraries, and their ends.
- */
+/** @brief The code of the dynamic loader. What it allocates belongs to threads and libraries. */
 struct Loader {
   std::uintptr_t begin;
   std::uintptr_t end;
@@ -107,7 +106,7 @@ bool isLoader(const void* caller) {
   return address >= loader.begin && address < loader.end;
 }
 
-/** @return a block in order; none where the calling thread has not the turn. */
+/** @return a block of the ordered heap; none if the calling thread does not have the turn. */
 OrderedHeap::Block inOrder(std::size_t size, std::size_t alignment, const void* caller) {
   return isLoader(caller) || !Turn::allocatesInOrder() ? OrderedHeap::Block()
                                                        : heap.allocate(size, alignment);
@@ -160,7 +159,7 @@ std::size_t usableSize(void* address) {
   return beginning.has(address) ? beginning.sizeFrom(address) : behind()->usable(address);
 }
 
-/** @return whether libc may enlarge a block where it is, or move it. */
+/** @return whether the block is libc's and stays so, so that libc's realloc() may handle it. */
 bool isLibcs(const void* address, const void* caller) {
   return !heap.has(address) && !beginning.has(address) &&
          (isLoader(caller) || !Turn::allocatesInOrder());
@@ -186,12 +185,12 @@ void* reallocate(void* address, std::size_t size, const void* caller) {
   return moved;
 }
 
-/** The child of a fork has one thread, which may be in the middle of nothing. */
+/** Lock the heap around fork(), since the child has one thread only, and would wait for others. */
 __attribute__((constructor)) void prepareForForks() {
   ::pthread_atfork([] { heap.lock(); }, [] { heap.unlock(); }, [] { heap.unlock(); });
 }
 
-/** @return the file of what the program calls by a name. */
+/** @return the file of the function that the program calls by this name. */
 const char* fileOfCalled(const char* symbol) {
   Dl_info info{};
   void* const called = ::dlsym(RTLD_DEFAULT, symbol);
@@ -203,7 +202,7 @@ const char* fileOfCalled(const char* symbol) {
 
 std::string whyAddressesDiffer() {
   if (!hasOrderedAddresses()) {
-    return "";  // as the environment asks
+    return "";  // as the environment requests
   }
   for (const char* symbol : {"malloc", "_Znwm"}) {
     const char* const file = fileOfCalled(symbol);

@@ -1,4 +1,4 @@
-// Where the program's memory comes from.
+// Whether the addresses of the program's memory are the same in each run.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ALLOCATIONS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ALLOCATIONS_H
 
@@ -6,11 +6,11 @@
 
 namespace move_base_abstract::shim {
 
-/** @return why the addresses of what the program allocates may differ from run to run; empty: they
- * do not. */
+/** @return why the addresses of the program's memory may differ from run to run; empty: they do
+ * not. */
 std::string whyAddressesDiffer();
 
-/** @return whether blocks have come back in no order, and more of them than could be put by. */
+/** @return whether the heap was full, or handed out blocks again that were freed without order. */
 bool areAddressesMixed();
 
 }  // namespace move_base_abstract::shim

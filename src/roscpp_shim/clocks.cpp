@@ -19,24 +19,26 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kEpoch =
-    1'577'836'800 * kSecond;                 // 2020-01-01 UTC, and a second for each seed
+    1'577'836'800 * kSecond;                 // 2020-01-01 UTC; each seed adds one second
 constexpr Nanoseconds kSeeds = 315'360'000;  // about ten years
 constexpr Nanoseconds kUptime = 3600 * kSecond;
-constexpr Nanoseconds kStep = 1'000'000;   // by which a clock that is only looked at goes on
-constexpr unsigned kClockReads = 1000000;  // at one instant, after which it does
+constexpr Nanoseconds kStep = 1'000'000;   // by which a clock goes on that is only looked at
+constexpr unsigned kClockReads = 1000000;  // reads at one instant, after which it goes on
 
 using GetTime = int(clockid_t, timespec*);
 
-/** @brief What a thread has read last, cut to microseconds maybe: what its deadlines start from. */
+/** @brief The times that a thread has read last, perhaps cut to microseconds. Deadlines start
+ * there. */
 struct Readings {
   Nanoseconds last[2] = {0, 0};
 };
 thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
 
 std::atomic<Nanoseconds> slept{0};
-std::atomic<unsigned> reads{0};  // by threads that take no turns
+std::atomic<unsigned> reads{0};  // of threads that take no turns
 
-/** @brief A loop that only looks at a clock sees it go on some day. */
+/** @brief Count a read. In a loop that only looks at a clock, the clock goes on after many reads.
+ */
 void countRead() {
   if (turn().isActive() && Turn::self() != nullptr) {
     countLook(&Turn::self()->clock_reads, kClockReads);
@@ -45,8 +47,8 @@ void countRead() {
   }
 }
 
-/** @brief The program reads a clock, of which it sees @p step [ns]. @return whether it is the
- * run's. */
+/** @brief Read a clock for the program, with a resolution of @p step [ns]. @return whether the
+ * program sees the run's clock; then @p time is set. */
 bool read(clockid_t clock, Nanoseconds step, const void* caller, Nanoseconds* time) {
   const Sees whose = sees();
   if (whose == Sees::kMachine) {
@@ -212,7 +214,7 @@ int getrusage(__rusage_who_t who, rusage* usage) {
 
 namespace ros {
 
-// As any other clock of the wall, but for roscpp's own use: the stamps of its log.
+// Like any other wall clock, except for roscpp's own use, such as the stamps of its log.
 
 WallTime WallTime::now() {
   using Now = WallTime();

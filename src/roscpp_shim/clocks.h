@@ -1,4 +1,4 @@
-// The clocks of the wall as the program sees them.
+// The wall clocks, as the program sees them.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CLOCKS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CLOCKS_H
 
@@ -8,26 +8,26 @@
 
 namespace move_base_abstract::shim {
 
-/** @return the machine's clock [ns]. */
+/** @return the time of the machine's own @p clock [ns]. */
 Nanoseconds machineTime(clockid_t clock);
-/** @return what the program sees of @p clock [ns]. */
+/** @return the time of @p clock as the program sees it [ns]. */
 Nanoseconds seenTime(clockid_t clock);
-/** @return how long a wait until @p deadline, by a clock that the program sees, is meant to last
- * [ns]. */
+/** @return how long a wait until @p deadline is meant to last [ns]; @p clock is one that the
+ * program sees. */
 Nanoseconds remaining(clockid_t clock, const timespec& deadline);
-/** @brief The seen clocks go on by a sleep [ns] during which simulated time stands. */
+/** @brief Advance the seen clocks by a sleep [ns] during which simulated time stands still. */
 void addSleep(Nanoseconds duration);
 
 /**
- * @brief A wait by the machine's clock, of a thread that sees the run's: before the program joins,
- * when the run is over, or beside the threads that take turns.
+ * @brief A wait by the machine's clock, of a thread that sees the clocks of the run: before the
+ * program joins, after the run, or beside the threads that take turns.
  */
 class MachineWait {
  public:
   MachineWait(clockid_t clock, const timespec* deadline);
   /** @return the deadline by the machine's clock; null if there is none. */
   const timespec* deadline() const { return deadline_; }
-  /** @brief It has lasted until the deadline. */
+  /** @brief Note that the wait has lasted until the deadline. */
   void timedOut() const;
 
  private:

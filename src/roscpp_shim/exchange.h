@@ -1,4 +1,4 @@
-// What comes with a grant, put into roscpp's publications, subscriptions and callback queues.
+// Puts the mail of a grant into roscpp's publications, subscriptions and callback queues.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
 
@@ -8,7 +8,7 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief roscpp's connections to a node that has joined carry nothing any more. */
+/** @brief Take roscpp's connections to a node that has joined out of use. */
 void dropConnectionsTo(const std::string& node);
 
 void handle(const wire::Publisher& item);

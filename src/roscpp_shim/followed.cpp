@@ -28,7 +28,7 @@ namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
 
-/** "SEED NODE_NAME", which the launcher sets where the time master is in lockstep. */
+/** "SEED NODE_NAME"; the launcher sets it if the time master is in lockstep. */
 const char* const kChanceVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE";
 const char* const kLayoutVariable = "MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT";
 const char* const kUnknownBefore =
@@ -91,8 +91,8 @@ bool isIn(const void* caller, std::initializer_list<const char*> names) {
 }
 
 /**
- * @return the code that @p caller works for: what calls the standard library's and Boost's
- * wrappers. For functions that are called rarely.
+ * @return the code that called the wrappers of the standard library or Boost, if @p caller is in
+ * one of them. This is slow: for functions that are called rarely.
  */
 const void* beyondWrappers(const void* caller) {
   const auto wrappers = {"/libstdc++.so", "/libboost_"};
@@ -110,7 +110,7 @@ const void* beyondWrappers(const void* caller) {
   return caller;
 }
 
-/** @return where code lies, as addr2line wants it. */
+/** @return the place of code, in the form that addr2line takes. */
 std::string placeOf(const void* caller) {
   Dl_info info{};
   const char* const file = fileOf(caller, &info);

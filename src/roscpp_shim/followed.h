@@ -1,5 +1,5 @@
-// What of the machine's time and chance the program is not to see, and what is told of what it sees
-// of them all the same.
+// Which clocks and random numbers the program sees: the machine's own, or those of the run. Labels
+// the run if the program sees the machine's all the same.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
 
@@ -12,52 +12,56 @@ namespace move_base_abstract::shim {
 enum class Sees {
   kMachine,  // the program is not in lockstep, or roscpp's or this library's code runs
   kRun,      // the thread does what it does in the same order in every run
-  kStray     // the run's too, but nobody knows in which order: that is told
+  kStray     // the run's as well, but in an order that is not known, which labels the run
 };
 
-/** @return what the calling thread sees; waits for its turn where it ran beside the others. */
+/** @return what the calling thread sees. Waits for its turn if it ran beside the others. */
 Sees sees();
 
 /** @return whether the program takes part now, and the calling thread has the turn. */
 bool ordered();
 
 /** @return whether addresses are to be the same in each run: the environment does not ask for
- * random ones, and the program is followed. For any thread, before any constructor has run. */
+ * random ones, and the program is to take part. For any thread, before any constructor has run. */
 bool hasOrderedAddresses();
 
 /** @return the launcher's --seed. */
 std::int64_t seed();
-/** @return what the program's random numbers start from: the seed and the node's name. */
+/** @return the text from which the program's random numbers follow: the seed and the node's name.
+ */
 const std::string& seedText();
 
-/** @brief The program is about to join, or finds that the time master is not in lockstep. */
+/** @brief Call it when the program is about to join. */
 void beginToFollow();
+/** @brief Call it if the time master is not in lockstep. */
 void stopFollowing();
-/** @brief It has joined: what was noticed before is told now. */
+/** @brief Send the labels and files that were noticed before the program joined. */
 void tellWhatWasNoticed();
 
-/** @brief Label the run, once for each @p what, with the place that @p caller lies in. */
+/** @brief Label the run, once for each @p what, with the place in the code of @p caller. */
 void tell(const std::string& what, const void* caller);
 
-/** @brief Tell the time master of a file, by its full path, that the program has opened. */
+/** @brief Report to the time master that the program has opened a file; @p path is its full path.
+ */
 void noteFile(const std::string& path, bool reads, bool writes);
 
-/** @return whether code of roscpp, its console or its XML-RPC calls. */
+/** @return whether @p caller is code of roscpp, rosconsole or xmlrpcpp. */
 bool isRoscpps(const void* caller);
-/** @return whether code of roscpp's timers, as its exported symbols say. */
+/** @return whether @p caller is code of roscpp's timers, by its exported symbols. */
 bool isTimers(const void* caller);
-/** @return whether a library of worker threads calls: they wait for each other in ways of their
- * own. */
+/** @return whether @p caller is code of a library of worker threads (OpenMP, TBB, ...), which wait
+ * for each other in ways of their own; or the calling thread is one of them. */
 bool isWorkerPool(const void* caller);
-/** @return whether the program or a library of its own calls, none that came with the system. */
+/** @return whether @p caller is code of the program or of a library of its own, not of a library
+ * that came with the system. */
 bool isProgramsOwn(const void* caller);
 
-/** @brief The calling thread is one of a library of worker threads. */
+/** @brief Mark the calling thread as one of a library of worker threads. */
 void becomeWorker();
 
 }  // namespace move_base_abstract::shim
 
-/** Who has called the function that this stands in. */
+/** The address from which the function that contains this macro was called. */
 #define MOVE_BASE_ABSTRACT_CALLER __builtin_return_address(0)
 
 #endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H

@@ -1,11 +1,11 @@
-// Which messages a program wants at once.
+// Which messages a program wants at once, and which can be kept for later.
 //
-// A queue on which no thread has ever waited is looked at by threads that go on at their own
-// wake-ups (spinOnce() in a loop): what comes into it is kept until the program has a turn anyway,
-// and handed over before any of its threads goes on. None can tell: queues, orders, sizes are as
-// they would be, and so is the time of receipt. The first wait ends it.
+// If no thread has ever waited on a queue, it is read by threads that go on at their own wake-ups
+// (spinOnce() in a loop). Messages for it are kept until the program has a round anyway, and are
+// delivered before any of its threads goes on. No thread can notice this: queues, orders, sizes and
+// times of receipt are the same. The first wait on the queue ends it.
 //
-// What comes into a queue that a library only stores from is handed over then too, all at once,
+// If a library only stores the messages of a queue, they are delivered together in the same way,
 // and no round is spent on each message.
 #include "interest.h"
 
@@ -28,16 +28,16 @@ namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
 
-const char* const kStatistics = "/enable_statistics";  // roscpp's; they tell when messages came
+const char* const kStatistics = "/enable_statistics";  // roscpp's: it says when messages came
 
-std::atomic<bool> calls_back{false};  // what is stored does
+std::atomic<bool> calls_back{false};  // storing calls a function of the program
 std::atomic<bool> keeps_unread{false};
 __thread const ros::CallbackQueue* t_awaited = nullptr;  // the queue of the thread's latest wait
 
 struct Queues {
   PlainMutex mutex;
   std::vector<ros::CallbackQueue*> stored;
-  // Queues on which a thread has waited, or which are not roscpp's own, for good.
+  // Queues on which a thread has ever waited, or whose class is not roscpp's.
   std::set<const ros::CallbackQueueInterface*> awaited;
 };
 
@@ -56,19 +56,19 @@ bool isStored(const ros::CallbackQueueInterface* queue) {
   return std::find(stored.begin(), stored.end(), queue) != stored.end();
 }
 
-/** @return whether nobody waits for what comes into it. The queue may be gone. */
+/** @return whether no thread has ever waited on the queue, which may be gone. */
 bool isUnread(const ros::CallbackQueueInterface* queue) {
   const Lock lock(queues().mutex);
   return queues().awaited.count(queue) == 0;
 }
 
-/** @return whether it is new that somebody may wait for what comes into @p queue. */
+/** @brief Note that a thread may wait on @p queue. @return whether this is new. */
 bool addAwaited(const ros::CallbackQueueInterface* queue) {
   const Lock lock(queues().mutex);
   return queues().awaited.insert(queue).second;
 }
 
-/** @return whether roscpp tells how late messages are, at the moment at which they come. */
+/** @return whether roscpp publishes statistics of messages, which depend on when they come. */
 bool hasStatistics() {
   static const bool has_statistics = [] {
     bool value = false;
@@ -112,7 +112,7 @@ void tellAll() {
 void noteSubscription(Topic& topic, const ros::SubscribeOptions& options) {
   const ros::CallbackQueueInterface* const queue = options.callback_queue;
   if (queue == nullptr || typeid(*queue) != typeid(ros::CallbackQueue)) {
-    addAwaited(queue);  // of a class of the program's: it may act at once
+    addAwaited(queue);  // a class of the program's, which may act at once
   }
   topic.queues.push_back(queue);
   tell(topic);
@@ -135,7 +135,7 @@ void noteWait(const ros::CallbackQueue* queue) {
 
 bool keepsUnread() { return keeps_unread; }
 
-// ---- what is only stored ---------------------------------------------------------------------
+// ---- messages that are only stored -----------------------------------------------------------
 
 void storeFrom(ros::CallbackQueue* queue) {
   if (isStored(queue)) {

@@ -1,4 +1,4 @@
-// Which messages a program wants at once.
+// Which messages a program wants at once, and which can be kept for later.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INTEREST_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INTEREST_H
 
@@ -9,29 +9,33 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief The program has subscribed to @p topic (once more). For who has the turn. */
+/** @brief Note that the program has subscribed to @p topic (once more). @pre The thread has the
+ * turn. */
 void noteSubscription(Topic& topic, const ros::SubscribeOptions& options);
 
-/** @brief It does so no more. */
+/** @brief Note that the program has unsubscribed. */
 void forgetSubscription(Topic& topic);
 
-/** @brief The calling thread is about to wait for what comes into @p queue. */
+/** @brief Note that the calling thread is about to wait for callbacks in @p queue. */
 void noteWait(const ros::CallbackQueue* queue);
 
-/** @return whether anything is kept for the program until it looks. */
+/** @return whether messages may be kept for the program until it looks into its queues. */
 bool keepsUnread();
 
 /**
- * @brief What comes into @p queue is only put by, until the calling thread ends: nobody else can
- * get at it, and who looks for what was put by does so when it has something else to do.
+ * @brief Until the calling thread ends, callbacks in @p queue only store their messages.
+ *
+ * No other thread has access to the queue. Threads that look at the stored data do so when they
+ * have something else to do.
  */
 void storeFrom(ros::CallbackQueue* queue);
 
-/** @brief What is put by acts at once from here on: somebody is called back. From any thread. */
+/** @brief From now on stored messages act at once, because storing them calls a function of the
+ * program. From any thread. */
 void storeNoMore();
 
-/** @brief Put by what has come with a grant, before anybody looks for it: no thread need be woken
- * for that. */
+/** @brief Store the messages that came with a grant before any thread looks at them. No thread has
+ * to be woken for that. */
 void store();
 
 }  // namespace move_base_abstract::shim

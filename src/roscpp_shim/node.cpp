@@ -85,13 +85,13 @@ bool Node::join() {
   } catch (const lockstep::Error& error) {
     ROS_FATAL("%s", error.what());
     std::fflush(nullptr);
-    std::_Exit(1);  // roscpp's threads run: what it has made is not taken down under them
+    std::_Exit(1);  // no destructors, because roscpp's threads still run
   }
   return membership_.isActive();
 }
 
 void Node::leave(const std::string& reason) {
-  // While another thread reads from the connection, that one closes it.
+  // If another thread reads from the connection, that thread closes it.
   const bool is_own = turn().holds();
   const Inside inside;
   if (!membership_.leave(reason, lockstep::internal::Membership::State::kLeft, !is_own)) {
@@ -141,20 +141,20 @@ void Node::exchange() {
     append(wire::Rest{});
   }
   if (onlyRecords() && wish.next > now() && wish.next != kNever && membership_.hasTurn()) {
-    append(wire::Background{});  // to look for new topics: who else has nothing to do makes none
+    append(wire::Background{});  // it looks for new topics; if no other node acts, there are none
   }
   const Nanoseconds before = now();
   keepUnread();
   parameters().reported();
   membership_.exchange(wish);
-  // Nothing has come, and nothing else was asked for.
+  // The grant brought nothing, and was for nothing else.
   if (is_resting && membership_.isPlainGrant() && wish.next > before) {
     rest_round_ = round();
   }
 }
 
-/** @brief A thread that looks again as soon as there is a grant is to have the grants that it would
- * have if nothing were kept. */
+/** @brief Give a thread that looks again with any grant the grants that it would have if no
+ * messages were kept. */
 void Node::keepUnread() {
   const Nanoseconds first = keepsUnread() ? turn().firstLook() : kNever;
   if (first != kNever && membership_.hasTurn()) {
@@ -187,7 +187,7 @@ bool Node::waitsOn() {
     leave("ROS was shut down");
     return true;
   }
-  // Without a grant: a caller may keep time standing until it has its answer, and what is not
+  // This needs no grant: a caller may hold up time until it has its answer, and input that is not
   // urgent must not wait for ever.
   return !enterOutside(true);
 }

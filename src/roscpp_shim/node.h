@@ -1,4 +1,4 @@
-// The program as a participant: what its threads share, and what comes from outside of lockstep.
+// The program as a participant: the state of all its threads, and input from outside of lockstep.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
 
@@ -16,23 +16,24 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief Whose timers. Those that are due at one instant fire in this order. */
+/** @brief The kinds of timers. Timers that are due at one instant fire in this order. */
 enum TimerKind { kRosTimers, kSteadyTimers, kWallTimers, kKernelTimers, kTimerKinds };
 
-/** @brief The process-wide manager of one kind of timers, as whoever knows them opens it. */
+/** @brief Access to all timers of one kind in this process; the code that knows them provides it.
+ */
 struct SimulatedTimers {
   std::function<Nanoseconds()> next;  // simulated
-  std::function<void()> fire;         // what is due: into the callback queues, say
-  std::function<void()> release;      // they go by the machine's clock from now on; may be empty
+  std::function<void()> fire;         // puts what is due into the callback queues, for example
+  std::function<void()> release;      // from now on they go by the machine's clock; may be empty
 };
 
-/** @brief Something that comes from nodes or threads that do not take part. */
+/** @brief Input from nodes or threads that do not take part. */
 struct Input {
   std::function<void()> enter;
-  std::string label;                    // why the run is not repeatable then; empty: it is
-  ros::CallbackQueue* queue = nullptr;  // of a callback, with its owner
+  std::string label;                    // why it makes the run not repeatable; empty: it does not
+  ros::CallbackQueue* queue = nullptr;  // if it is a callback: its queue and its owner
   std::uint64_t owner = 0;
-  bool is_urgent = true;  // it asks for a grant; else it enters with the next one there is
+  bool is_urgent = true;  // it asks for a grant; false: it enters with the next grant
 };
 
 class Node : public lockstep::internal::Program {
@@ -43,22 +44,23 @@ class Node : public lockstep::internal::Program {
 
   /** @return whether the run is in lockstep, as the time master's parameter says. */
   static bool isWanted();
-  /** @brief Connect, present the node, wait for its first grant. @return whether it takes part. */
+  /** @brief Connect, introduce the node, wait for its first grant. @return whether it takes part.
+   */
   bool join();
-  /** @brief Take no more part. From any thread. */
+  /** @brief Leave the run. From any thread. */
   void leave(const std::string& reason);
 
-  /** @brief Report, and wait for a grant. All threads of the program wait. */
+  /** @brief Report, and wait for a grant. @pre All threads of the program wait. */
   void exchange();
 
   Membership& membership() { return membership_; }
   void append(const wire::ReportItem& item) { membership_.append(item); }
   void label(const std::string& reason) { membership_.label(reason); }
-  /** @brief Threads that wait without end, and for what, count as open work. */
+  /** @brief Begin and end an open wait: a thread waits without a time-out for @p what. */
   void open(const std::string& what) { open_.insert(what); }
   void close(const std::string& what) { open_.erase(open_.find(what)); }
 
-  /** @brief Take @p input up with the next grant. From any thread. */
+  /** @brief Let @p input enter with the next grant. From any thread. */
   void fromOutside(Input input);
   /** @brief Forget callbacks of @p owner that have not entered @p queue yet. */
   void removeOutside(const ros::CallbackQueue* queue, std::uint64_t owner);
@@ -67,12 +69,12 @@ class Node : public lockstep::internal::Program {
   void ring() { membership_.ring(); }
 
   Nanoseconds now() const { return membership_.now(); }
-  /** @brief What roscpp takes for the present, for the thread that has the turn. */
+  /** @brief Set the time that roscpp shows. @pre The thread has the turn. */
   void showTime(Nanoseconds time) { setTime(time); }
   std::uint64_t round() const { return membership_.round(); }
-  /** @return the latest round that was granted because nobody had anything left to do. */
+  /** @return the latest round that was granted because no participant had anything left to do. */
   std::uint64_t restRound() const { return rest_round_; }
-  /** @brief Wall time in which a thread may sleep while simulated time stands. */
+  /** @return whether sleeps by the wall clock take simulated time (--sleep simulated). */
   bool sleepsSimulated() const { return sleeps_simulated_; }
 
  private:
@@ -99,12 +101,12 @@ class Node : public lockstep::internal::Program {
   bool enterOutside(bool only_if_late);
 
   bool sleeps_simulated_ = false;
-  PlainMutex mutex_;  // of the membership, and for outside
+  PlainMutex mutex_;  // for the membership and for outside_
   Membership membership_{*this};
   std::multiset<std::string> open_;
   std::uint64_t rest_round_ = 0;
   std::deque<Input> outside_;
-  std::int64_t outside_since_ = 0;  // steady ns; when the oldest came
+  std::int64_t outside_since_ = 0;  // steady ns: when the oldest input came; 0: none
   std::array<SimulatedTimers, kTimerKinds> timers_;
   std::array<std::atomic<bool>, kTimerKinds> has_timers_{};
 };

@@ -1,4 +1,4 @@
-// What the program's threads wait for without end.
+// What the program's threads wait for without a time-out.
 #include <algorithm>
 #include <mutex>
 #include <vector>
@@ -9,8 +9,9 @@ namespace move_base_abstract::shim {
 namespace {
 
 /**
- * @return whether a waiting thread is owed what it waits for. A callback is in the middle of its
- * work; who waits for the end of a thread is owed what that one is; in a circle nobody ends.
+ * @return whether a waiting thread is owed what it waits for. A thread in a callback is in the
+ * middle of its work. A thread that waits for the end of another one is owed what that one is owed.
+ * In a circle of such waits no thread can end.
  */
 bool isOwed(const Task& task) {
   std::vector<const Task*> seen;

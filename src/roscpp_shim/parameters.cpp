@@ -23,11 +23,11 @@ using XmlRpc::XmlRpcValue;
 const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "getParam",
                                              "hasParam",      "searchParam", "getParamNames",
                                              "subscribeParam"};
-/** What roslaunch notes of itself: its names have the machine's ports in them. */
+/** Parameters that roslaunch sets about itself; their names contain ports of this machine. */
 constexpr const char* kOfRoslaunch = "/roslaunch/uris/";
 
-/** So many looks at one parameter, with no more simulated time [ns] between two than this, are a
- * loop that waits for it. */
+/** After kLooks looks at one parameter, with at most kStep of simulated time [ns] between two, they
+ * count as a loop that waits for it. */
 constexpr unsigned kLooks = 100;
 constexpr Nanoseconds kStep = 1'000'000;
 
@@ -51,7 +51,7 @@ bool Parameters::isAbout(const std::string& method) {
 
 bool Parameters::answer(const std::string& method, const XmlRpcValue& request, XmlRpcValue& answer,
                         const AskMaster& ask) {
-  Turn::self()->has_acted = true;  // a loop around it does more than look at its queue
+  Turn::self()->has_acted = true;  // so a loop around it does more than look at its queue
   if (method == "getParamNames") {
     return names(request, answer, ask);
   }
@@ -62,7 +62,7 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
   const std::string name = ros::names::resolve(key, false);
   answer = 0;
   if (!ros::ok() && method != "getParam" && method != "hasParam") {
-    return ask(method, request, answer);  // it is told to end: there may be no round any more
+    return ask(method, request, answer);  // the program ends: there may be no more rounds
   }
   if (method == "setParam") {
     const std::string text = internal::parameterText(request[2]);
@@ -87,10 +87,10 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
     return true;
   }
   tellOfRoslaunch(name);
-  return get(name, request, answer, ask);  // nobody is told of changes by the wall clock
+  return get(name, request, answer, ask);  // no notices of changes, which come by the wall clock
 }
 
-/** @brief A loop that waits by asking for one parameter again and again lets time go on. */
+/** @brief Count a look at a parameter. A loop that waits by looking at it lets time go on. */
 void Parameters::look(const std::string& name) {
   Look& look = looks_[name];
   const Nanoseconds now = node().now();
@@ -132,7 +132,7 @@ bool Parameters::isSet(const std::string& name, const XmlRpcValue& request, cons
          answer.getType() == XmlRpcValue::TypeBoolean && static_cast<bool>(answer);
 }
 
-/** @brief From the namespace upwards, as rosmaster: it looks for the key's first word only. */
+/** @brief Search from the namespace upwards, for the key's first word only, as rosmaster does. */
 bool Parameters::search(const XmlRpcValue& request, XmlRpcValue& answer, const AskMaster& ask) {
   const std::string key = request[1];
   std::string why;
@@ -187,7 +187,8 @@ void Parameters::settle() {
   }
 }
 
-/** @brief The time master knows then that whoever else sets it labels the run. */
+/** @brief Report that the program reads @p name. If a node that takes no part sets it, that labels
+ * the run. */
 void Parameters::note(const std::string& name) {
   if (asked_.insert(name).second) {
     node().append(wire::Asks{name});
@@ -200,7 +201,7 @@ namespace shim = move_base_abstract::shim;
 
 namespace ros::param {
 
-/** What roscpp would keep is told by the ROS master at some moment of the wall clock. */
+/** Without roscpp's cache: the ROS master's notices of changes come by the wall clock. */
 ROSCPP_DECL bool getImpl(const std::string& key, XmlRpc::XmlRpcValue& value, bool use_cache) {
   using Get = bool(const std::string&, XmlRpc::XmlRpcValue&, bool);
   static Get* const function = shim::real<Get>(

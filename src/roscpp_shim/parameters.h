@@ -1,5 +1,5 @@
-// Parameters of ROS, set and asked for by the thread that has the turn: a set takes effect with its
-// round, and is seen by the program itself at once.
+// ROS parameters that the thread with the turn sets or reads. A new value takes effect for other
+// nodes with its round; the program itself sees it at once.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H
 
@@ -15,25 +15,26 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief Ask the ROS master. @return whether it says yes; the answer is in the last argument. */
+/** @brief Ask the ROS master: method, request, answer. @return whether the call succeeded. */
 using AskMaster =
     std::function<bool(const std::string&, const XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue&)>;
 
-/** @brief What was set and deleted and has not been reported, by rosmaster's rules. */
+/** @brief Parameters that were set or deleted and are not reported yet, by rosmaster's rules. */
 class PendingParameters {
  public:
-  using Words = std::vector<std::string>;  // of an absolute name; none: the root
+  using Words = std::vector<std::string>;  // the words of an absolute name; none: the root
 
   bool empty() const { return changes_.empty(); }
   void clear() { changes_.clear(); }
   void set(const std::string& name, const XmlRpc::XmlRpcValue& value);
   void erase(const std::string& name);
 
-  /** @return whether any of them changes what @p name is. */
+  /** @return whether one of these changes affects the value of @p name. */
   bool concern(const std::string& name) const;
-  /** @return what @p name is after them; @p current: before. Either may be invalid: not there. */
+  /** @return the value of @p name after these changes; @p current is the value before. An invalid
+   * value means that the parameter does not exist. */
   XmlRpc::XmlRpcValue seen(const std::string& name, const XmlRpc::XmlRpcValue& current) const;
-  /** @return the names of all parameters after them; @p names: before. */
+  /** @return the names of all parameters after these changes; @p names: those before. */
   std::vector<std::string> names(const std::vector<std::string>& names) const;
 
  private:
@@ -45,17 +46,18 @@ class PendingParameters {
   std::vector<Change> changes_;
 };
 
-/** @brief Answers calls of the ROS master about parameters; for the thread that has the turn. */
+/** @brief Answers the program's calls to the ROS master about parameters. @pre The thread has the
+ * turn. */
 class Parameters {
  public:
   static bool isAbout(const std::string& method);
-  /** @return whether the call is a success, as the ROS master would say. */
+  /** @return whether the call succeeds, as with the ROS master. */
   bool answer(const std::string& method, const XmlRpc::XmlRpcValue& request,
               XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
-  /** @brief What was set has been reported. */
+  /** @brief Note that all changes are reported. */
   void reported() { pending_.clear(); }
-  /** @brief Have the ROS master know what was set in this turn: a process that takes no part is
-   * about to begin, and may look. */
+  /** @brief Wait until the ROS master has the changes of this turn, because a process that takes no
+   * part is about to start and may read them. */
   void settle();
 
  private:
@@ -67,7 +69,7 @@ class Parameters {
   bool names(const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
   void note(const std::string& name);
   void look(const std::string& name);
-  /** @brief What roslaunch makes anew for each run is told once. */
+  /** @brief Label the run, once for each name, if roslaunch sets @p name anew in each run. */
   void tellOfRoslaunch(const std::string& name);
 
   struct Look {

@@ -50,7 +50,7 @@ void put(XmlRpcValue& tree, const Words& words, const XmlRpcValue& value) {
   *at = value;
 }
 
-/** @brief A struct of xmlrpcpp cannot lose a member: it is made anew. */
+/** @brief Remove a member. A struct of xmlrpcpp cannot lose one, so it is made anew. */
 void drop(XmlRpcValue& tree, const Words& words) {
   XmlRpcValue* at = &tree;
   for (std::size_t k = 0; k + 1 < words.size(); ++k) {

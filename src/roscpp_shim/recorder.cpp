@@ -28,14 +28,14 @@ bool isIn(const void* caller, const char* library) {
          std::strstr(info.dli_fname, library) != nullptr;
 }
 
-/** @return whether a word of the command line is this option, which may be shortened. */
+/** @return whether the command line has the option --duration, which may be shortened. */
 bool hasDuration() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   const std::string words{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   return words.find(std::string(1, '\0') + "--d") != std::string::npos;
 }
 
-/** @return whether the program is rosbag's own, and not one that records among other things. */
+/** @return whether the program is rosbag's own recorder, not one that also does other things. */
 bool isRecorder() {
   static const bool is_one = [] {
     return std::strcmp(program_invocation_short_name, "record") == 0 && !hasDuration();
@@ -71,7 +71,7 @@ void noteBag(const char* path, const char* how, const void* caller) {
   const std::string line = ros::this_node::getName() + '\0' + absolute(path) + '\0';
   const int file = ::open(notes, O_WRONLY | O_APPEND | O_CLOEXEC);
   if (file >= 0) {
-    // A bag that is not noted is not called covered.
+    // If this fails, the bag is not noted, and so not called covered.
     [[maybe_unused]] const ssize_t written = ::write(file, line.data(), line.size());
     ::close(file);
   }

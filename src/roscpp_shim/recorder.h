@@ -1,20 +1,21 @@
-// rosbag's recorder: it only looks on, and what it writes is told, so that it can be compared.
+// rosbag's recorder: it only looks on, and the bags that it writes are noted, to be compared.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_RECORDER_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_RECORDER_H
 
 namespace move_base_abstract::shim {
 
 /**
- * @return whether the recorder's thread looks for messages, which whoever brings one tells it: its
- * time-outs are worth no round. Not where the recording is to end, or be split, after a while.
+ * @return whether @p caller is the recorder's thread that waits for messages. Each new message
+ * wakes it, so its time-outs need no round. False if the recording has a time limit.
  */
 bool isRecordersLook(const void* caller);
 
-/** @return whether the program is one that does nothing but record, for as long as others go on. */
+/** @return whether the program does nothing but record, for as long as the other nodes go on. */
 bool onlyRecords();
 
-/** @brief A file is opened as @p how says, as of fopen(): a bag that is written is noted for who
- * has started the program (MOVE_BASE_ABSTRACT_BAGS names a file for that). */
+/** @brief Note that a file is opened with the mode @p how of fopen(). If it is a bag that is
+ * written, its path goes to the file that MOVE_BASE_ABSTRACT_BAGS names, for the program that
+ * started this one. */
 void noteBag(const char* path, const char* how, const void* caller);
 
 }  // namespace move_base_abstract::shim

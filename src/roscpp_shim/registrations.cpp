@@ -10,8 +10,8 @@ using XmlRpc::XmlRpcValue;
 using Names = Registrations::Names;
 using Group = Registrations::Group;
 
-const Names kKnown = {"/rosout", "/time_master"};  // of each system, from before the run on
-const std::string kOfEachNode = "/rosout";         // its publication
+const Names kKnown = {"/rosout", "/time_master"};  // each system has them before the run
+const std::string kOfEachNode = "/rosout";         // a topic that each node publishes
 const std::array<std::string, 2> kServicesOfEachNode = {"/get_loggers", "/set_logger_level"};
 
 bool endsIn(const std::string& text, const std::string& end) {
@@ -29,7 +29,7 @@ Group groupOf(const XmlRpcValue& entries) {
   return group;
 }
 
-/** @brief Keep those only of whom @p is_shown says so. */
+/** @brief Keep only the nodes for which @p is_shown is true. */
 template <class IsShown>
 void keep(Group* group, IsShown is_shown) {
   for (auto entry = group->begin(); entry != group->end();) {

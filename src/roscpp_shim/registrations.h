@@ -1,4 +1,5 @@
-// Who is there, of what the ROS master knows: the same in each run, whoever registered first.
+// The nodes, topics and services of the ROS master, as participants see them: the same in each run,
+// in whichever order nodes registered.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REGISTRATIONS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REGISTRATIONS_H
 
@@ -12,10 +13,10 @@
 namespace move_base_abstract::shim {
 
 /**
- * @brief What participants are shown of the ROS master's publishers, subscribers and services.
+ * @brief The ROS master's publishers, subscribers and services that participants see.
  *
- * Of nodes that take no part those are shown that offer something beside what each node has; who
- * has left the run, or only looks on, is not.
+ * A node that does not take part is shown if it offers something besides what each node has. A node
+ * that has left the run, or only looks on, is not shown.
  */
 class Registrations {
  public:
@@ -24,16 +25,18 @@ class Registrations {
 
   Registrations(const XmlRpc::XmlRpcValue& state, const Names& present, const Names& gone);
 
-  /** @return publishers, subscribers and services: names and nodes in the order of their bytes. */
+  /** @return publishers, subscribers and services; names and nodes are in the order of their bytes.
+   */
   XmlRpc::XmlRpcValue state() const;
-  /** @return those [topic, type] of @p pairs that somebody publishes, or a participant hears if
-   * @p also_heard, in order. */
+  /** @return those [topic, type] of @p pairs that a node publishes, or with @p also_heard that a
+   * participant subscribes to, in order. */
   XmlRpc::XmlRpcValue topics(const XmlRpc::XmlRpcValue& pairs, bool also_heard) const;
-  /** @return the nodes shown that take no part. */
+  /** @return the shown nodes that do not take part. */
   Names strangers() const;
-  /** @return those of them that publish any of the topics in @p pairs. */
+  /** @return the shown nodes that do not take part and publish a topic of @p pairs. */
   Names strangers(const XmlRpc::XmlRpcValue& pairs) const;
-  /** @return whether it is none that each system has, from before the run on. */
+  /** @return whether @p node neither takes part nor is one that each system has (/rosout, the time
+   * master). */
   bool isStranger(const std::string& node) const;
 
  private:

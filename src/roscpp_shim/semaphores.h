@@ -1,4 +1,4 @@
-// A thread sleeps and is woken by libc's own semaphore, not by one that hands the turn over.
+// How a thread sleeps and is woken: by libc's own semaphore, which does not hand the turn over.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_SEMAPHORES_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_SEMAPHORES_H
 

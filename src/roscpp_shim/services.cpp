@@ -1,4 +1,4 @@
-// Services between participants: a call is handled in the next round, by the server's queue.
+// Services between participants: a call is handled in the next round, in the server's queue.
 #include <ros/callback_queue_interface.h>
 #include <ros/console.h>
 #include <ros/master.h>
@@ -104,7 +104,7 @@ bool isOffered(const std::string& service) {
   membership.watch(service);
   Wait wait;
   wait.next_round = membership.lookahead() == 0;
-  if (!wait.next_round) {  // it is there, or not, at that instant
+  if (!wait.next_round) {  // after the lookahead it is known whether it is there
     wait.until = node().now() + membership.lookahead();
     wait.is_over = [&] { return membership.isFound(service); };
   }
@@ -113,8 +113,8 @@ bool isOffered(const std::string& service) {
 }
 
 /**
- * @return whether a node that has never taken part may offer the service. With a lookahead, what
- * the ROS master knows of participants is of another instant.
+ * @return whether a node that has never taken part may offer the service. With a lookahead, the ROS
+ * master knows the services of participants as of another instant.
  */
 bool mayBeOfferedOutside(const std::string& service) {
   auto& membership = node().membership();
@@ -221,7 +221,7 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
   if (reply.status == wire::CallStatus::kNoServer && shim::mayBeOfferedOutside(service)) {
     shim::node().label("service " + service +
                        ", which was called, is offered by a node that does not take part");
-    const shim::Blocking blocking;  // time stands until the other node has answered
+    const shim::Blocking blocking;  // time stands still until the other node has answered
     return function(this, request, response, md5);
   }
   if (!reply.isGood()) {
@@ -237,7 +237,7 @@ bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage
   using Call = bool(ServiceServerLink*, const SerializedMessage&, SerializedMessage&);
   static Call* const function =
       shim::real<Call>("_ZN3ros17ServiceServerLink4callERKNS_17SerializedMessageERS1_");
-  const shim::Blocking blocking;  // the answer comes by roscpp's own thread
+  const shim::Blocking blocking;  // the answer comes through roscpp's own thread
   return function(this, request, response);
 }
 

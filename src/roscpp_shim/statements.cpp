@@ -1,8 +1,8 @@
-// What move_base_abstract/properties.h finds by its name: rows for the run's event log.
+// The function that move_base_abstract/properties.h finds by its name: it logs events.
 #include "node.h"
 #include "turn.h"
 
-/** @return 0: the row was taken; else the program takes no part. */
+/** @return 0: the row is in the report; 1: the program does not take part. */
 extern "C" __attribute__((visibility("default"))) int move_base_abstract_log_row(
     const char* kind, const char* values) {
   using namespace move_base_abstract;

@@ -1,4 +1,4 @@
-// The program's threads: how they begin and end, and what each knows of itself.
+// The program's threads: how they begin and end, and what each knows about itself.
 #include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -25,7 +25,7 @@ namespace {
 using Lock = std::lock_guard<PlainMutex>;
 using MutexFunction = int(pthread_mutex_t*);
 
-/** For who asks for memory: turn() itself needs some. */
+/** For allocations, which cannot ask turn(): turn() itself allocates. */
 enum class Phase { kBefore, kActive, kOver };
 std::atomic<Phase> phase{Phase::kBefore};
 
@@ -55,7 +55,7 @@ Turn& turn() {
   return *instance;
 }
 
-// ---- what a thread knows of itself -----------------------------------------------------------
+// ---- what a thread knows about itself --------------------------------------------------------
 
 Inside::Inside() { ++t_local.inside; }
 Inside::~Inside() { --t_local.inside; }
@@ -95,7 +95,7 @@ bool Turn::freesInOrder() {
     case Phase::kActive:
       return t_local.task != nullptr && !t_local.task->is_loose;
     default:
-      return true;  // nobody allocates in order any more
+      return true;  // no thread allocates in order any more
   }
 }
 
@@ -174,7 +174,8 @@ void Turn::Ends::prepare() { pthread_key_create(&key_, &Ends::onEnd); }
 
 void Turn::Ends::await() { pthread_setspecific(key_, reinterpret_cast<void*>(1)); }
 
-/** @param pass what was done at the ends of thread_local objects and of other keys has the turn. */
+/** @param pass number of passes so far: destructors of thread_local objects and other keys come
+ * first, while the thread still has the turn. */
 void Turn::Ends::onEnd(void* pass) {
   constexpr std::uintptr_t kPasses = 3;  // of PTHREAD_DESTRUCTOR_ITERATIONS, 4
   const auto next = reinterpret_cast<std::uintptr_t>(pass) + 1;
@@ -197,11 +198,12 @@ void Turn::finish(Task* task) {
   if (next != nullptr) {
     handOver(next);
   }
-  t_local.task = nullptr;  // what it gives back from here on is in no order
+  t_local.task = nullptr;  // what it frees from here on has no order
   const Lock lock(mutex_);
   if (hands_over && next == nullptr) {
     ++activity_;
-    // Somebody else must report, since this thread goes; or who comes back next (see regain).
+    // Another thread must report, since this one ends. If none waits, the next one that comes back
+    // does (see regain).
     holder_ = waiting_.empty() ? nullptr : waiting_.front();
     if (holder_ != nullptr) {
       awake(holder_);

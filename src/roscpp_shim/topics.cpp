@@ -1,5 +1,5 @@
-// Topics between participants, in the place of roscpp's connections. roscpp's own publications and
-// subscriptions stay in use: each has one link more for every participant at the other end.
+// Topics between participants; these replace roscpp's connections. roscpp's own publications and
+// subscriptions stay in use: each has one more link for every participant at the other end.
 #include "topics.h"
 
 #include <ros/connection_manager.h>
@@ -19,7 +19,7 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @brief Gives a member away that is private to roscpp: an instantiation may name it. */
+/** @brief Gives access to a private member of a class: an explicit instantiation may name it. */
 template <typename Tag, typename Tag::Member member>
 struct Open {
   friend typename Tag::Member open(Tag) { return member; }
@@ -61,7 +61,7 @@ std::vector<ros::SubscriptionPtr> allSubscriptions() {
 
 }  // namespace
 
-/** @brief A publication's link to a participant that listens: it writes into the report. */
+/** @brief A publication's link to a participant that subscribes; it writes into the report. */
 class MemberSubscriber : public ros::SubscriberLink {
  public:
   MemberSubscriber(const Topic& topic, std::uint32_t member) : own_topic_(topic), member_(member) {
@@ -80,7 +80,7 @@ class MemberSubscriber : public ros::SubscriberLink {
       return;
     }
     topics().is_sent = to_all;
-    constexpr std::size_t kLength = 4;  // of the message, before it
+    constexpr std::size_t kLength = 4;  // bytes before the message, with its length
     const auto* const bytes = reinterpret_cast<const char*>(message.buf.get());
     node().append(wire::Send{own_topic_.number,
                              0,
@@ -157,7 +157,7 @@ bool isMemberLink(const ros::SubscriberLinkPtr& link) {
   return dynamic_cast<MemberSubscriber*>(link.get()) != nullptr;
 }
 
-// ---- what the others need to know ------------------------------------------------------------
+// ---- connections -----------------------------------------------------------------------------
 
 void dropConnectionsTo(const std::string& node_name) {
   for (const auto& subscription : allSubscriptions()) {
@@ -189,7 +189,7 @@ void dropConnectionsTo(const std::string& node_name) {
   }
 }
 
-// ---- what the time master tells --------------------------------------------------------------
+// ---- mail of the time master -----------------------------------------------------------------
 
 void handle(const wire::Subscriber& item) {
   Topic* const topic = topics().of(item.topic);
@@ -249,14 +249,14 @@ void handle(const wire::Deliver& item) {
   const auto sender =
       topic == nullptr ? decltype(topic->senders.find(0))() : topic->senders.find(item.sender);
   if (!subscription || sender == topic->senders.end()) {
-    return;  // unsubscribed when it was under way
+    return;  // the program unsubscribed while it was under way
   }
   const auto& link = sender->second;
   link->count(item.payload.size());
   const Nanoseconds came = node().membership().came();
   const bool was_kept = came != node().now();
   if (was_kept) {
-    node().showTime(came);  // roscpp notes it as the time of receipt
+    node().showTime(came);  // roscpp takes it as the time of receipt
   }
   handleMessage()(subscription.get(), lockstep::internal::messageOf(item.payload), true, false,
                   link->values(), link);

@@ -19,11 +19,11 @@ class MemberSubscriber;
 class MemberPublisher;
 
 struct Topic : lockstep::internal::SharedTopic {
-  boost::weak_ptr<ros::Subscription> subscription;                         // as found last
+  boost::weak_ptr<ros::Subscription> subscription;                         // the last one found
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
-  std::vector<const ros::CallbackQueueInterface*> queues;  // into which what comes in goes
-  wire::Hearing hearing = wire::Hearing::kAll;             // as the time master knows
+  std::vector<const ros::CallbackQueueInterface*> queues;  // the queues for its messages
+  wire::Hearing hearing = wire::Hearing::kAll;             // as the time master knows it
 };
 
 using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMessage&, bool, bool,
@@ -33,13 +33,15 @@ using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMes
 /** @return roscpp's own Subscription::handleMessage. */
 HandleMessage* handleMessage();
 
-/** @brief The program's topics, for who has the turn. */
+/** @brief The program's topics. Only the thread with the turn uses them. */
 class Topics : public lockstep::internal::TopicTable<Topic> {
  public:
-  /** The message that is being published to all, and whether it is in the report already. */
+  /** The topic of a message that is being published to all, and whether the report has it already.
+   */
   const Topic* broadcast = nullptr;
   bool is_sent = false;
-  /** Links of roscpp's to participants: kept, so that they are not made again, but unused. */
+  /** roscpp's links to participants. They are kept, so that roscpp does not make them again, but
+   * carry nothing. */
   std::vector<ros::SubscriberLinkPtr> silent;
   PlainMutex silent_mutex;
 };

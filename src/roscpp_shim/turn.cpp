@@ -16,7 +16,7 @@ using Lock = std::lock_guard<PlainMutex>;
 
 }  // namespace
 
-// ---- who has the turn ------------------------------------------------------------------------
+// ---- the turn --------------------------------------------------------------------------------
 
 int Turn::holder() {
   const Lock lock(mutex_);
@@ -119,7 +119,7 @@ void Turn::park(Task* task) {
   const Inside inside;
   while (isActive() && awaitGo(task) != 0 && errno == EINTR) {
   }
-  // Woken without being chosen: everybody waits, and this thread is to report for them.
+  // Woken without being chosen: all threads wait, and this one has to report for them.
   while (task->is_waiting && isActive()) {
     Task* const next = firstReady();
     if (next == nullptr) {
@@ -147,13 +147,13 @@ Task* Turn::firstReady() {
     const Lock lock(mutex_);
     waiting = waiting_;
   }
-  // Not under the lock: what is_over looks at may itself be locked by one who signals.
+  // Not under the lock: a thread that signals may have locked what is_over looks at.
   for (Task* const task : waiting) {
     bool by_activity = false;
     if (isReady(*task, &by_activity)) {
       const Lock lock(mutex_);
       activity_ += by_activity ? 0 : 1;
-      // Of a pool the one that is here: no other thread need be woken.
+      // Of a pool this thread goes on, if it can: then no other thread has to be woken.
       const bool is_ours = task->wait.pool != nullptr && t_local.task != nullptr &&
                            t_local.task->is_waiting && t_local.task->wait.pool == task->wait.pool &&
                            isReady(*t_local.task, &by_activity);

@@ -1,4 +1,5 @@
-// Who runs: of the program's own threads one at a time, which hands over where it waits.
+// Which thread runs: one of the program's own threads at a time has the turn, and hands it over
+// when it waits.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
 
@@ -16,7 +17,7 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief A lock that is libc's own: not one of those that hand the turn over. */
+/** @brief A lock of libc's own, which does not hand the turn over. */
 class PlainMutex {
  public:
   void lock();
@@ -26,23 +27,23 @@ class PlainMutex {
   pthread_mutex_t mutex_ = PTHREAD_MUTEX_INITIALIZER;
 };
 
-/** @brief What a thread waits for. Without anything it only lets the others go first. */
+/** @brief What a thread waits for. An empty Wait only lets the other threads go first. */
 struct Wait {
-  Nanoseconds until = kNever;     // simulated
-  std::function<bool()> is_over;  // looked at by whoever has the turn
-  const void* object = nullptr;   // a condition, which somebody may signal
-  const void* pool = nullptr;     // threads that wait for the same and do the same: any will do
-  bool next_round = false;        // until the next grant, which is asked for at this instant
-  bool at_rest = false;   // until nobody who takes part has anything left to do at this instant
-  bool activity = false;  // until another thread has run,
-  Nanoseconds activity_from = 0;  // and this instant has come; at once where a thread is waited for
-  Nanoseconds activity_by = kNever;     // if one has run: at the latest then
-  bool for_thread = false;              // it is another thread that must do something
-  std::function<void()> unlock;         // called when a signal can no longer be missed
-  const char* what = nullptr;           // of a wait without end for another thread: shown
-  bool is_on_descriptors = false;       // others than its threads may end it, which is told
-  bool is_owed = false;                 // that thread must do it; else it is work that may come
-  const struct Task* end_of = nullptr;  // it is the end of that one
+  Nanoseconds until = kNever;        // simulated
+  std::function<bool()> is_over;     // the thread with the turn calls it
+  const void* object = nullptr;      // a condition that another thread may signal
+  const void* pool = nullptr;        // equal for threads that do the same: any of them may go on
+  bool next_round = false;           // until the next grant, which it requests at this instant
+  bool at_rest = false;              // until no participant has anything left to do at this instant
+  bool activity = false;             // until another thread has run,
+  Nanoseconds activity_from = 0;     // and this instant has come; at once if a thread waits for one
+  Nanoseconds activity_by = kNever;  // if one has run: then at the latest
+  bool for_thread = false;           // another thread must do something
+  std::function<void()> unlock;      // called when a signal can no longer be missed
+  const char* what = nullptr;        // shown for a wait without end for another thread
+  bool is_on_descriptors = false;    // other processes may end it, which labels the run
+  bool is_owed = false;              // that thread must do it; false: work that may come
+  const struct Task* end_of = nullptr;  // it waits for the end of this thread
 };
 
 enum class Woken { kReady, kTime, kEnd };
@@ -55,23 +56,23 @@ struct Task {
   Wait wait;
   bool is_waiting = false;
   bool is_signalled = false;
-  bool is_loose = false;     // it runs beside the others: it blocks where nobody can see it
+  bool is_loose = false;     // it runs beside the others, since it blocks where this cannot be seen
   bool is_blocking = false;  // it blocks in a known way, with time standing still
   bool has_spun = false;     // it has computed for so long that the others went on
   std::atomic<bool> is_done{false};
   std::uint64_t seen_activity = 0;
   bool in_spinner = false;        // its waits for callbacks are without end
-  unsigned in_callbacks = 0;      // the callback of a callback, say
+  unsigned in_callbacks = 0;      // depth: a callback may call callbacks
   bool has_acted = false;         // since its last wait for callbacks
-  unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
-  unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
+  unsigned idle_polls = 0;        // waits for callbacks in vain, in a row
+  unsigned empty_polls = 0;       // looks without waiting in vain, in a row
   unsigned clock_reads = 0;       // at one instant
   Nanoseconds slept_at = -1;      // instant at which it has slept by the wall clock,
   Nanoseconds slept = 0;          // for how long altogether,
   unsigned naps = 0;              // and how often
   unsigned yields = 0;            // in a row
-  bool sleeps_simulated = false;  // from when on that has been too long
-  std::function<void*()> main;    // of a thread that has not begun
+  bool sleeps_simulated = false;  // these sleeps were too long, so its sleeps are simulated now
+  std::function<void*()> main;    // its function, until it has begun
   std::vector<std::function<void()>> at_end;
 };
 
@@ -81,7 +82,7 @@ struct OpenWaits {
   std::vector<std::string> work;
 };
 
-/** @brief Marks that a thread runs roscpp's or this library's own code: nothing is intercepted. */
+/** @brief Marks that a thread runs code of roscpp or of this library: nothing is intercepted. */
 class Inside {
  public:
   Inside();
@@ -91,8 +92,9 @@ class Inside {
 };
 
 /**
- * @brief Marks that a thread of the program works on what roscpp's own threads share: what is
- * allocated meanwhile depends on how far those are, and comes from libc's heap.
+ * @brief Marks that a thread of the program works on data that roscpp's own threads share.
+ *
+ * What it allocates meanwhile depends on how far those threads are, and so comes from libc's heap.
  */
 class Beside {
  public:
@@ -102,7 +104,8 @@ class Beside {
   Beside& operator=(const Beside&) = delete;
 };
 
-/** @brief Marks that what the thread starts is roscpp's own, while it sees the run's clocks. */
+/** @brief Marks that threads which the thread starts are roscpp's own, while it sees the clocks of
+ * the run. */
 class StartsInternal {
  public:
   StartsInternal();
@@ -111,7 +114,7 @@ class StartsInternal {
   StartsInternal& operator=(const StartsInternal&) = delete;
 };
 
-/** @brief Marks that a thread blocks in a known way, with time standing still. */
+/** @brief Marks that a thread blocks in a known way, while time stands still. */
 class Blocking {
  public:
   Blocking();
@@ -125,68 +128,69 @@ class Blocking {
 
 class Turn {
  public:
-  /** @brief The calling thread is the program's first, and has the turn. */
+  /** @brief Begin the turns: the calling thread is the program's first, and has the turn. */
   void begin();
-  /** @brief No more turns: every thread goes on as if this library were not here. */
+  /** @brief End the turns: every thread goes on as if this library were not here. */
   void end();
   bool isActive() const { return is_active_.load(std::memory_order_relaxed); }
 
   /**
-   * @return whether the calling thread is one of the program's, and has the turn; waits for it
-   * where it ran beside the others. A thread that is not known yet becomes one of them.
+   * @return whether the calling thread is one of the program's, and has the turn. If it ran beside
+   * the others, it waits for its turn. A thread that is not known yet becomes one of the program's.
    */
   bool enter();
-  /** @return the same, but leaves threads alone that are not known. */
+  /** @return the same, but false for threads that are not known. */
   bool holds();
   /** @return the calling thread, if it is one of the program's. */
   static Task* self();
   static bool isInside();
-  /** @brief Call @p function when the calling thread, one of the program's, ends: its last thing.
+  /** @brief Call @p function at the very end of the calling thread, which is one of the program's.
    */
   static void atEnd(std::function<void()> function);
-  /** @brief The calling thread is roscpp's own. */
+  /** @brief Mark the calling thread as roscpp's own. */
   static void becomeInternal();
   static bool isInternal();
-  /** @return whether threads that the calling one starts are roscpp's own. */
+  /** @return whether threads that the calling thread starts are roscpp's own. */
   static bool startsInternal();
 
-  /** @return whether what the calling thread allocates is a part of the order of turns. */
+  /** @return whether allocations of the calling thread follow the order of the turns. */
   static bool allocatesInOrder();
-  /** @return whether what it gives back is. */
+  /** @return whether what the calling thread frees follows it. */
   static bool freesInOrder();
 
-  /** @brief Give the turn away until what @p wait says. For a thread that has entered. */
+  /** @brief Give the turn away until @p wait is over. @pre The thread has entered. */
   Woken wait(Wait wait);
-  /** @brief Wake who waits for @p object: one, or all. From any thread. */
+  /** @brief Wake one thread that waits for @p object, or all. From any thread. */
   void signal(const void* object, bool all);
 
-  /** @return a thread about to be created, whose function is @p main. */
+  /** @return the Task of a thread that is about to be created, with the function @p main. */
   std::shared_ptr<Task> create(std::function<void*()> main);
-  /** @brief It could not be created. */
+  /** @brief Forget a Task whose thread could not be created. */
   void discard(const std::shared_ptr<Task>& task);
-  /** @brief What the new thread runs. */
+  /** @brief The function of a new thread: waits for its turn, then runs the Task's function. */
   void* run(Task* task);
   /** @return the task of @p thread, if it is one of the program's that has not ended. */
   std::shared_ptr<Task> find(pthread_t thread);
-  /** @return whether the thread with @p tid waits, so that it cannot unlock anything. */
+  /** @return whether the thread @p tid waits for its turn, so that it cannot unlock anything. */
   bool isParked(int tid);
 
-  /** @return the thread that has the turn, as gettid() says; 0: none. From any thread. */
+  /** @return the thread that has the turn, by its gettid() number; 0: none. From any thread. */
   int holder();
 
-  /** @return what threads wait for others to do, as long as it takes. */
+  /** @return what threads wait for without a time-out. */
   OpenWaits openWaits();
-  /** @return whether a thread waits until nobody has anything left to do. */
+  /** @return whether a thread waits until no participant has anything left to do. */
   bool isResting();
-  /** @return when the first of the threads wants to go on. */
+  /** @return the first instant at which a thread wants to go on; kNever: none does. */
   Nanoseconds nextWake();
   /** @return the first instant at which a thread goes on with any grant, or kNever. */
   Nanoseconds firstLook();
-  /** @return whether somebody who ran beside the others, or was signalled by others, can go on. */
+  /** @return whether a thread can go on that ran beside the others, or that others have signalled.
+   */
   bool hasGuest();
 
  private:
-  /** @brief Tells of the end of a thread: the last thing that it does. */
+  /** @brief Notices the end of a thread, as the last thing that the thread does. */
   class Ends {
    public:
     void prepare();
@@ -211,7 +215,7 @@ class Turn {
   void letOthersOn(const std::string& why);
 
   std::atomic<bool> is_active_{false};
-  PlainMutex mutex_;  // for what follows; only who has the turn looks at Task::wait
+  PlainMutex mutex_;  // for what follows; only the thread with the turn looks at Task::wait
   Ends ends_;
   std::vector<std::shared_ptr<Task>> tasks_;
   std::vector<Task*> waiting_;

@@ -1,4 +1,4 @@
-// Where roscpp programs wait: time, callback queues, spinners.
+// The waits of roscpp programs: for times, for callback queues, in spinners.
 #include "waits.h"
 
 #include <ros/callback_queue.h>
@@ -21,17 +21,17 @@ CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none
 namespace move_base_abstract::shim {
 namespace {
 
-constexpr unsigned kIdlePolls = 3;         // waits in vain, after which a loop only waits
+constexpr unsigned kIdlePolls = 3;         // waits in vain, after which a loop is one that waits
 constexpr unsigned kEmptyPolls = 1000;     // looks in vain, after which simulated time goes on
-constexpr unsigned kClockReads = 1000000;  // at one instant, after which it goes on
+constexpr unsigned kClockReads = 1000000;  // reads at one instant, after which time goes on
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
-unsigned spinner_stops = 0;  // how often an AsyncSpinner's threads were told to end
+unsigned spinner_stops = 0;  // number of calls that stopped an AsyncSpinner
 StoringLoops is_storing_loop = nullptr;
 
-/** @brief Opens what a queue keeps to itself. */
+/** @brief Access to the private members of a callback queue. */
 struct OpenQueue : public ros::CallbackQueue {
-  /** @return the first callback, if there is one. (isEmpty() counts those under way too.) */
+  /** @return the first callback, or null. (isEmpty() also counts callbacks that run now.) */
   static const ros::CallbackInterface* first(ros::CallbackQueue& queue) {
     const boost::mutex::scoped_lock lock(queue.*(&OpenQueue::mutex_));
     const auto& callbacks = queue.*(&OpenQueue::callbacks_);
@@ -49,11 +49,11 @@ bool isInternalQueue(const ros::CallbackQueue* queue) {
 }
 
 /**
- * @brief Wait without a round for each time-out: a thread that does nothing but look at its queue.
+ * @brief Make a wait without a round for each time-out, for a thread that only looks at its queue.
  *
- * What else it may look at changes only when another thread has run: then it looks too, when its
- * time-out is over, with whatever this program does from then on; on its own if that is nothing.
- * A storing loop looks only while somebody waits for another thread.
+ * Anything else that it may look at changes only when another thread has run. After that, and after
+ * its time-out, it looks with the next round of this program; if there is none, in one of its own.
+ * A storing loop looks only while a thread waits for another one.
  */
 void awaitActivity(bool is_storing, Nanoseconds timeout, Wait* wait) {
   wait->until = kNever;
@@ -62,7 +62,8 @@ void awaitActivity(bool is_storing, Nanoseconds timeout, Wait* wait) {
   wait->activity_by = is_storing ? kNever : wait->activity_from + timeout;
 }
 
-/** @return whether there is a callback in the queue; waits for one, for at most @p timeout. */
+/** @brief Wait for a callback, for at most @p timeout. @return whether there is one in the queue.
+ */
 bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
                    const void* caller) {
   Task& me = *Turn::self();
@@ -74,7 +75,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
     countLook(&me.empty_polls, kEmptyPolls);
     return OpenQueue::first(queue) != nullptr;
   }
-  // A loop around this wait that does nothing else is not worth a round for each time-out.
+  // A loop around this wait that does nothing else needs no round for each time-out.
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
   Wait wait;
   wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
@@ -97,7 +98,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   return woken == Woken::kReady;
 }
 
-/** @brief While callbacks run, the thread's waits are the program's again, not its loop's. */
+/** @brief Marks that callbacks run: the thread's waits are the program's own, not the spinner's. */
 class InCallbacks {
  public:
   explicit InCallbacks(Task& task)
@@ -141,7 +142,8 @@ class InSpinner {
   bool was_ = false;
 };
 
-/** @brief Callbacks were put back, since other threads are in them: wait until that may change. */
+/** @brief Wait after callbacks were put back, because other threads run them. It ends when that may
+ * have changed. */
 void awaitOthers(ros::CallbackQueue& queue) {
   noteWait(&queue);
   Wait wait;
@@ -207,7 +209,7 @@ namespace ros {
 void Time::setNow(const Time& now) {
   using SetNow = void(const Time&);
   static SetNow* const function = shim::real<SetNow>("_ZN3ros4Time6setNowERKS0_");
-  if (!shim::takesPart()) {  // else the grants say what time it is
+  if (!shim::takesPart()) {  // otherwise grants set the time
     function(now);
   }
 }
@@ -259,7 +261,7 @@ void CallbackQueue::callAvailable(WallDuration timeout) {
     function(this, WallDuration());
   }
   if (first != nullptr && shim::OpenQueue::first(*this) == first && shim::turn().enter()) {
-    shim::Wait wait;  // put back, or come again: let the others go first
+    shim::Wait wait;  // it was put back, or came again: let the other threads go first
     wait.next_round = true;
     shim::turn().wait(wait);
   }
@@ -276,7 +278,7 @@ CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
     return isEnabled() ? Empty : Disabled;
   }
   CallOneResult result = TryAgain;
-  // A callback that another thread is in goes to the end of the queue; the next may be free.
+  // A callback that another thread runs goes to the end of the queue. The next one may be free.
   for (std::size_t left = shim::OpenQueue::size(*this); result == TryAgain && left > 0; --left) {
     const shim::InCallbacks callbacks(*shim::Turn::self());
     result = function(this, WallDuration());
@@ -325,7 +327,7 @@ void SingleThreadedSpinner::spin(CallbackQueue* queue) {
   function(this, queue);
 }
 
-/** roscpp's, which it does not declare in a header. */
+/** A class of roscpp, which no header declares. */
 class ROSCPP_DECL AsyncSpinnerImpl {
   void threadFunc();
   void stop();

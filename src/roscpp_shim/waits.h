@@ -1,4 +1,4 @@
-// How the program's threads wait, whatever they wait for.
+// How the program's threads wait, for anything.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
 
@@ -10,28 +10,30 @@
 namespace move_base_abstract::shim {
 
 /**
- * @return whether a loop that waits for callbacks at @p caller only stores what comes into its
- * queue, which nobody else can get at, and is ended only by one who then joins its thread.
+ * @return whether the loop at @p caller, which waits for callbacks, only stores the messages of its
+ * queue. No other thread has access to that queue, and whoever ends the loop then joins its thread.
  */
 using StoringLoops = bool (*)(const void* caller);
 
-/** @brief How such loops are known, outside of spinners. For whoever knows a library with one. */
+/** @brief Set the function that recognises such loops; for code that knows a library with one. */
 void setStoringLoops(StoringLoops is_storing);
 
-/** @brief A thread that only looks, again and again, lets simulated time go on after @p limit
- * looks. */
+/** @brief Count a look of a thread that looks again and again without waiting. After @p limit looks
+ * it lets simulated time go on. */
 void countLook(unsigned* count, unsigned limit);
 
-/** @brief Let the others go first, of a thread that has the turn; in a loop time goes on. */
+/** @brief Let the other threads go first; in a loop, time goes on. @pre The thread has the turn. */
 void giveWay();
 
-/** @brief A sleep by the wall clock [ns], of a thread that has the turn. */
+/** @brief Sleep by the wall clock [ns]. @pre The thread has the turn. */
 void sleepWall(Nanoseconds duration);
 
 /**
  * @brief Wait until @p is_over, for at most @p lasts simulated ns (kNever: without end).
- * For a thread that has the turn; a wait without length is a look. @p what is shown of one without
- * end; it is owed by another thread, if it is not the end of one, @p end_of.
+ *
+ * If @p lasts is 0 or less, this only looks. @p what names a wait without end in the state. Another
+ * thread owes it, unless the wait is for the end of the thread @p end_of.
+ * @pre The thread has the turn.
  */
 Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts,
                      const char* what, const Task* end_of = nullptr);

@@ -1,5 +1,5 @@
-// Looks by the wall clock whether the thread that has the turn is stuck: it waits where this
-// library does not see it, or computes without end.
+// Checks by the wall clock whether the thread that has the turn is stuck: whether it waits in a way
+// that this library does not see, or computes without end.
 #include <time.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using Lock = std::lock_guard<PlainMutex>;
 constexpr auto kWatchPeriod = std::chrono::milliseconds(100);  // wall
 constexpr int kStuckPeriods = 3;
 constexpr double kComputes = 20;                     // s of the processor, at one instant
-constexpr Nanoseconds kComputesAgain = kSecond / 2;  // of a thread that has done so before
+constexpr Nanoseconds kComputesAgain = kSecond / 2;  // for a thread that has done so before
 const char* const kLimitVariable = "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT";
 
 const char* const kWaits = "a thread waits for another one in a way that lockstep does not follow";
@@ -41,15 +41,16 @@ Nanoseconds computeLimit() {
   return static_cast<Nanoseconds>((limit > 0 && limit < 1e9 ? limit : kComputes) * kSecond);
 }
 
-/** @return how long a thread has computed in all [ns]; 0: it has gone. */
+/** @return the whole processor time of a thread [ns]; 0: the thread has ended. */
 Nanoseconds computedBy(int tid) {
-  constexpr int kOfThread = 6;  // how the kernel names the clock of a thread's processor time
+  constexpr int kOfThread = 6;  // the kernel's code for the clock of a thread's processor time
   return machineTime(static_cast<clockid_t>(~static_cast<unsigned>(tid) << 3 | kOfThread));
 }
 
 }  // namespace
 
-/** @brief The thread that has the turn runs beside the others from here on. Under the lock. */
+/** @brief From now on the thread that has the turn runs beside the others. @pre The lock is held.
+ */
 void Turn::letOthersOn(const std::string& why) {
   holder_->is_loose = true;
   holder_ = waiting_.front();
@@ -57,7 +58,7 @@ void Turn::letOthersOn(const std::string& why) {
   node().label(why);
 }
 
-/** @return a thread whose descriptors are ready though nobody has had the turn. Under the lock. */
+/** @return a thread whose descriptors are ready though none had the turn. @pre The lock is held. */
 Task* Turn::findWoken() {
   const auto at = std::find_if(waiting_.begin(), waiting_.end(), [](const Task* task) {
     return task->wait.is_on_descriptors && !task->is_signalled && task->wait.is_over();
@@ -70,7 +71,7 @@ void Turn::watch() {
   int asleep = 0;
   int awaits = 0;
   const Nanoseconds limit = computeLimit();
-  Nanoseconds computed = 0;  // by the holder, when it got the turn
+  Nanoseconds computed = 0;  // processor time of the holder when it got the turn
   while (isActive()) {
     std::this_thread::sleep_for(kWatchPeriod);
     const Lock lock(mutex_);

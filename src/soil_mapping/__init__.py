@@ -1,5 +1,6 @@
-"""A team of robots maps the soil compaction of a field: the study that the simulator is proved on.
+"""A team of robots maps the soil compaction of a field. The simulator is tested on this study.
 
-The mission (`mission` and what it uses) is written once. An engine moves the robots and tells it what happened:
-the Mesa model of this package, or ROS nodes. No module here knows ROS, looks a clock up or uses a global generator.
+The mission (`mission` and what it uses) is written once. An engine moves the robots and tells the mission what
+happened. The engines are the Mesa model of this package, and ROS nodes. The mission uses neither ROS, nor a clock, nor
+a global random generator.
 """

@@ -1,4 +1,4 @@
-"""What a trial is made of: the mission's parameters, checked at birth."""
+"""The parameters of a trial's mission, checked when they are made."""
 
 import re
 from dataclasses import asdict, dataclass, fields
@@ -10,21 +10,21 @@ from move_base_abstract.common.shown import shown
 
 PUBLISHED_CONFIGURATIONS = (('ssi', 'random'), ('ssi', 'dynamic'), ('rr', 'random'), ('rr', 'dynamic'))
 
-OWN_CLASS = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*')  # a user's class by its name
+OWN_CLASS = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*')  # the name of a user's class
 MAX_ROBOTS = 1000
 RANGES = {'budget_s': (1e-3, 1e7, 's'), 'dwell_s': (0.0, 1e7, 's'), 'speed': (1e-3, 1e3, 'm/s'),
           'coarse_m': (1.0, 1e6, 'm'), 'cell_m': (1e-3, 1e6, 'm')}
 
 
 class Allocation(str, Enum):
-    """How tasks come to robots: in turn, or to the lowest bid."""
+    """How tasks are assigned to robots: in turn, or to the lowest bid."""
 
     ROUND_ROBIN = 'rr'
     AUCTION = 'ssi'
 
 
 class Sampling(str, Enum):
-    """Where tasks are made: anywhere, where the map is least certain, or on a 10 x 10 grid at the start."""
+    """Where tasks are made: at random, where the map is least certain, or on a 10 x 10 grid at the start."""
 
     RANDOM = 'random'
     DYNAMIC = 'dynamic'
@@ -32,14 +32,14 @@ class Sampling(str, Enum):
 
 
 class CoarseCells(str, Enum):
-    """What the dynamic sampling calls a coarse cell: a square, or a cluster of grid cells."""
+    """The coarse cells of the dynamic sampling: squares, or clusters of grid cells."""
 
     SQUARES = 'squares'
     CLUSTERS = 'clusters'
 
 
 class Crs(str, Enum):
-    """In what a field's readings give their places: lat and lon (WGS84), or x and y, such as UTM's."""
+    """The coordinates of a field's readings: lat and lon (WGS84), or x and y in metres, such as UTM."""
 
     DEGREES = 'degrees'
     METRES = 'metres'
@@ -47,24 +47,24 @@ class Crs(str, Enum):
 
 @dataclass(frozen=True)
 class TrialConfig:
-    """The mission of one trial, the same for every engine. Texts are turned into the enums.
+    """The mission of one trial, the same for every engine. Texts are converted into the enums.
 
     :raises ConfigurationError: if a value cannot be used; the text names the field and what is allowed.
     """
 
     field: str = 'synthetic'  # 'synthetic', 'meuse' or 'csv:PATH'
     robots: int = 3  # 1..1000
-    allocation: Allocation = Allocation.AUCTION  # or a text 'module:Class'; so sampling; mission/own_code.py
+    allocation: Allocation = Allocation.AUCTION  # or a text 'module:Class', as sampling: mission/own_code.py
     sampling: Sampling = Sampling.DYNAMIC
     budget_s: float = 240.0  # simulated s from the start of the mission, > 0, at most 1e7 (116 days)
     dwell_s: float = 1.0  # simulated s that taking a sample lasts, 0..1e7
-    dwell_spread_s: float = 0.0  # a dwell is drawn uniformly from dwell_s -+ this; 0..dwell_s
-    speed: float = 2.0  # m/s, 0.001..1000: what engines drive at
-    cell_m: float = 1  # edge of a cell of truth and map, > 0; synthetic and stretched fields: 1 or 2
+    dwell_spread_s: float = 0.0  # dwells are uniform in dwell_s -+ this; 0..dwell_s
+    speed: float = 2.0  # m/s, 0.001..1000: the robots' speed
+    cell_m: float = 1  # m, edge of a cell of truth and map, > 0; synthetic and stretched fields: 1 or 2
     coarse_cells: CoarseCells = CoarseCells.SQUARES
-    coarse_m: float = 33.0  # edge of a square coarse cell, > 0
-    crs: Crs = Crs.DEGREES  # of csv:PATH
-    size: str = ''  # 'WIDTHxHEIGHT' [m] over which a csv field's bounding box is stretched; '' = its own size
+    coarse_m: float = 33.0  # m, edge of a square coarse cell, > 0
+    crs: Crs = Crs.DEGREES  # for csv:PATH
+    size: str = ''  # 'WIDTHxHEIGHT' [m] to which a csv field's bounding box is stretched; '' = its own size
 
     def __post_init__(self):
         for name, kind in (('allocation', Allocation), ('sampling', Sampling), ('coarse_cells', CoarseCells),
@@ -91,13 +91,16 @@ class TrialConfig:
 
     @property
     def label(self):
-        """The allocation and the sampling as a text that is fit for a file's name, such as 'ssi_dynamic'."""
+        """The allocation and the sampling as a text for names of files, such as 'ssi_dynamic'."""
         return '_'.join((each.value if isinstance(each, Enum) else each).replace(':', '.')
                         for each in (self.allocation, self.sampling))
 
     @classmethod
     def from_dict(cls, values):
-        """Return the configuration of a mapping; an unknown key is an error that names the nearest one."""
+        """Return the configuration that a mapping describes.
+
+        :raises ConfigurationError: for an unknown key, with the most similar known one, or a value that cannot be used.
+        """
         known = [field.name for field in fields(cls)]
         for key in values:
             if key not in known:
@@ -108,7 +111,7 @@ class TrialConfig:
 
 
 def parse_size(text):
-    """Return (width, height) [m] of 'WIDTHxHEIGHT', None of ''. :raises ConfigurationError: if it is neither."""
+    """Return (width, height) [m] of 'WIDTHxHEIGHT', or None for ''. :raises ConfigurationError: for any other text."""
     if text == '':
         return None
     found = re.fullmatch(r'([0-9.]{1,12})x([0-9.]{1,12})', text) if isinstance(text, str) else None

@@ -1,9 +1,9 @@
-"""Make a Python environment that has what the study needs: Debian's packages, and beside them what only PyPI has.
+"""Make a Python environment with all that the study needs: Debian's packages, and packages that only PyPI has.
 
-usage: environment.py FOLDER [REQUIREMENTS CONSTRAINTS]    (without lists: those of the study, beside this file)
+usage: environment.py FOLDER [REQUIREMENTS CONSTRAINTS]    (default: the lists of the study, beside this file)
 
-What Debian has of the compiled libraries is kept: a newer numpy in the environment would break Debian's scipy. A folder
-that this program did not make is never changed. Imports nothing but the standard library, so that any Python runs it.
+Compiled libraries that Debian has are kept, because a newer numpy in the environment would break Debian's scipy. The
+program never changes a folder that it did not make. It imports only the standard library, so any Python can run it.
 """
 
 import os
@@ -16,12 +16,12 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 STUDY_LISTS = (HERE / 'requirements.txt', HERE / 'constraints.txt')
 KEPT = ('numpy', 'scipy', 'matplotlib', 'pandas', 'pillow')  # compiled against one another
-MARKER = 'made-from'  # the file in the folder that says what it was made from
+MARKER = 'made-from'  # the file in the folder with the lists from which it was made
 UNFINISHED = 'unfinished\n'
 
 
 class EnvironmentFailure(Exception):
-    """The environment cannot be made; the text says why and what to do."""
+    """The environment cannot be made. The text says why, and what to do."""
 
 
 def of_the_user():
@@ -32,14 +32,14 @@ def of_the_user():
 
 
 def python_in(folder):
-    """Return the path of the Python of an environment."""
+    """Return the path of an environment's Python."""
     return Path(folder) / 'bin' / 'python'
 
 
 def make(folder, lists=STUDY_LISTS):
-    """Make the environment of two lists (requirements and constraints, as pip takes them) unless it is there already.
+    """Make the environment of two lists, unless it exists already, and return the path of its Python.
 
-    Returns the path of its Python.
+    lists: the paths of a file of requirements and a file of constraints, as pip takes them.
 
     :raises EnvironmentFailure: if the folder holds something else, or a step fails.
     """
@@ -50,7 +50,7 @@ def make(folder, lists=STUDY_LISTS):
     if found == wanted and os.access(python_in(folder), os.X_OK):
         return python_in(folder)
     if folder.is_symlink():
-        print(f'{folder}: a link to an environment made from other lists; it is used as it is', file=sys.stderr)
+        print(f'{folder}: is a link to an environment made from other lists; it is used as it is', file=sys.stderr)
         return python_in(folder)
     try:
         _empty(folder, found)
@@ -62,8 +62,8 @@ def make(folder, lists=STUDY_LISTS):
 
 
 def _pins_of_the_system():
-    """Return a line NAME==VERSION for each library to be kept that this Python has."""
-    import importlib.metadata  # takes as long as half of Python's start, and who only asks for paths needs none
+    """Return a line NAME==VERSION for each library of KEPT that this Python has."""
+    import importlib.metadata  # takes half as long as Python's start, and other functions do not need it
     pins = []
     for name in KEPT:
         try:
@@ -81,11 +81,11 @@ def _made_from(folder):
 
 
 def _empty(folder, found):
-    """Remove an environment that this program made, and nothing else; leave an empty folder with the marker."""
+    """Remove an environment, if this program made it, and leave an empty folder with the marker."""
     if found is not None:
         shutil.rmtree(folder)
     elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise EnvironmentFailure(f'{folder}: is there, and not made by this program (it holds no file {MARKER}), so it '
+        raise EnvironmentFailure(f'{folder}: exists, and was not made by this program (it has no file {MARKER}), so it '
                                  'is not replaced; move it away')
     folder.mkdir(parents=True, exist_ok=True)
     _write(folder / MARKER, UNFINISHED)
@@ -99,7 +99,7 @@ def _write(path, text):
 
 def _fill(folder, lists, pins):
     _run([sys.executable, '-m', 'venv', '--system-site-packages', folder],
-         'the Python environment could not be made; Debian has what it takes in the package python3-venv')
+         'the Python environment could not be made; it needs the Debian package python3-venv')
     requirements, constraints = lists
     with tempfile.TemporaryDirectory() as scratch:
         kept = Path(scratch) / 'kept.txt'
@@ -111,11 +111,11 @@ def _fill(folder, lists, pins):
 def _run(words, failure):
     done = subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, check=False)
     if done.returncode != 0:
-        raise EnvironmentFailure(f'{failure} (exit code {done.returncode}); its message stands above')
+        raise EnvironmentFailure(f'{failure} (exit code {done.returncode}); its message is above')
 
 
 def main(words):
-    """Make the environment that the words name; return the exit code."""
+    """Make the environment that the words of the command line describe; return the exit code."""
     if len(words) not in (1, 3):
         print(__doc__, file=sys.stderr)
         return 2

@@ -1,4 +1,4 @@
-"""One seeded generator per purpose and robot: adding a robot, or a draw for one purpose, moves nothing else."""
+"""One seeded generator for each purpose and robot, so that a new robot, or a new draw, changes no other draws."""
 
 from enum import IntEnum
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Purpose(IntEnum):
-    """What chance decides. The numbers are part of what makes a trial repeatable: never change one."""
+    """The purposes of draws. Never change a number, because trials are repeatable only with the same numbers."""
 
     START = 0
     RANDOM_TASKS = 1
@@ -16,5 +16,5 @@ class Purpose(IntEnum):
 
 
 def generator(seed, purpose, robot=0):
-    """Return a numpy Generator made of a seed (whole number >= 0), a Purpose and a robot's index alone."""
+    """Return a numpy Generator that depends only on a seed (whole number >= 0), a Purpose and a robot's index."""
     return np.random.default_rng([seed, int(purpose), robot])

@@ -1,4 +1,4 @@
-"""Wall time per phase. The mission is handed a stopwatch and never looks at a clock itself."""
+"""Measures the wall time of phases. The mission gets a stopwatch, and never reads a clock itself."""
 
 import contextlib
 import time
@@ -21,7 +21,7 @@ class Stopwatch:
 
     @contextlib.contextmanager
     def phase(self, name):
-        """Count the time until the end of the with block as phase name."""
+        """Add the time until the end of the with block to the phase ``name``."""
         began = self._now()
         try:
             yield

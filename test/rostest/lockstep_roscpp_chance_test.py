@@ -107,17 +107,17 @@ class LockstepRoscppChanceTest(unittest.TestCase):
                     for what in ('poll', 'ppoll', 'select', 'pselect', 'epoll_wait', 'epoll_pwait'))
         told.update((what, what + '() has the kernel wake the program by the wall clock')
                     for what in ('timer_create', 'setitimer', 'alarm', 'ualarm'))
-        told.update((what, what + "() starts a process that takes no part: what it answers is the machine's")
+        told.update((what, what + '() starts a process that is not a participant: its answers depend on the machine')
                     for what in ('popen', 'system', 'fork', 'posix_spawn', 'posix_spawnp'))
-        told.update((what, what + '() shares memory with other processes: what they write comes when it comes')
+        told.update((what, what + '() shares memory with other processes: they write to it by the wall clock')
                     for what in ('shm_open', 'shmget', 'mmap', 'mmap64'))
-        told.update((what, what + '() opens what other processes have too: what they do comes when it comes')
+        told.update((what, what + '() opens a queue or semaphore of several processes: they use it by the wall clock')
                     for what in ('mq_open', 'msgget', 'semget'))
         told.update((what, what + "() is not followed: C11's threads take no turns, and wait by the wall clock")
                     for what in ('thrd_create', 'thrd_sleep', 'cnd_timedwait', 'mtx_timedlock'))
         told.update((what, what + '() says how busy the machine is') for what in ('getloadavg', 'sysinfo'))
-        told['socket'] = 'socket() makes a connection: what comes over it comes when it comes'
-        told.update((what, 'a file in {} is opened: it says what is so on this machine, now'.format(what))
+        told['socket'] = 'socket() makes a connection: data arrives over it by the wall clock'
+        told.update((what, 'a file in {} is opened: it describes this machine at this moment'.format(what))
                     for what in ('/proc', '/sys'))
         told['mmap64'] = told['mmap']  # one function, where files are of 64 bits
         run = RUNS.run([chance('all')])

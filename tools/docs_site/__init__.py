@@ -1,1 +1,1 @@
-"""The documentation site: pages that are made from sources and from runs."""
+"""The pages of the documentation site that are made from sources and from runs."""

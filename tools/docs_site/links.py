@@ -1,4 +1,4 @@
-"""Links within the finished site: each leads to a file that is there, and to an anchor that is on it."""
+"""Checks links within the finished site: each must lead to an existing file, and to an anchor in it."""
 import re
 from pathlib import Path
 from urllib.parse import unquote
@@ -8,7 +8,7 @@ ANCHOR = re.compile(r'\bid="([^"]+)"')
 
 
 def lost(html):
-    """Return [(page, link)] of the links of the site in folder ``html`` that lead nowhere; those to other sites not."""
+    """Return [(page, link)] of broken links of the site in folder ``html``; links to other sites are not checked."""
     html = Path(html)
     pages = {path.resolve(): path.read_text(encoding='utf-8') for path in sorted(html.rglob('*.html'))
              if 'live' not in path.relative_to(html).parts}

@@ -1,36 +1,36 @@
-"""The live pages of the site: runs that are made now, as replays and reports to look at without installing anything."""
+"""The live pages of the site: replays and reports of runs that are made now. Readers need not install anything."""
 import re
 import shutil
 import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PLAIN = ROOT / '.ws' / 'plain' / 'bin' / 'python'  # with SimPy, which Debian has too old
-LIMIT = 1800  # s, wall, of one command; a guard
-#: of the ranking, so that it takes seconds: (line of its file, what stands there here)
+PLAIN = ROOT / '.ws' / 'plain' / 'bin' / 'python'  # with SimPy, of which Debian has an old version only
+LIMIT = 1800  # s, wall: longest time of one command
+#: changes of the ranking's file, so that it takes seconds: (line of the file, its replacement)
 SHORTER = ((r'replications: \d+', 'replications: 5'), (r'  robots: \[2, 3\]', '  robots: [3]'),
            (r'  map: \[farm_yard, aisles_5\]', '  map: [{}]'.format(ROOT / 'maps' / 'farm_yard.yaml')))
 MBA = ('rosrun', 'move_base_abstract')
 
 
 class LiveError(Exception):
-    """A run failed; the text has its command and its output."""
+    """A run failed. The text has its command and its output."""
 
 
 def make(folder, out):
-    """Make all live pages below ``out``, with ``folder`` for what is made on the way; return [(title, file, text)].
+    """Make all live pages below ``out``, with ``folder`` for intermediate files; return [(title, file, text)].
 
     :raises LiveError: if a run fails.
     """
     for path in (folder, out):
         if path.exists():
-            shutil.rmtree(path)  # made here, by an earlier run
+            shutil.rmtree(path)  # from an earlier run of this program
         path.mkdir(parents=True)
     return [one(folder, out) for one in (_demo, _warehouse, _encounter, _patrol, _ranking)]
 
 
 def page(made):
-    """Return the page that leads to the live pages; ``made``: as of :func:`make`."""
+    """Return the page with links to the live pages; ``made``: the result of :func:`make`."""
     lines = ['# Look '
              'before you install', '', 'These pages were made with this site, from runs that are made anew each time. '
                                        'They work '
@@ -53,7 +53,7 @@ def page(made):
 
 
 def _run(*words, cwd=None):
-    """Run a command; raise with its output if it fails."""
+    """Run a command. :raises LiveError: if it fails, with its output."""
     done = subprocess.run([str(word) for word in words], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           timeout=LIMIT, check=False, text=True)
     if done.returncode != 0:
@@ -132,7 +132,7 @@ def _ranking(folder, out):
 
 
 def _take_report(done, out, name):
-    """Copy the report of an experiment with what it links to."""
+    """Copy the report of an experiment, and the files to which it links."""
     (out / name).mkdir()
     shutil.copy(done / 'report.html', out / name / 'report.html')
     for part in ('tables', 'replays'):

@@ -1,11 +1,11 @@
-"""Reference pages from the sources: public names of Python from the rooms' own lists, messages from their files."""
+"""Reference pages from the sources: public Python names from the lists of the packages, messages from their files."""
 import ast
 import importlib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = 'move_base_abstract'
-#: what users' nodes and tests import besides, {module: names of it; none: all that it has}
+#: other modules that users' nodes and tests import, {module: its names; empty: all of them}
 FOR_NODES = {'move_base_abstract_ros.lockstep': ('join', 'is_lockstep', 'participant', 'Participant'),
              'move_base_abstract_ros.goal_client': (), 'move_base_abstract_ros.time_master_client': (),
              'move_base_abstract_testing.system_under_test': ()}
@@ -15,7 +15,7 @@ INTERFACES = (('msg', 'Messages'), ('srv', 'Services'), ('action', 'Actions'))
 
 def interfaces():
     """Return the page of all messages, services and actions, from their files."""
-    lines = ['# Messages, services, actions', '', 'As their files have them, with units and frames.', '']
+    lines = ['# Messages, services, actions', '', 'The files of this package, with units and frames.', '']
     for folder, title in INTERFACES:
         lines += ['## ' + title, '']
         for path in sorted((ROOT / folder).glob('*.' + folder)):
@@ -24,9 +24,9 @@ def interfaces():
 
 
 def python():
-    """Return the page of the public names of Python, room by room."""
+    """Return the page of the public Python names, package by package."""
     lines = ['# Python', '',
-             'Public names, from their docstrings. What each room is for: [architecture](architecture.md).', '',
+             'Public names, with their docstrings. What each package is for: [architecture](architecture.md).', '',
              '## Without ROS', '', 'Robots in plain Python, and the core of the nodes.', '']
     shown = set()
     for room, names in _rooms(CORE):
@@ -51,7 +51,7 @@ def _entry(kind, name):
 
 
 def _kind(home, name):
-    """Return what Sphinx is to show a name of a module as; from its source, for not everything can be imported."""
+    """Return Sphinx's directive for a name of a module, from its source, as not all modules can be imported."""
     path = (ROOT / 'src').joinpath(*home.split('.'))
     text = (path / '__init__.py' if path.is_dir() else path.with_suffix('.py')).read_text(encoding='utf-8')
     found = {getattr(node, 'name', ''): node for node in ast.parse(text).body}.get(name)
@@ -59,7 +59,7 @@ def _kind(home, name):
 
 
 def _rooms(package):
-    """Yield (room, [(public name, its module)]), the package itself as ''."""
+    """Yield (subpackage, [(public name, its module)]); the package itself is ''."""
     folder = ROOT / 'src' / package
     for path in [folder / '__init__.py', *sorted(folder.glob('*/__init__.py'))]:
         room = '' if path.parent == folder else path.parent.name
@@ -70,7 +70,7 @@ def _rooms(package):
 
 
 def _handed_on(path):
-    """Return the table of names that a package hands on, {module: names}, from its source."""
+    """Return the table of names that a package exports, {module: names}, from its source."""
     for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
         if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'handed_on':
             return ast.literal_eval(node.args[1])

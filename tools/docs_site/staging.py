@@ -1,4 +1,4 @@
-"""The repository's pages as Sphinx takes them: drawings in the page itself, terms as a glossary."""
+"""Prepares the repository's pages for Sphinx: drawings become part of the page, terms become a glossary."""
 import re
 import shutil
 
@@ -7,7 +7,7 @@ TERM = re.compile(r'^\| \*\*([^|*]+)\*\* \| ([^|]*) \| ([^|]*) \|$', re.MULTILIN
 
 
 def stage(root, names, source):
-    """Copy ``names`` of ``root`` into the new folder ``source``, and make of them what Sphinx takes."""
+    """Copy the files and folders ``names`` of ``root`` into the new folder ``source``, and prepare them for Sphinx."""
     source.mkdir(parents=True)
     for name in names:
         path = root / name
@@ -26,12 +26,12 @@ def stage(root, names, source):
 
 
 def with_drawings(text):
-    """Return a page with its SVG drawings in it, so that they take the colours of the theme."""
+    """Return the text of a page that contains its SVG drawings, so that they have the colours of the theme."""
     return PICTURE.sub(lambda match: '```{{raw}} html\n:file: {}\n```'.format(match.group(2)), text)
 
 
 def with_glossary(text):
-    """Return the page of terms with each of its tables as a glossary."""
+    """Return the text of the page of terms, with each table as a glossary."""
     def entry(term, meaning, not_so):
         return '{}\n  {}{}'.format(term, meaning, ' Not called: {}.'.format(not_so) if not_so.strip() else '')
 

@@ -1,4 +1,4 @@
-"""A leg as a row: what a goal asked for, what navfn planned first, what the odometry of 10 Hz says of the way."""
+"""A leg as a row of the table: its goal, navfn's first plan, and its way by the odometry at 10 Hz."""
 import math
 
 COLUMNS = (
@@ -11,7 +11,7 @@ COLUMNS = (
 STATES = {2: 'PREEMPTED', 3: 'SUCCEEDED', 4: 'ABORTED', 5: 'REJECTED', 8: 'RECALLED', 9: 'LOST'}
 ABORTED = 4
 STEP = 0.1  # s, of the odometry
-STUCK_M = 0.05  # driven
+STUCK_M = 0.05  # m: a robot that has driven less on an aborted leg may be stuck
 _TOLERANCE = 0.1  # m
 _REVERSE, _SPIN_V, _SPIN_W, _STILL = -0.15, 0.05, 0.15, 0.01  # m/s, m/s, rad/s, both
 _SPACING, _CHORD, _SHORT, _CORNER = 0.25, 1.0, 0.8, math.radians(30.0)  # m, m, m, rad
@@ -23,7 +23,7 @@ def angle(value):
 
 
 class Leg:
-    """One goal under way. ``start`` and ``goal``: (x, y, yaw); ``sent``: s."""
+    """One goal under way. ``start`` and ``goal``: (x, y, yaw) [m, rad]; ``sent``: simulated s."""
 
     def __init__(self, number, kind, start, goal, sent):
         self.number, self.kind, self.start, self.goal, self.sent = number, kind, start, goal, sent
@@ -35,13 +35,13 @@ class Leg:
         self.pose = start
 
     def planned(self, points, now):
-        """Take a plan of navfn, (x, y) each."""
+        """Note a plan of navfn, a list of (x, y) [m]."""
         self.plans += 1
         if self.first_plan is None and len(points) > 1:
             self.plan, self.first_plan = points, now
 
     def moved(self, pose, v, w, now):
-        """Take the odometry of a step."""
+        """Note the odometry of a step: pose (x, y, yaw), speeds v [m/s] and w [rad/s]."""
         self.driven += math.hypot(pose[0] - self.pose[0], pose[1] - self.pose[1])
         self.turned += abs(angle(pose[2] - self.pose[2]))
         self.pose = pose
@@ -55,12 +55,12 @@ class Leg:
         self.still += STEP * (self.first_motion is not None and abs(v) < _STILL and abs(w) < _STILL)
 
     def near(self, distance, robot, now):
-        """Take the distance to another robot [m]."""
+        """Note the distance to another robot [m]."""
         if distance < self.nearest[0]:
             self.nearest = (distance, robot, now)
 
     def row(self, run, robot, result, clearance, stuck_start):
-        """Return {column: text}. ``result``: (state, text, s); ``clearance(x, y)``: to the nearest wall [m]."""
+        """Return {column: text}. ``result``: (state, text, s); ``clearance(x, y)``: distance to the next wall [m]."""
         state, text, now = result
         error = math.hypot(self.pose[0] - self.goal[0], self.pose[1] - self.goal[1])
         values = {
@@ -90,7 +90,7 @@ def _text(name, value):
 
 
 def describe(plan, start_yaw, goal_yaw, clearance):
-    """Return {column: value} of a plan, of (x, y) each; None for what cannot be said of it."""
+    """Return {column: value} of a plan, a list of (x, y) [m]; values that are not known are None."""
     names = ('plan_m', 'plan_turn_rad', 'plan_corners', 'plan_clearance_m', 'start_turn_rad', 'end_turn_rad')
     if len(plan) < 2:
         return dict.fromkeys(names)

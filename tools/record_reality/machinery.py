@@ -71,7 +71,7 @@ def free_port():
 
 
 def write_world(folder, place, starts):
-    """Write the world of a Place with robots at ``starts``, (x, y, yaw in degrees) each; returns its path."""
+    """Write the world of a Place with robots at ``starts``, (x, y, yaw in degrees) each; return its path."""
     text = _WORLD.format(width=place.width, height=place.height, x=place.width / 2.0, y=place.height / 2.0,
                          bitmap=place.name + '.png')
     for number, (x, y, yaw) in enumerate(starts):
@@ -83,7 +83,7 @@ def write_world(folder, place, starts):
 
 
 def parameters(robots):
-    """Return {name of a ROS parameter: value} of the move_bases and localizations of so many robots."""
+    """Return {name of a ROS parameter: value} for the move_bases and localizations of ``robots`` robots."""
     planner = yaml.safe_load(_PLANNER.read_text())
     values = {'/use_sim_time': True, '/stageros/base_watchdog_timeout': 0.5, '/stageros/steps_from_stdin': True}
     for name in ('robot_{}'.format(number) for number in range(robots)):
@@ -98,7 +98,7 @@ def parameters(robots):
 
 
 class Stage:
-    """Stage, one step at a time: a byte to its input for a step, a byte back when that is done."""
+    """Stage, one step at a time: it does a step for each byte on its input, and answers with a byte."""
 
     def __init__(self, start, world):
         self._steps, theirs = socket.socketpair()
@@ -106,7 +106,7 @@ class Stage:
         theirs.close()
 
     def step(self):
-        """Let it do one step of 0.1 s.
+        """Let Stage do one step of 0.1 s.
 
         :raises RuntimeError: if it has ended, with its exit code.
         """
@@ -120,7 +120,7 @@ class Stage:
 
 
 class Programs:
-    """What was started, to be ended in the reverse order; nothing else is."""
+    """The programs that were started; stop() ends these, and no others, in the reverse order."""
 
     def __init__(self, folder):
         self._folder = folder
@@ -131,7 +131,7 @@ class Programs:
         self.environment.pop('ROS_HOSTNAME', None)
 
     def start(self, command, name, **options):
-        """Start a program whose output goes to ``name``.out; returns its Popen."""
+        """Start a program whose output goes to ``name``.out; return its Popen."""
         with open(str(self._folder / (name + '.out')), 'wb') as output:
             process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=self.environment,
                                        cwd=str(self._folder), start_new_session=True, **options)
@@ -143,7 +143,7 @@ class Programs:
         self.start(['rosmaster', '--core', '-p', str(self.port)], 'rosmaster')
 
     def start_robots(self, map_file, robots):
-        """Start map_server, and localization and move_base of each robot; returns their Popens."""
+        """Start map_server, and localization and move_base of each robot; return their Popens."""
         started = [self.start([program('map_server', 'map_server'), str(map_file)], 'map_server')]
         for name in ('robot_{}'.format(number) for number in range(robots)):
             for package in ('fake_localization', 'move_base'):
@@ -152,7 +152,7 @@ class Programs:
         return started
 
     def stop(self):
-        """End all of them."""
+        """End all programs."""
         for process in reversed(self.processes):
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)

@@ -1,7 +1,7 @@
-"""What the robots of a mission do: goals by seed, for each robot by itself or in rounds that all begin together.
+"""The goals of a mission's robots, from a seed: for each robot by itself, or in rounds that begin together.
 
-A kind is asked ``goals(idle, poses, now)``: which robots, among those that are idle, get which goal now. It keeps what
-it needs to know itself; chance comes from the mission's seed alone.
+Each kind of mission has a method ``goals(idle, poses, now)``, which says which of the idle robots get which goal now.
+It keeps its own state. All draws follow from the mission's seed.
 """
 import math
 import random
@@ -9,20 +9,20 @@ import random
 from legs import angle
 
 _REST = 1.0  # s between two goals
-_LATER = 3.0  # s: the most that a robot begins later than its round
+_LATER = 3.0  # s: longest delay of a robot after the begin of its round
 _BEHIND = math.radians(120.0)
 _CLASSES = (('short', 1.0, 5.0), ('medium', 5.0, 20.0), ('long', 20.0, math.inf))  # m
 _GATHER = 2.0  # m
-_APART = 0.8  # m between places that are gone to at once
+_APART = 0.8  # m between places to which robots go at the same time
 
 
 class ByThemselves:
-    """Each robot for itself: random goals, or goals behind it (``kind``: random, turns)."""
+    """Each robot by itself: random goals, or goals behind it (``kind``: random, turns)."""
 
     def __init__(self, kind, place, robots, seed):
         self._kind, self._place = kind, place
         self._chances = [random.Random('{} {} {}'.format(kind, seed, robot)) for robot in range(robots)]
-        self._since = [None] * robots  # idle, s
+        self._since = [None] * robots  # s: since when it is idle
         self._goals = [None] * robots
 
     def goals(self, idle, poses, now):
@@ -58,14 +58,14 @@ def _free(x, y, others):
 
 
 class Rounds:
-    """All begin together and wait for each other (``kind``: headon, crossing, stander, gather)."""
+    """All robots begin together and wait for each other (``kind``: headon, crossing, stander, gather)."""
 
     def __init__(self, kind, place, robots, seed):
         self._kind, self._place, self._robots = kind, place, robots
         self._chance = random.Random('{} {}'.format(kind, seed))
-        self._ahead = []  # rounds that are to come: {robot: (x, y, yaw)}
+        self._ahead = []  # next rounds: (class, {robot: (x, y, yaw)})
         self._due = []  # of the present round: (s, robot, class, goal)
-        self._rest = None  # s since when all are idle
+        self._rest = None  # s: since when all robots are idle
 
     def goals(self, idle, poses, now):
         """Return [(robot, class, (x, y, yaw))]."""
@@ -89,7 +89,7 @@ class Rounds:
         self._rest = None
 
     def _swaps(self, ends, times=2, stay=()):
-        """Return rounds: to the first of the two ``ends`` of each robot, then from end to end so often."""
+        """Return rounds: to the first of the two ``ends`` of each robot, then ``times`` times from end to end."""
         first = {robot: (*a, _heading(a, b)) for robot, (a, b) in ends.items()}
         rounds = [('position', {**first, **dict(stay)})]
         for number in range(times):
@@ -98,12 +98,12 @@ class Rounds:
         return rounds
 
     def _end_yaw(self, a, b):
-        """Return the way's heading, or the way back's, or any [rad]."""
+        """Return the heading of the way, or of the way back, or a random one [rad]."""
         way = _heading(a, b)
         return self._chance.choice((way, angle(way + math.pi), self._chance.uniform(-math.pi, math.pi)))
 
     def _lane_ends(self, lane):
-        """Return two places on the lane's middle line, or beside it where it is wide, near its ends."""
+        """Return two places near the lane's ends, on its middle line, or beside that if the lane is wide."""
         (x0, y0), (x1, y1) = lane.start, lane.end
         length = math.hypot(x1 - x0, y1 - y0)
         aside = self._chance.uniform(-1.0, 1.0) * max(0.0, min(lane.width / 2.0 - 0.5, 0.6))

@@ -1,30 +1,30 @@
-"""When the machine has done all that a step of Stage asks for: no thread of the watched processes runs or wants to.
+"""Finds the moment when all work of a step of Stage is done: no thread of the watched processes runs or wants to run.
 
-The next step comes only then, so that a busy machine makes a recording slow and not wrong: in simulated time every
-program is as quick as on a machine with cores to spare. A thread that goes on and on (move_base tries to plan without
-a pause until its patience is over) is left behind when it has had as much of a core as there is in a step's time, and
-from then on with a fifth of that until it sleeps.
+The next step comes only then, so a busy machine makes a recording slower, but not wrong: in simulated time every
+program is as quick as on a machine with cores to spare. A thread that never stops is not waited for (move_base tries to
+plan without a pause until its patience is over). It gets as much of a core as a step's time in the first step, and a
+fifth of that in each further step, until it sleeps.
 """
 import os
 import time
 
 _FIRST_LOOK = 0.002  # wall s: roscpp looks at the simulated clock every 1 ms
 _BETWEEN = 0.0011  # wall s
-_LOOKS = 3  # in a row that find all asleep
+_LOOKS = 3  # looks in a row that must find all threads asleep
 _LIST_EVERY = 20  # waits
 _STEP_TICKS = os.sysconf('SC_CLK_TCK') // 10  # of a core in a step of 0.1 s
-_BUSY_TICKS = _STEP_TICKS // 5  # of a thread that did not sleep in the step before
+_BUSY_TICKS = _STEP_TICKS // 5  # for a thread that did not sleep in the step before
 
 
 class Pace:
-    """Watches processes ``pids``, all threads of each."""
+    """Watches all threads of the processes ``pids``."""
 
     def __init__(self, pids):
         self._pids = tuple(pids)
         self._files = {}
         self._waits = 0
-        self._used, self._before = {}, {}  # ticks of a core by path: now, at the begin of the step
-        self._busy, self._left = set(), set()  # paths of threads left behind: in the step before, in the last look
+        self._used, self._before = {}, {}  # ticks of a core by path: now, and at the begin of the step
+        self._busy, self._left = set(), set()  # paths of threads without a wait: in the step before, in the last look
 
     def watch(self, pid):
         """Watch one more process."""
@@ -32,11 +32,11 @@ class Pace:
         self.look_anew()
 
     def look_anew(self):
-        """Look for threads that have begun since, at the next wait."""
+        """At the next wait, look for threads that have begun since the last look."""
         self._waits = 0
 
     def wait(self, limit=300.0):
-        """Return whether all threads are done within ``limit`` [wall s]: in several looks in a row."""
+        """Wait until several looks in a row find all threads done; return whether that is within ``limit`` [wall s]."""
         if self._waits % _LIST_EVERY == 0:
             self._list_threads()
         self._waits += 1

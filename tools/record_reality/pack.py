@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Pack recorded missions as examples/reality has them; the same bytes from the same missions.
+"""Pack recorded missions into the tables of examples/reality; the same missions give the same bytes.
 
 usage: tools/record_reality/pack.py FOLDER TARGET
 
-FOLDER: what record.py has written. A mission with more than 2 % of its control cycles missed is named and left out.
+FOLDER: the output of record.py. A mission that missed more than 2 % of its control cycles is named and left out.
 """
 import csv
 import gzip
@@ -34,7 +34,7 @@ def _write(path, rows):
 
 
 def main():
-    """Pack what the command line names."""
+    """Pack the missions of the command line."""
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     source, target = map(Path, sys.argv[1:])
@@ -51,7 +51,7 @@ def main():
             table.extend(row for row in rows if name != 'legs' or row[_DURATION] != '0.0')
     for name, table in tables.items():
         _write(target / ('missions.csv' if name == 'mission' else name + '.csv.gz'), table)
-    for name in sorted(maps - {'farm_yard'}):  # that one lies in maps
+    for name in sorted(maps - {'farm_yard'}):  # that map is in maps/
         place(name).write(target)
     print('{} missions, {} legs, {} poses'.format(*(len(table) - 1 for table in tables.values())))
 

@@ -1,7 +1,7 @@
-"""The maps of the recordings: what is drawn, where robots may be sent, and where they are made to meet.
+"""The maps of the recordings, with the places to which robots may be sent, and the places where they meet.
 
-Metres, map frame, lower left corner at (0, 0); 0.1 m a cell, as the yard that ships. A *lane* is a straight way with a
-width on which two robots can meet; a *junction* is where two straight ways cross.
+Units are metres in the map frame, with the lower left corner at (0, 0). A cell is 0.1 m, as in the yard that ships. A
+*lane* is a straight way with a width, on which two robots can meet. A *junction* is a crossing of two straight ways.
 """
 import random
 from collections import namedtuple
@@ -12,7 +12,7 @@ import yaml
 from PIL import Image, ImageDraw
 from scipy.ndimage import distance_transform_edt, label
 
-RESOLUTION = 0.1  # m a cell
+RESOLUTION = 0.1  # m per cell
 _WALL = 0.2  # m
 _FREE, _OCCUPIED = 254, 0  # grey, as map_saver writes them
 _ROOT = Path(__file__).resolve().parent.parent.parent
@@ -21,14 +21,14 @@ _ROOMS = 4  # on each side of the corridor
 _DOORS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2)  # m, from the corridor into the rooms; robots are 0.36 m wide
 _INNER_DOORS = (0.5, 0.6, 0.7, 0.8, 1.0, 1.5)  # m, from room to room
 _AISLES = (1.5, 1.8, 2.0, 2.4, 3.0)  # m
-_RACK, _RACKS, _END = 1.0, 8.0, 2.0  # m: a rack's depth and length, the width of what joins the aisles at their ends
+_RACK, _RACKS, _END = 1.0, 8.0, 2.0  # m: a rack's depth and length, the width of the ways that join the aisles
 
 Lane = namedtuple('Lane', 'start end width')
 Junction = namedtuple('Junction', 'middle arm width')
 
 
 class Place:
-    """A map, and where robots are sent on it. ``clearance``: of random goals to the nearest wall, m."""
+    """A map with its lanes, junctions and goals. ``clearance``: least distance of random goals from walls [m]."""
 
     def __init__(self, name, image, lanes, junctions, clearance):
         self.name, self.image, self.lanes, self.junctions = name, image, lanes, junctions
@@ -41,24 +41,24 @@ class Place:
         self.cells = [(x, y) for y, x in np.argwhere(wide & (parts == largest))]
 
     def clearance(self, x, y):
-        """Return the distance from (x, y) to the nearest wall, of cell's middle to cell's edge [m]; 0 outside."""
+        """Return the distance from (x, y) to the nearest wall, from cell centre to cell edge [m]; 0 outside."""
         row, column = int(y / RESOLUTION), int(x / RESOLUTION)
         inside = 0 <= row < self.clearances.shape[0] and 0 <= column < self.clearances.shape[1]
         return max(0.0, float(self.clearances[row, column])) if inside else 0.0
 
     def point(self, chance):
-        """Return the middle of a cell that is drawn uniformly among those with the clearance [m]."""
+        """Return the centre (x, y) [m] of a cell that is drawn uniformly among those with the clearance."""
         x, y = chance.choice(self.cells)
         return (x + 0.5) * RESOLUTION, (y + 0.5) * RESOLUTION
 
     def roomy_place_near(self, x, y):
-        """Return the middle of the nearest cell with the clearance [m]."""
+        """Return the centre (x, y) [m] of the nearest cell with the clearance."""
         column, row = min(self.cells, key=lambda cell: ((cell[0] + 0.5) * RESOLUTION - x) ** 2
                           + ((cell[1] + 0.5) * RESOLUTION - y) ** 2)
         return (column + 0.5) * RESOLUTION, (row + 0.5) * RESOLUTION
 
     def write(self, folder):
-        """Write the image and the YAML file for map_server; returns the path of the latter."""
+        """Write the image and the YAML file for map_server; return the path of the YAML file."""
         self.image.save(folder / (self.name + '.png'), optimize=True)
         path = folder / (self.name + '.yaml')
         path.write_text(yaml.safe_dump({
@@ -89,7 +89,7 @@ def yard():
 
 
 def aisles(seed):
-    """Return racks with aisles of 1.5 to 3 m between them, in an order by ``seed``, joined at both ends."""
+    """Return racks with aisles of 1.5 to 3 m between them, joined at both ends; ``seed`` decides their order."""
     widths = list(_AISLES)
     random.Random('aisles {}'.format(seed)).shuffle(widths)
     width = sum(widths) + _RACK * (len(widths) - 1) + 2.0 * _WALL
@@ -111,7 +111,7 @@ def aisles(seed):
 
 
 def rooms(seed):
-    """Return rooms along a corridor, with doors of all widths down to the robots' own, in an order by ``seed``."""
+    """Return rooms along a corridor, with doors down to nearly the robots' width; ``seed`` decides their order."""
     chance = random.Random('rooms {}'.format(seed))
     doors, inner = list(_DOORS), list(_INNER_DOORS)
     chance.shuffle(doors)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print the plan of the recordings in examples/reality: a mission a line, for record.py.
+"""Print the plan of the recordings in examples/reality for record.py, one mission per line.
 
 usage: tools/record_reality/plan.py [MISSIONS]
 """
@@ -19,7 +19,7 @@ _ORDER = ('aisles', 'rooms', 'aisles', 'rooms', 'farm_yard')
 
 
 def missions():
-    """Yield (run, map, kind, robots, seed, simulated_s), kinds and maps in turn, without end."""
+    """Yield (run, map, kind, robots, seed, simulated_s) without end; kinds and maps take turns."""
     kinds = {kind: itertools.cycle(pairs) for kind, pairs in _KINDS.items()}
     maps = {kind: itertools.cycle(names) for kind, names in _MAPS.items()}
     for number, area in enumerate(itertools.cycle(_ORDER), 1):
@@ -28,7 +28,7 @@ def missions():
 
 
 def main():
-    """Print it."""
+    """Print the plan."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else _MOST
     print('run,map,kind,robots,seed,simulated_s')
     for row in itertools.islice(missions(), count):

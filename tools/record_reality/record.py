@@ -3,9 +3,9 @@
 
 usage: tools/record_reality/record.py PLAN.csv FOLDER [JOB/JOBS]
 
-PLAN.csv: a mission a line: run,map,kind,robots,seed,simulated_s. Its files are written when it is over: in FOLDER/RUN
-legs.csv, poses.csv and mission.csv. Missions that are there are not recorded again. JOB/JOBS: every JOBS-th, from the
-JOB-th on, for several processes at once. README.md says what must be built before.
+PLAN.csv has one mission per line: run,map,kind,robots,seed,simulated_s. When a mission is over, its files are written
+to FOLDER/RUN: legs.csv, poses.csv and mission.csv. Missions whose files exist are not recorded again. JOB/JOBS: record
+every JOBS-th mission, from the JOB-th on, for several processes at once. README.md says what must be built before.
 """
 import csv
 import itertools
@@ -28,9 +28,9 @@ from places import place
 MISSION = ('run', 'map', 'kind', 'robots', 'seed', 'simulated_s', 'wall_s', 'legs', 'cycles', 'missed_loops', 'moved',
            'load')
 POSES = ('run', 'robot', 't', 'x', 'y', 'yaw', 'v', 'w', 'goal')
-_LIMIT = 180.0  # simulated s a goal
-_READY = 3.0  # simulated s after all have been heard of
-_PATIENCE = 300.0  # wall s to start
+_LIMIT = 180.0  # simulated s for a goal
+_READY = 3.0  # simulated s after all robots are ready
+_PATIENCE = 300.0  # wall s for the start
 
 
 class Recording:
@@ -47,7 +47,7 @@ class Recording:
         self._stage = self.pace = self.robots = None
 
     def run(self):
-        """Record it; returns its (legs, poses, mission)."""
+        """Record the mission; return (legs, poses, mission)."""
         try:
             self._start()
             begin, wall, load = self._now, time.monotonic(), os.getloadavg()[0]
@@ -59,7 +59,7 @@ class Recording:
             self.programs.stop()
 
     def cut(self, *_):
-        """End it at the next step, as if its time were over."""
+        """End the mission at the next step, as if its time were over."""
         self._is_cut = True
 
     def _start(self):
@@ -84,7 +84,7 @@ class Recording:
             self.step()
 
     def _wait_until_ready(self, rospy):
-        """Let Stage do its steps at 1x until each move_base has its costmaps and is subscribed to goals."""
+        """Let Stage do steps at real time until each move_base has its costmaps and has subscribed to goals."""
         def ready():
             self._stage.step()
             self._now = round(self._now + STEP, 1)
@@ -95,7 +95,7 @@ class Recording:
         self._now = round(rospy.get_time(), 1)
 
     def step(self):
-        """Do a step of Stage, and take what the robots tell of it."""
+        """Do a step of Stage, and take the robots' messages about it."""
         self._stage.step()
         self._now = round(self._now + STEP, 1)
         if not self.pace.wait():
@@ -115,7 +115,7 @@ class Recording:
                         *robot.pose, robot.v, robot.w)), robot.leg.number if robot.leg else 0))
 
     def starts(self):
-        """Return where the robots start, (x, y, yaw in degrees) each."""
+        """Return the start of each robot, (x, y, yaw in degrees)."""
         return starts(self.place, self.count, self.row['seed'])
 
     def robot(self, number):
@@ -139,7 +139,7 @@ class Recording:
             idle = [robot.number for robot in self.robots if robot.leg is None]
             for number, kind, goal in goals.goals(idle, [robot.pose for robot in self.robots], self._now):
                 self.robots[number].send(kind, goal, self._now)
-                self.pace.wait()  # a goal is there before the next step, as it is on a machine with time to spare
+                self.pace.wait()  # the goal arrives before the next step, as on a machine with time to spare
                 self.robots[number].take(self._now)
     def _result(self, simulated, wall, load):
         rows = sorted((row for robot in self.robots for row in robot.rows),
@@ -169,7 +169,7 @@ def _wait_for(happens):
 
 
 def _write(folder, result, columns):
-    """Write the files of a mission, the last one when all are whole."""
+    """Write the files of a mission; mission.csv comes last, when all others are complete."""
     legs, poses, values = result
     for name, head, rows in (('legs', COLUMNS, [[row[column] for column in COLUMNS] for row in legs]),
                              ('poses', POSES, poses), ('mission', columns, [[values[name] for name in columns]])):
@@ -180,7 +180,7 @@ def _write(folder, result, columns):
 
 
 def record(kind, row, results):
-    """Record one mission in this process; SIGTERM cuts it, so that what there is counts."""
+    """Record one mission in this process. SIGTERM cuts it, and its legs so far count."""
     folder = Path(tempfile.mkdtemp(prefix='recording_'))
     try:
         recording = kind(row, folder)
@@ -199,7 +199,7 @@ def record(kind, row, results):
 
 
 def main():
-    """Record what the command line names, each mission in a process of its own."""
+    """Record the missions of the command line, each in a process of its own."""
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
     job, jobs = map(int, sys.argv[3].split('/')) if len(sys.argv) == 4 else (1, 1)

@@ -3,10 +3,10 @@
 
 usage: tools/record_reality/record_ranking.py FOLDER [JOBS | RUN]
 
-Five coordinators, 2 and 3 robots, two maps: all of these once, then all of them a second time, and so on, each by the
-unmodified ranking.launch with simulator:=false. Files are written when a mission is over: in FOLDER/RUN legs.csv,
-poses.csv and mission.csv. Missions that are there are not recorded again. JOBS: so many at once. RUN: this one alone.
-README.md says what must be built before.
+It records five coordinators with 2 and 3 robots on two maps: all combinations once, then all a second time, and so on.
+Each mission uses the unmodified ranking.launch with simulator:=false. When a mission is over, its files are written to
+FOLDER/RUN: legs.csv, poses.csv and mission.csv. Missions whose files exist are not recorded again. JOBS: number of
+missions at a time. RUN: record this one only. README.md says what must be built before.
 """
 import itertools
 import json
@@ -28,14 +28,14 @@ _MAPS = ('aisles_5', 'farm_yard')
 _POLICIES = ('fixed_order', 'nearest_first', 'farthest_first', 'auction', 'batch')
 _TASKS = 1  # the seed of the task set
 _REPETITIONS = 8
-_PHASES = 10  # steps: by how many at most the coordinator starts later; the slowest timer of a costmap has 1 Hz
-_PATIENCE = 120.0  # wall s until the coordinator is there, and from the end of the mission to its row
+_PHASES = 10  # steps: the coordinator starts up to this much later; the slowest timer of a costmap has 1 Hz
+_PATIENCE = 120.0  # wall s for the coordinator's start, and from the end of the mission to its row
 COLUMNS = ('run', 'map', 'kind', 'robots', 'seed', 'policy', 'tasks', 'repetition', 'later_s', 'mission_s', 'ended',
            'done', 'failed', 'simulated_s', 'wall_s', 'legs', 'cycles', 'missed_loops', 'moved', 'load')
 
 
 def plan():
-    """Yield what is to be recorded: {column: text}."""
+    """Yield the missions to record: {column: text}."""
     for repetition, robots, policy, name in itertools.product(range(1, _REPETITIONS + 1), (2, 3), _POLICIES, _MAPS):
         run = '{}_{}_{}_{}'.format(name, robots, policy, repetition)
         yield {'run': run, 'map': name, 'kind': 'ranking', 'robots': robots, 'seed': _TASKS, 'policy': policy,
@@ -53,7 +53,7 @@ class RankingRecording(Recording):
         return WatchedRobot(number, self.place, self.row['run'])
 
     def starts(self):
-        """Write the mission; returns where the robots start, (x, y, yaw in degrees) each."""
+        """Write the mission; return the start of each robot, (x, y, yaw in degrees)."""
         map_file = self.place.write(self.folder)
         subprocess.run([sys.executable, str(_RANKING / 'missions.py'), str(map_file), str(self.row['tasks']),
                         str(self.count), str(self.folder)], check=True)
@@ -61,7 +61,7 @@ class RankingRecording(Recording):
         return [(robot['start_x'], robot['start_y'], math.degrees(robot['start_yaw'])) for robot in robots]
 
     def drive(self, _begin):
-        """Start the coordinator, and do steps until it has written its row."""
+        """Start the coordinator, and do steps of Stage until it has written its row."""
         later = random.Random(self.row['run']).randrange(_PHASES)
         for _ in range(later):
             self.step()
@@ -82,7 +82,7 @@ class RankingRecording(Recording):
 
 
 def _coordinator(launch):
-    """Return the process of the coordinator, when it is there."""
+    """Wait for the coordinator; return its process number."""
     end = time.monotonic() + _PATIENCE
     while time.monotonic() < end and launch.poll() is None:
         found = subprocess.run(['pgrep', '-P', str(launch.pid), '-f', 'ranking_coordinator.py'],
@@ -103,7 +103,7 @@ def _text(path):
 
 
 def main():
-    """Record what is not there yet, each mission in a process of its own."""
+    """Record the missions that do not exist yet, each in a process of its own."""
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     results, what = Path(sys.argv[1]).resolve(), sys.argv[2] if len(sys.argv) == 3 else '1'

@@ -1,4 +1,4 @@
-"""The robots of a recording as their topics tell of them, and the goals that they are sent."""
+"""The robots of a recording: their topics, and the goals that they get."""
 import math
 import re
 import threading
@@ -13,18 +13,18 @@ from nav_msgs.msg import Odometry, Path
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Empty
 
-_STUCK_GOALS = 2  # in a row, until the robot is put elsewhere
+_STUCK_GOALS = 2  # goals in a row, after which a stuck robot is put elsewhere
 
 
 class Robot:
-    """One robot: its pose, the leg under way, rows of those that are over. What topics say waits for ``take``."""
+    """One robot: its pose, its leg under way, and rows of finished legs. Messages wait until ``take`` is called."""
 
     def __init__(self, number, place, run):
         self.number, self.name, self._place, self._run = number, 'robot_{}'.format(number), place, run
         self.pose, self.v, self.w = None, 0.0, 0.0
         self.leg, self.rows, self.is_ready, self.moved = None, [], False, 0
         self._goals = self._stuck = 0
-        self._aborted = False  # the goal before
+        self._aborted = False  # whether the previous goal was
         self._mail = deque()
         self._goal, self._cancel, self._put = [rospy.Publisher('/{}/{}'.format(self.name, topic), kind, queue_size=5)
                                                for topic, kind in (('move_base/goal', MoveBaseActionGoal),
@@ -34,15 +34,15 @@ class Robot:
             rospy.Subscriber('/{}/{}'.format(self.name, topic), kind, self._mail.append, queue_size=100)
 
     def logged(self, text):
-        """Take a line of the log of its move_base."""
+        """Note a line of its move_base's log."""
         self._mail.append(text)
 
     def is_heard(self):
-        """Return whether move_base and Stage have subscribed to what is sent."""
+        """Return whether move_base and Stage have subscribed to all topics that are published here."""
         return all(publisher.get_num_connections() for publisher in (self._goal, self._cancel, self._put))
 
     def take(self, now):
-        """Take what has come since the step before."""
+        """Handle all messages since the step before."""
         result = None
         while self._mail:
             message = self._mail.popleft()
@@ -73,7 +73,7 @@ class Robot:
             self.leg.failures += 'DWA planner failed to produce path' in message
 
     def send(self, kind, goal, now):
-        """Send a goal (x, y, yaw)."""
+        """Send a goal (x, y, yaw) [m, rad]."""
         self._goals += 1
         self.leg = Leg(self._goals, kind, self.pose, goal, now)
         message = MoveBaseActionGoal()
@@ -87,13 +87,13 @@ class Robot:
         return '{} {} {}'.format(self._run, self.number, self.leg.number)
 
     def cancel(self, why):
-        """Cancel its goal; ``why`` as in the column ``cancelled``."""
+        """Cancel its goal; ``why``: the number for the column ``cancelled``."""
         if self.leg.cancelled == 0:
             self.leg.cancelled = why
             self._cancel.publish(GoalID(id=self._id()))
 
     def cut(self, now):
-        """End the recording of a leg under way, as if it were cancelled."""
+        """End the recording of the leg under way, as if it were cancelled."""
         if self.leg is not None:
             self.leg.cancelled = 2
             self._end(2, '', now)
@@ -106,7 +106,7 @@ class Robot:
         self.rows.append(leg.row(self._run, self.number, (state, text, now), self._place.clearance, stuck))
 
     def put_elsewhere_if_stuck(self):
-        """Have Stage put a robot that has been stuck for some goals to a roomy place; returns whether it did."""
+        """If the robot has been stuck for some goals, let Stage put it to a roomy place; return whether it did."""
         if self._stuck < _STUCK_GOALS or self.leg is not None:
             return False
         self._stuck, self._aborted = 0, False
@@ -115,19 +115,20 @@ class Robot:
         return True
 
     def clear_costmaps(self):
-        """Call its move_base's service for that."""
+        """Call its move_base's service clear_costmaps, without waiting; return the thread that calls."""
         service = rospy.ServiceProxy('/{}/move_base/clear_costmaps'.format(self.name), Empty)
-        caller = threading.Thread(target=service, daemon=True)  # it may wait for a costmap, and that for the clock
+        # The service may wait for a costmap, which may wait for the clock.
+        caller = threading.Thread(target=service, daemon=True)
         caller.start()
         return caller
 
 
 class WatchedRobot(Robot):
-    """A robot that gets its goals from somebody else."""
+    """A robot that gets its goals from another program."""
 
     def __init__(self, number, place, run):
         super().__init__(number, place, run)
-        self._sent = None  # the goal that came last, if its leg has not begun
+        self._sent = None  # the latest goal, if its leg has not begun
         self._id_of_leg = ''
         self._plans = []
         rospy.Subscriber('/{}/move_base/goal'.format(self.name), MoveBaseActionGoal, self._mail.append, queue_size=100)
@@ -141,7 +142,7 @@ class WatchedRobot(Robot):
             super()._tell(message, now)
 
     def take(self, now):
-        """Take what has come since the step before; a goal begins its leg when the one before is over."""
+        """Handle all messages since the step before; a goal's leg begins when the previous leg is over."""
         if self.leg is None:
             for message in list(self._mail):
                 if isinstance(message, MoveBaseActionGoal):
@@ -167,7 +168,7 @@ class WatchedRobot(Robot):
 
 
 def _leads_to(plan, goal):
-    """Return whether a plan ends at a goal; an empty one leads to any."""
+    """Return whether a plan ends at a goal; an empty plan does."""
     if not plan.poses:
         return True
     end = plan.poses[-1].pose.position
@@ -175,7 +176,7 @@ def _leads_to(plan, goal):
 
 
 def watch_log(robots):
-    """Hand each robot the lines of the log of its move_base."""
+    """Give each robot the lines of its move_base's log; return the Subscriber."""
     by_name = {'/{}/move_base'.format(robot.name): robot for robot in robots}
 
     def take(message):

@@ -1,5 +1,4 @@
-// The program's random numbers: a function of the seed, the node's name and how many have been
-// drawn.
+// The program's random numbers: they follow from the seed, the node's name and the number of draws.
 #include "chance.h"
 
 #include <fcntl.h>
@@ -32,7 +31,8 @@ std::uint64_t numberFor(const std::string& purpose) {
   return shim::numberFor(seedText().c_str(), purpose.c_str());
 }
 
-/** @brief What the machine would have given. @return false if the machine shall. */
+/** @brief Fill a buffer with the run's random bytes. @return false if the machine's are to be used.
+ */
 bool fill(void* buffer, std::size_t size, const void* caller) {
   const Sees whose = sees();
   if (whose == Sees::kMachine) {
@@ -47,7 +47,7 @@ bool fill(void* buffer, std::size_t size, const void* caller) {
   return true;
 }
 
-/** @brief A UUID (RFC 4122) of 16 such bytes. @return false if the machine shall give it. */
+/** @brief Make a UUID (RFC 4122) of 16 such bytes. @return false if the machine is to make it. */
 bool name(unsigned char* out, int version, const void* caller) {
   if (!fill(out, 16, caller)) {
     return false;
@@ -59,21 +59,22 @@ bool name(unsigned char* out, int version, const void* caller) {
 
 using Generate = void(unsigned char*);
 
-/** @brief The same, or what libuuid's own @p function gives. */
+/** @brief Make such a UUID, or one by libuuid's own @p function. */
 void nameOr(Generate* function, unsigned char* out, int version, const void* caller) {
   if (!name(out, version, caller)) {
     function(out);
   }
 }
 
-/** @brief Tell of a draw from libc's generators, which all threads share, that has no order. */
+/** @brief Label the run if a draw from libc's generators, which all threads share, has no order. */
 void checkOrder(const void* caller) {
   if (sees() == Sees::kStray) {
     tell(kStray, caller);
   }
 }
 
-/** Roscpp's own threads draw nothing from the generators of the program. */
+/** Draw from a generator of libc. roscpp's own threads get numbers of their own, so that they do
+ * not change those of the program. */
 template <typename Result>
 Result draw(Result (*function)(), const void* caller) {
   if (Turn::isInternal() && takesPart()) {
@@ -84,7 +85,7 @@ Result draw(Result (*function)(), const void* caller) {
   return function();
 }
 
-/** libc's generators start from the seed; the program may have them start from another number. */
+/** Start libc's generators from the seed; the program may still seed them itself. */
 __attribute__((constructor)) void seedGenerators() {
   if (sees() != Sees::kMachine) {
     ::srandom(static_cast<unsigned>(numberFor("random")));
@@ -188,10 +189,10 @@ std::uint32_t arc4random_uniform(std::uint32_t bound) {
   return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
 }
 
-// ---- names that nobody else has --------------------------------------------------------------
+// ---- unique names ----------------------------------------------------------------------------
 
-// libuuid mixes the numbers of process and thread into its random bytes, and looks at the
-// computer's address and at what was given out before for those by time.
+// libuuid mixes the numbers of process and thread into its random bytes. For UUIDs by time it also
+// uses the computer's address and the UUIDs that were made before.
 
 void uuid_generate(unsigned char* out) {
   static auto* const function = shim::real<shim::Generate>("uuid_generate");
@@ -213,7 +214,7 @@ int uuid_generate_time_safe(unsigned char* out) {
   return shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(out);
 }
 
-// ---- who one is ------------------------------------------------------------------------------
+// ---- process number --------------------------------------------------------------------------
 
 pid_t getpid() {
   static auto* const function = shim::real<pid_t()>("getpid");
@@ -227,7 +228,7 @@ pid_t getpid() {
 
 namespace std {
 
-/** Whatever the device is called: the processor's instructions, the kernel, a file. */
+/** For every kind of device: the processor's instructions, the kernel, a file. */
 random_device::result_type random_device::_M_getval() {
   static auto* const function =
       shim::real<result_type(random_device*)>("_ZNSt13random_device9_M_getvalEv");

@@ -1,5 +1,5 @@
-// Waits for descriptors: in simulated time for those that only the program makes ready, else by the
-// wall, which is told; so are timers of the kernel that send signals.
+// Waits for descriptors. If only the program makes the descriptors ready, a wait goes by simulated
+// time. Otherwise it goes by the wall clock and labels the run. So do kernel timers with signals.
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
@@ -24,7 +24,7 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kMillisecond = 1'000'000;
-constexpr unsigned kEmptyLooks = 1000;  // in vain, after which simulated time goes on
+constexpr unsigned kEmptyLooks = 1000;  // looks in vain, after which simulated time goes on
 
 /** @brief Wait for descriptors in simulated time. @return false if the run has ended meanwhile. */
 bool awaitDescriptors(Nanoseconds lasts, std::function<bool()> is_ready) {
@@ -48,13 +48,13 @@ bool awaitDescriptors(Nanoseconds lasts, std::function<bool()> is_ready) {
   return turn().wait(std::move(wait)) != Woken::kEnd;
 }
 
-/** @brief A wait for descriptors, or for none of them: then it is a sleep. */
+/** @brief A wait for descriptors. Without descriptors it is a sleep. */
 class DescriptorWait {
  public:
-  /** @param look null: no descriptors. @param lasts ns; kNever: without end. */
+  /** @param look what is waited for; null: no descriptors. @param lasts ns; kNever: without end. */
   DescriptorWait(const char* name, const std::function<WaitedFor()>& look,
                  const std::function<bool()>& is_ready, Nanoseconds lasts, const void* caller)
-      // Whose code calls is looked up last: it takes longer than the system call.
+      // The caller is looked up second: that takes longer than the system call.
       : whose_(Turn::isInside() || isRoscpps(caller) ? Sees::kMachine : sees()), lasts_(lasts) {
     if (whose_ == Sees::kMachine) {
       return;
@@ -72,21 +72,21 @@ class DescriptorWait {
     } else if (!ordered()) {
       tell(std::string(name) + " waits in a thread that lockstep does not order", caller);
     }
-    // What others send comes by the wall; beside it an event loop's timers go by simulated time.
+    // Data from others comes by the wall clock; the timers beside it go by simulated time.
     is_simulated_ =
         ordered() && (what.is_own || what.has_timer) && awaitDescriptors(lasts, is_ready);
     begin_ = is_simulated_ || ordered() ? 0 : machineTime(CLOCK_MONOTONIC);
   }
 
-  /** @return whether it was a sleep, which is over. */
+  /** @return whether it was a sleep, and is over. */
   bool isOver() const { return is_over_; }
-  /** @return whether it has lasted as long as it was to: a look is left. */
+  /** @return whether the wait is done in simulated time, so that only a look is left. */
   bool isSimulated() const { return is_simulated_; }
 
-  /** @return @p result, after the machine's wait. */
+  /** @return @p result of the real function; advances the seen clocks by its wait. */
   int waited(int result) const {
     if (begin_ != 0 && whose_ == Sees::kRun) {
-      addSleep(machineTime(CLOCK_MONOTONIC) - begin_);  // nobody else lets the clocks go on
+      addSleep(machineTime(CLOCK_MONOTONIC) - begin_);  // nothing else lets the clocks go on
     } else if (result == 0 && !is_simulated_ && lasts_ > 0 && lasts_ != kNever &&
                whose_ == Sees::kRun) {
       addSleep(lasts_);
@@ -110,7 +110,7 @@ Nanoseconds of(const timeval* timeout) {
   return timeout == nullptr ? kNever : timeout->tv_sec * kSecond + timeout->tv_usec * 1000;
 }
 
-/** @brief The program has the kernel wake it by a clock of the wall. */
+/** @brief Label the run, because the kernel wakes the program by the wall clock. */
 void tellTimer(const char* name, const void* caller) {
   if (!isRoscpps(caller) && sees() != Sees::kMachine) {
     tell(std::string(name) + " has the kernel wake the program by the wall clock", caller);

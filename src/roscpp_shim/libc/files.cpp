@@ -1,5 +1,5 @@
-// Files: of random bytes, of what the system says of itself, and those that other participants
-// have too. The time master compares what each reads and writes.
+// Files: those of random bytes are replaced, those that describe the system label the run, and all
+// others are reported. The time master compares which files each participant reads and writes.
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
@@ -22,7 +22,7 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @return the path without links and dots, also of a file that is not there; empty: not known. */
+/** @return the path without links and dots, also if the file does not exist; empty: not known. */
 std::string wholePath(const char* path) {
   std::array<char, PATH_MAX> whole{};
   if (::realpath(path, whole.data()) != nullptr) {
@@ -35,7 +35,7 @@ std::string wholePath(const char* path) {
              : "";
 }
 
-/** @return the path as the time master takes it: a name may be any bytes, a text is UTF-8. */
+/** @return the path as UTF-8 for the time master; other bytes become codes such as \xff. */
 std::string asText(const std::string& path) {
   if (isUtf8(path)) {
     return path;
@@ -51,12 +51,12 @@ std::string asText(const std::string& path) {
   return text;
 }
 
-/** @return what openat() is about, as far as it needs no folder. */
+/** @return the path of an openat() that does not need its folder; null: it needs it. */
 const char* ofNoFolder(int folder, const char* path) {
   return folder == AT_FDCWD || path == nullptr || *path == '/' ? path : nullptr;
 }
 
-/** @return as open() has it. */
+/** @return the flags of open() for the mode @p how of fopen(). */
 int flagsOf(const char* how) {
   if (how == nullptr || strchr(how, '+') != nullptr) {
     return O_RDWR | O_CLOEXEC;
@@ -64,7 +64,7 @@ int flagsOf(const char* how) {
   return (*how == 'r' ? O_RDONLY : O_WRONLY) | O_CLOEXEC;
 }
 
-/** @brief A file is opened by the program, or by somebody in it. */
+/** @brief The opening of one file by the program or a library in it. */
 class Opening {
  public:
   Opening(const char* path, int flags, const void* caller)
@@ -77,15 +77,15 @@ class Opening {
     file_ = openEntropy(path, flags, caller);
     if (file_ < 0 && isOfSystem(path) && isProgramsOwn(caller)) {
       const std::string folder(path, strcspn(path + 1, "/") + 1);
-      tell("a file in " + folder + " is opened: it says what is so on this machine, now", caller);
+      tell("a file in " + folder + " is opened: it describes this machine at this moment", caller);
     }
   }
 
-  /** @return whether it is open, as file(). */
+  /** @return whether the file is open already, as file(). */
   bool isDone() const { return file_ >= 0; }
   int file() const { return file_; }
 
-  /** @return @p result, after the machine's opening. */
+  /** @return @p result of the real function, after the file has been reported. */
   int noted(int result) const {
     note(result >= 0);
     return result;
@@ -96,7 +96,7 @@ class Opening {
   }
 
  private:
-  /** A file that is not there has been looked for: another run may find it. */
+  /** A missing file that the program wants to read is reported, too: another run may find it. */
   void note(bool is_open) const {
     const int access = flags_ & O_ACCMODE;
     if (!is_seen_ || isRoscpps(caller_) || (!is_open && access != O_RDONLY)) {
@@ -118,7 +118,7 @@ class Opening {
   int file_ = -1;
 };
 
-/** @brief What was written under another name has this one now. @return @p result. */
+/** @brief Report the new name of a renamed file as a file that is written. @return @p result. */
 int tellRenamed(int result, const char* to, const void* caller) {
   return Opening(to, O_WRONLY, caller).noted(result);
 }

@@ -1,4 +1,4 @@
-// The kernel's timers that are descriptors (timerfd): what an event loop waits for.
+// The kernel's timers that are descriptors (timerfd), as event loops use them.
 
 #include <poll.h>
 #include <sys/timerfd.h>
@@ -20,7 +20,7 @@ namespace {
 using Lock = std::lock_guard<PlainMutex>;
 using SetTime = int(int, int, const itimerspec*, itimerspec*);
 
-constexpr int kLongestMs = 1000;  // wall, until the kernel has noticed that a timer is due
+constexpr int kLongestMs = 1000;  // wall: longest wait until the kernel notices a due timer
 
 /** @brief A timer that is set; instants by the clock that the program sees. */
 struct KernelTimer {
@@ -32,8 +32,8 @@ struct KernelTimer {
 /**
  * @brief All timers that are descriptors, in the order of their numbers.
  *
- * The kernel's own are not set while simulated time decides. When one is due, the kernel's is set
- * to an instant of the past: then it can be read, whatever function looks at it.
+ * While simulated time decides, the kernel's own timers are not set. When a timer is due, the
+ * kernel's timer is set to an instant of the past, so that it is readable for any function.
  */
 class KernelTimers {
  public:
@@ -48,7 +48,7 @@ class KernelTimers {
     return timers_.count(descriptor) > 0;
   }
 
-  /** @brief A thread that takes no turns has set it: the kernel's own is. */
+  /** @brief Note that a thread that takes no turns has set the kernel's own timer. */
   void forget(int descriptor) {
     const Lock lock(mutex_);
     timers_[descriptor].due = kNever;
@@ -72,7 +72,7 @@ class KernelTimers {
     return {toTimespec(timer.period), toTimespec(left)};
   }
 
-  /** @return when the first is due, simulated [ns]; now where it is late. */
+  /** @return when the first timer is due, simulated [ns]; now, if it is late. */
   Nanoseconds next() {
     const Lock lock(mutex_);
     Nanoseconds first = kNever;
@@ -88,9 +88,9 @@ class KernelTimers {
   void fire() {
     const Lock lock(mutex_);
     if (!is_followed_) {
-      is_followed_ = true;  // the first grant: those from before are not the kernel's any more
+      is_followed_ = true;  // the first grant: from now on the kernel's timers are not used
       for (const auto& [descriptor, timer] : timers_) {
-        if (timer.due != kNever) {  // else a thread that takes no turns may have set it
+        if (timer.due != kNever) {  // otherwise a thread that takes no turns may have set it
           setReal(descriptor, itimerspec{}, 0);
         }
       }
@@ -99,7 +99,7 @@ class KernelTimers {
       if (timer.due <= seenTime(timer.clock)) {
         timer.due = timer.period > 0 ? timer.due + timer.period : kNever;
         if (!setReal(descriptor, {{0, 0}, {0, 1}}, TFD_TIMER_ABSTIME)) {
-          timer.due = kNever;  // it was closed, and its number may be something else's
+          timer.due = kNever;  // it was closed, and its number may belong to something else
           continue;
         }
         pollfd readable{descriptor, POLLIN, 0};
@@ -147,7 +147,7 @@ KernelTimers& kernelTimers() {
 
 bool isFollowed(int descriptor) { return ordered() && kernelTimers().has(descriptor); }
 
-/** @return whether the program is to take part, and sets its timers in a known order already. */
+/** @return whether the program is to take part, and already sets its timers in a known order. */
 bool isAboutToFollow() { return sees() == Sees::kRun && !turn().isActive() && !takesPart(); }
 
 }  // namespace

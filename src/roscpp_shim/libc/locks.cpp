@@ -1,4 +1,4 @@
-// More ways in which threads wait for each other: semaphores, reader-writer locks, spin locks,
+// Other ways in which threads wait for each other: semaphores, reader-writer locks, spin locks,
 // futures.
 #include <pthread.h>
 #include <semaphore.h>
@@ -22,12 +22,12 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @brief What the program's threads hold, as far as they took it by turns. Others change it too.
+/** @brief The locks that the program's threads took in their turns. Other threads may release them.
  */
 struct Holds {
   PlainMutex mutex;
   std::map<const void*, int> counts;
-  std::set<const void*> shared;  // semaphores that other processes have too
+  std::set<const void*> shared;  // semaphores that other processes share
   std::uint64_t releases = 0;
 };
 
@@ -36,7 +36,7 @@ Holds& holds() {
   return *instance;
 }
 
-/** @brief For who looks at it, or changes it. */
+/** @brief The lock of Holds, for looking at it or changing it. */
 class Guard {
  public:
   explicit Guard(PlainMutex& mutex) : lock_(mutex) {}
@@ -89,8 +89,9 @@ std::uint64_t releases() {
 }
 
 /**
- * @brief Take a lock by turns, where one of the program's threads has it.
- * @return as @p attempt; EBUSY: somebody else has it; ETIMEDOUT after @p lasts simulated ns.
+ * @brief Take a lock. If one of the program's threads has it, wait by giving the turn away.
+ * @return the result of @p attempt; EBUSY: another thread has it; ETIMEDOUT after @p lasts
+ * simulated ns.
  */
 int takeByTurns(const void* lock, const std::function<int()>& attempt, Nanoseconds lasts) {
   const Nanoseconds until = lasts == kNever ? kNever : node().now() + lasts;
@@ -108,8 +109,8 @@ int takeByTurns(const void* lock, const std::function<int()>& attempt, Nanosecon
   return EBUSY;
 }
 
-/** @brief Take a lock until a deadline; @p take waits by the machine's clock for who else has it.
- */
+/** @brief Take a lock until a deadline. If a thread that takes no turns has it, @p take waits by
+ * the machine's clock. */
 int takeUntil(const void* lock, const std::function<int()>& attempt, clockid_t clock,
               const timespec* deadline, const std::function<int(const timespec*)>& take) {
   const Nanoseconds lasts =
@@ -119,7 +120,7 @@ int takeUntil(const void* lock, const std::function<int()>& attempt, clockid_t c
   return taken(lock, result == EBUSY ? take(wait.deadline()) : result);
 }
 
-/** @return as sem_wait(); @p take waits by the machine's clock. */
+/** @return the result of sem_wait(); @p take waits by the machine's clock. */
 int takeSemaphore(sem_t* semaphore, clockid_t clock, const timespec* deadline,
                   const std::function<int(const timespec*)>& take) {
   if (ordered() && !isShared(semaphore)) {
@@ -176,7 +177,7 @@ sem_t* sem_open(const char* name, int flags, ...) {
   static Open* const function = shim::real<Open>("sem_open");
   va_list rest;
   va_start(rest, flags);
-  const auto mode = va_arg(rest, unsigned);  // read by the function where flags say so
+  const auto mode = va_arg(rest, unsigned);  // the function reads it if flags say so
   const auto value = va_arg(rest, unsigned);
   va_end(rest);
   sem_t* const semaphore = function(name, flags, mode, value);
@@ -210,7 +211,7 @@ int sem_post(sem_t* semaphore) {
   using SemPost = int(sem_t*);
   static SemPost* const function = shim::real<SemPost>("sem_post");
   const int result = function(semaphore);
-  if (shim::Turn::self() == nullptr) {  // the program's own threads look at its value
+  if (shim::Turn::self() == nullptr) {  // the program's own threads look at the value
     shim::turn().signal(semaphore, false);
   }
   return result;

@@ -1,4 +1,4 @@
-// What is shared with processes that take no part, or started as one: that is told.
+// Calls that start processes which take no part, or share something with them. They label the run.
 #include <fcntl.h>
 #include <mqueue.h>
 #include <netinet/in.h>
@@ -26,37 +26,40 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @brief The program, or a library that works for it, does @p what; roscpp's own doing is not
- * told. */
+/** @brief Label the run: the program, or a library that works for it, does @p what. Calls by roscpp
+ * itself are left out. */
 void tellUse(const char* what, const void* caller) {
   if (!Turn::isInside() && !Turn::isInternal() && sees() != Sees::kMachine && !isRoscpps(caller)) {
     tell(what, caller);
   }
 }
 
-/** @brief Another process takes no part. */
+/** @brief Label the run, because the function @p name starts a process that takes no part. */
 void tellProcess(const std::string& name, const void* caller) {
-  tellUse((name + " starts a process that takes no part: what it answers is the machine's").c_str(),
+  tellUse((name + " starts a process that is not a participant: its answers depend on the machine")
+              .c_str(),
           caller);
   parameters().settle();
 }
 
-/** @brief Memory that other processes have too. Libraries of the system share what is nobody's
- * business. */
+/** @brief Label the run, because the program shares memory with other processes. Memory that
+ * libraries of the system share does not matter. */
 void tellShared(const std::string& name, const void* caller) {
   if (!Turn::isInside() && !Turn::isInternal() && sees() != Sees::kMachine &&
       isProgramsOwn(caller)) {
-    tell(name + " shares memory with other processes: what they write comes when it comes", caller);
+    tell(name + " shares memory with other processes: they write to it by the wall clock", caller);
   }
 }
 
-/** @brief Queues and semaphores that have a name in the system. */
+/** @brief Label the run, because queues and semaphores with a name in the system are shared. */
 void tellQueue(const std::string& name, const void* caller) {
-  tellUse((name + " opens what other processes have too: what they do comes when it comes").c_str(),
+  tellUse((name + " opens a queue or semaphore of several processes: they use it by the wall clock")
+              .c_str(),
           caller);
 }
 
-/** @brief C11's threads are libc's own: they call nothing that could be stood in for. */
+/** @brief Label the run: libc makes C11's threads itself, and calls no function that this library
+ * could replace. */
 void tellC11(const std::string& name, const void* caller) {
   tellUse(
       (name + " is not followed: C11's threads take no turns, and wait by the wall clock").c_str(),
@@ -131,7 +134,7 @@ int posix_spawnp(pid_t* process, const char* file, const posix_spawn_file_action
 int socket(int domain, int type, int protocol) {
   static auto* const function = shim::real<int(int, int, int)>("socket");
   if (domain == AF_INET || domain == AF_INET6 || domain == AF_UNIX) {
-    shim::tellUse("socket() makes a connection: what comes over it comes when it comes",
+    shim::tellUse("socket() makes a connection: data arrives over it by the wall clock",
                   MOVE_BASE_ABSTRACT_CALLER);
   }
   return function(domain, type, protocol);

@@ -17,7 +17,7 @@ namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
 
-constexpr int kStandardDescriptors = 3;  // whose other ends somebody else has
+constexpr int kStandardDescriptors = 3;  // their other ends belong to other processes
 
 struct Sets {
   PlainMutex mutex;
@@ -29,7 +29,7 @@ Sets& sets() {
   return *instance;
 }
 
-/** @return how the kernel names what @p descriptor is: "anon_inode:[timerfd]", say. */
+/** @return the kernel's name of @p descriptor, for example "anon_inode:[timerfd]". */
 std::string nameOf(int descriptor) {
   std::array<char, 64> name{};
   const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
@@ -37,7 +37,7 @@ std::string nameOf(int descriptor) {
   return size > 0 ? std::string(name.data(), static_cast<std::size_t>(size)) : "";
 }
 
-/** @brief @p set is new: what one had that was closed, and had its number, is forgotten. */
+/** @brief Forget the members of an older, closed set that had the same number. @return @p set. */
 int emptySet(int set) {
   const Inside inside;
   const Lock lock(sets().mutex);
@@ -54,7 +54,7 @@ void WaitedFor::add(const WaitedFor& other) {
 
 WaitedFor lookAt(int descriptor) {
   if (descriptor < 0) {
-    return {};  // poll() passes it by
+    return {};  // poll() ignores it
   }
   const Inside inside;
   const std::string name = nameOf(descriptor);

@@ -1,4 +1,4 @@
-// Where roscpp programs sleep by the wall.
+// Sleeps by the wall clock, and sched_yield().
 #include <sched.h>
 #include <sys/select.h>
 #include <time.h>
@@ -18,7 +18,7 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kPatience = 5 * kSecond;  // wall
-constexpr unsigned kNaps = 10000;               // sleeps at one instant, however short
+constexpr unsigned kNaps = 10000;               // sleeps at one instant, of any length
 constexpr unsigned kYields = 100;               // in a row, after which simulated time goes on
 constexpr Nanoseconds kYieldPeriod = 1'000'000;
 
@@ -31,7 +31,7 @@ NanoSleep* realNanosleep() {
 
 }  // namespace
 
-/** Who gives way again and again waits for something: that may need time to go on. */
+/** A thread that gives way again and again waits for something that may need time to go on. */
 void giveWay() {
   Task& me = *Turn::self();
   const unsigned yields = me.yields + 1;
@@ -69,7 +69,7 @@ void sleepWall(Nanoseconds duration) {
   }
   if (me.slept < kPatience && me.naps < kNaps) {
     addSleep(duration);
-    wait.next_round = true;  // what has happened at this instant is seen after the sleep
+    wait.next_round = true;  // after the sleep it sees all that has happened at this instant
   } else {
     node().label(
         "a thread sleeps by the wall clock until something happens; from here on its sleeps take "

@@ -1,4 +1,4 @@
-// The program's threads, and where they wait for each other: conditions, locks, joins.
+// The program's threads, and their waits for each other: conditions, locks, joins.
 #include <pthread.h>
 #include <time.h>
 
@@ -29,8 +29,8 @@ using ClockLock = int(pthread_mutex_t*, clockid_t, const timespec*);
 using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
 
 /**
- * @brief Take a lock by turns, where one of the program's waiting threads has it.
- * @param lasts simulated ns, at most. @return as the function; EBUSY: somebody else has it.
+ * @brief Take a lock. If a waiting thread of the program has it, wait by giving the turn away.
+ * @param lasts longest wait, simulated ns. @return the function's result; EBUSY: it is taken.
  */
 int takeByTurns(pthread_mutex_t* mutex, Nanoseconds lasts) {
   const Nanoseconds until = lasts == kNever ? kNever : node().now() + lasts;
@@ -40,7 +40,7 @@ int takeByTurns(pthread_mutex_t* mutex, Nanoseconds lasts) {
       return result;
     }
     if (!turn().isParked(ownerOf(*mutex))) {
-      break;  // roscpp's own, which will be through soon
+      break;  // a thread of roscpp's own has it, and will release it soon
     }
     const auto is_free = [mutex] { return ownerOf(*mutex) == 0; };
     const Nanoseconds left = until == kNever ? kNever : until - node().now();
@@ -64,7 +64,7 @@ Lock* realLock() {
 /** @return 0 or ETIMEDOUT. @param lasts simulated. */
 int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts) {
   Task& me = *Turn::self();
-  if (lasts <= 0) {  // a look, no wait; but one that only looks lets time go on some day
+  if (lasts <= 0) {  // a look, not a wait; after many looks in vain, time goes on
     lasts = ++me.empty_polls >= kVainWaits ? kPollPeriod : 0;
   }
   Wait wait;
@@ -84,7 +84,7 @@ int waitOnUntil(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clo
   return waitOn(condition, mutex, remaining(clock, deadline));
 }
 
-/** @brief What a thread is to run that takes no turns: roscpp's own, or a worker. */
+/** @brief The function of a thread that takes no turns: one of roscpp's own, or a worker. */
 struct OtherMain {
   void* (*main)(void*);
   void* argument;
@@ -98,7 +98,7 @@ void* runOther(void* argument) {
   return what.main(what.argument);
 }
 
-/** @return how a thread begins that takes no turns; null: as it is. */
+/** @return what a new thread calls first if it takes no turns; null: it takes turns. */
 void (*kindOfNew(const void* caller))() {
   if (Turn::startsInternal()) {
     return &Turn::becomeInternal;
@@ -106,13 +106,12 @@ void (*kindOfNew(const void* caller))() {
   return isWorkerPool(caller) ? &becomeWorker : nullptr;
 }
 
-/** @return how long a wait until @p deadline lasts, of a thread that has the turn; else anything.
- */
+/** @return how long a wait until @p deadline lasts; any value if the thread has not the turn. */
 Nanoseconds lasting(clockid_t clock, const timespec* deadline) {
   return deadline == nullptr ? kNever : remaining(clock, *deadline);
 }
 
-/** @return false if a thread of the program has not ended after @p lasts simulated ns. */
+/** @return false if a thread of the program still runs after @p lasts simulated ns. */
 bool awaitEndOf(pthread_t thread, Nanoseconds lasts) {
   const auto task = turn().holds() ? turn().find(thread) : nullptr;
   const auto has_ended = [one = task.get()] { return one->is_done.load(); };
@@ -149,7 +148,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   }
   shim::Turn::self()->has_acted = true;
   const auto task = shim::turn().create([main, argument] { return main(argument); });
-  const shim::Beside beside;  // libc keeps what it needs of threads, for others too
+  const shim::Beside beside;  // libc keeps the memory of threads for other threads
   const int result = function(thread, attributes, &shim::runTask, task.get());
   if (result == 0) {
     task->thread = *thread;

@@ -1,5 +1,5 @@
-// Random bytes that follow from a text. Without ROS and without an allocation: for both preloaded
-// libraries.
+// Random bytes that follow from a text. Both preloaded libraries use it, so it needs neither ROS
+// nor allocations.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
 
@@ -31,7 +31,8 @@ inline std::uint64_t numberFor(const char* text, const char* purpose) {
   return mixed(number);
 }
 
-/** @brief A stream of bytes; each number of it depends on its place only. For any thread. */
+/** @brief A stream of bytes. Each number in it depends only on the start and its place. Any thread
+ * may use it. */
 class ByteStream {
  public:
   explicit ByteStream(std::uint64_t start) : start_(start) {}

@@ -14,7 +14,7 @@ using Get = int(pid_t, std::size_t, cpu_set_t*);
 using Set = int(pid_t, std::size_t, const cpu_set_t*);
 
 cpu_set_t own;
-std::atomic<bool> is_known{false};  // false as well when the program has chosen by itself
+std::atomic<bool> is_known{false};  // also false after the program has chosen cores itself
 
 int kernelGet(pid_t thread, std::size_t size, cpu_set_t* cores) {
   static auto* const function = real<Get>("sched_getaffinity");
@@ -26,19 +26,19 @@ int kernelSet(pid_t thread, std::size_t size, const cpu_set_t* cores) {
   return function(thread, size, cores);
 }
 
-/** It is loaded before the program takes part. */
+/** The library is loaded before the program takes part, so these are its own cores. */
 __attribute__((constructor)) void remember() {
   is_known = kernelGet(0, sizeof own, &own) == 0 && CPU_COUNT(&own) > 1;
 }
 
-/** @return whether these are not the own ones but the one core on which the run is kept. */
+/** @return whether @p cores is the one core on which the run is kept, not the own cores. */
 bool isBound(const cpu_set_t& cores) {
   cpu_set_t both;
   CPU_AND(&both, &cores, &own);
   return is_known && CPU_COUNT(&cores) == 1 && CPU_COUNT(&both) == 1;
 }
 
-/** @brief Who counts cores sees those that the process has by itself. */
+/** @brief Show the process's own cores instead of the one core of the run. */
 void show(std::size_t size, cpu_set_t* cores) {
   if (size >= sizeof own && isBound(*cores)) {
     *cores = own;
@@ -83,7 +83,7 @@ int pthread_getaffinity_np(pthread_t thread, size_t size, cpu_set_t* cores) {
   return result;
 }
 
-/** What the program chooses is its own. */
+/** The program's own choice is respected, and never changed. */
 int sched_setaffinity(pid_t thread, size_t size, const cpu_set_t* cores) {
   shim::is_known = false;
   return shim::kernelSet(thread, size, cores);

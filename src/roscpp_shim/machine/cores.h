@@ -1,5 +1,5 @@
-// The cores that this process may use by itself: the time master may keep it on one while it takes
-// part.
+// The cores that this process may use by itself. While it takes part, the time master may keep it
+// on one core.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_CORES_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_CORES_H
 
@@ -7,14 +7,14 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief What the calling thread starts while this lives has the process's own cores. */
+/** @brief While this object lives, what the calling thread starts has the process's own cores. */
 class OwnCores {
  public:
   OwnCores();
   ~OwnCores();
   OwnCores(const OwnCores&) = delete;
   OwnCores& operator=(const OwnCores&) = delete;
-  /** @brief Keep the own cores: this is the child of a fork. */
+  /** @brief Keep the own cores also afterwards, in the child of a fork. */
   void keep() { is_lifted_ = false; }
 
  private:

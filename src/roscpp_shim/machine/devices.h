@@ -1,4 +1,4 @@
-// Files that are none: what they say is another thing in each run. For both preloaded libraries.
+// Files of the system and devices, whose content differs from run to run. Both libraries use it.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
 
@@ -17,14 +17,14 @@ inline bool beginsWith(const char* path, std::initializer_list<const char*> begi
   return false;
 }
 
-/** @return whether a file is what the system says of itself, or a device. */
+/** @return whether a file describes the system (/proc, /sys), or is a device. */
 inline bool isOfSystem(const char* path) {
   const bool is_harmless = beginsWith(path, {"/dev/null", "/dev/zero", "/dev/full", "/dev/std",
                                              "/dev/tty", "/dev/pts/", "/dev/fd/", "/dev/shm/"});
   return beginsWith(path, {"/proc/", "/sys/", "/dev/"}) && !is_harmless;
 }
 
-/** @return whether a file is one of random bytes. */
+/** @return whether a file is a device of random bytes. */
 inline bool isEntropy(const char* path) {
   return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
 }

@@ -23,13 +23,13 @@ static_assert(sizeof(void*) == 8,
 namespace move_base_abstract::shim {
 namespace {
 
-/** Of the headers that this library was built with: it knows private members by them. */
+/** The version of the roscpp headers with which this library was built; it uses private members. */
 constexpr const char* kBuiltWith = MOVE_BASE_ABSTRACT_ROSCPP_VERSION;
 constexpr std::array<int, 2> kOldestGlibc{2, 30};  // pthread_cond_clockwait
 constexpr int kOldestRoscpp = 15;                  // of 1.x
 constexpr int kNewestRoscpp = 17;
 
-/** @return the first two numbers of a version; 0 for what is none. */
+/** @return the first two numbers of a version; 0 for a missing number. */
 std::array<int, 2> numbersOf(const std::string& version) {
   std::array<int, 2> numbers{0, 0};
   std::sscanf(version.c_str(), "%d.%d", &numbers[0], &numbers[1]);
@@ -115,7 +115,7 @@ Surroundings lookAround() {
   }
   for (const Replaced& one : replacedFunctions()) {
     const std::string library = one.library;
-    // whose users bring them
+    // These are not in every program.
     const bool is_optional = library == "libstdc++" || library == "tf2" || library == "libuuid";
     const bool is_newer =
         is_optional || (library == "libc" && numbersOf(found.glibc) < numbersOf(one.since));

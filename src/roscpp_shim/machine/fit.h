@@ -10,7 +10,7 @@ namespace move_base_abstract::shim {
 /** @brief A row of replaced.def. */
 struct Replaced {
   const char* library;  // "roscpp", "rostime", "libc", "libstdc++"
-  const char* since;    // its first version of which the function is as expected
+  const char* since;    // its first version in which the function is as expected
   const char* name;
   const char* symbol;  // as the linker knows it
 };
@@ -18,26 +18,28 @@ struct Replaced {
 /** @return the table. */
 const std::vector<Replaced>& replacedFunctions();
 
-/** @brief What was found in the program. */
+/** @brief The libraries that were found in the program. */
 struct Surroundings {
-  std::string glibc;                 // version, "2.36"
+  std::string glibc;                 // version, such as "2.36"
   std::vector<std::string> roscpp;   // paths of all libroscpp.so that are loaded
-  std::string roscpp_version;        // "1.15.15"; empty: not known
+  std::string roscpp_version;        // such as "1.15.15"; empty: not known
   std::vector<std::string> missing;  // names of functions that the program's libraries do not have
-  bool has_owners = false;           // glibc's locks say who holds them, where it is looked up
-  bool has_clocks = false;           // its conditions say by which clock they wait
+  bool has_owners = false;           // glibc's locks name their holder in the expected field
+  bool has_clocks = false;           // glibc's conditions name their clock in the expected field
 };
 
-/** @return what is so in this process. */
+/** @return the Surroundings of this process. */
 Surroundings lookAround();
 
-/** @return why the library does not fit, with what was got and what is allowed; empty: it does. */
+/** @return why the library does not fit, with what was found and what is allowed; empty: it fits.
+ */
 std::string misfit(const Surroundings& found);
 
-/** @return what it fits, in words. */
+/** @return the versions that the library fits, in words. */
 std::string fitting();
 
-/** @return the version of a library from its path, or from the package that it is a part of. */
+/** @return the version of a library, from its path or from its package's package.xml; empty: not
+ * known. */
 std::string versionOf(const std::string& path, const std::string& package);
 
 }  // namespace move_base_abstract::shim

@@ -1,4 +1,4 @@
-// What glibc's locks and conditions say of themselves in fields of their own; fit.cpp tries it out.
+// Private fields of glibc's locks and conditions; fit.cpp checks that they mean what is expected.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_GLIBC_FIELDS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_GLIBC_FIELDS_H
 
@@ -7,10 +7,10 @@
 
 namespace move_base_abstract::shim {
 
-/** @return the thread (its tid) that holds @p mutex; 0: nobody does. */
+/** @return the thread that holds @p mutex, by its tid; 0: none. */
 inline int ownerOf(const pthread_mutex_t& mutex) { return mutex.__data.__owner; }
 
-/** @return the clock by which @p condition's waits end. */
+/** @return the clock of time-outs of waits for @p condition. */
 inline clockid_t clockOf(const pthread_cond_t& condition) {
   constexpr unsigned kMonotonic = 2;
   return (condition.__data.__wrefs & kMonotonic) != 0 ? CLOCK_MONOTONIC : CLOCK_REALTIME;

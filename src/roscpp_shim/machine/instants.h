@@ -1,4 +1,4 @@
-// Clocks by number, and their times. Without ROS: for both preloaded libraries.
+// Conversions of times, and kinds of clocks. Both preloaded libraries use it, so it needs no ROS.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_INSTANTS_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_INSTANTS_H
 
@@ -18,7 +18,7 @@ constexpr Nanoseconds kMicrosecond = 1000;
 inline Nanoseconds toNs(const timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
 inline timespec toTimespec(Nanoseconds time) { return {time / kSecond, time % kSecond}; }
 
-/** @return 0 of a clock that shows dates, 1 of one that counts from the machine's start. */
+/** @return 0 for a clock that shows dates, 1 for a clock that counts from the machine's start. */
 inline int indexOf(clockid_t clock) {
   return clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE || clock == CLOCK_TAI ? 0 : 1;
 }

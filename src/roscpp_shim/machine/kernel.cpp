@@ -14,7 +14,7 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @return where a file of this process leads, "pipe:[4711]" say. */
+/** @return the target of a descriptor of this process, for example "pipe:[4711]". */
 std::string targetOf(std::uint64_t file) {
   std::array<char, 256> target{};
   const std::string path = "/proc/self/fd/" + std::to_string(file);

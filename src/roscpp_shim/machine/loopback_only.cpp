@@ -1,7 +1,7 @@
-// The XML-RPC server of a roscpp program listens on the loopback address where ROS_HOSTNAME or
-// ROS_IP says that the program is there, as rospy does, and roscpp with its topics. By itself it
-// listens on all addresses: whoever reaches the computer can shut the program down.
-// Also a library of its own, for programs that take no part. Knows no ROS.
+// Makes the XML-RPC server of a roscpp program listen on the loopback address, if ROS_HOSTNAME or
+// ROS_IP names one. rospy does so, and roscpp does so for its topics. Without this, the server
+// listens on all addresses, and everybody who reaches the computer can shut the program down.
+// This file is also a library of its own, for programs that take no part. It uses no ROS.
 #include <arpa/inet.h>
 #include <dlfcn.h>
 #include <netinet/in.h>
@@ -14,7 +14,7 @@
 
 namespace {
 
-/** @return the loopback address that is announced; INADDR_ANY: none is. */
+/** @return the loopback address that the program announces; INADDR_ANY: none. */
 in_addr announcedLoopback() {
   in_addr address{};
   address.s_addr = htonl(INADDR_ANY);

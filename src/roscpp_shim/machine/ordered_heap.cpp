@@ -17,10 +17,10 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr std::size_t kGrain = 16;
-constexpr std::size_t kSmall = std::size_t{8} << 10;  // several of them share a chunk
-constexpr std::size_t kStep = std::size_t{16} << 20;  // memory may be used in steps of this
-constexpr std::size_t kKept = std::size_t{64} << 20;  // of large free blocks
-constexpr int kPatience = 100;                        // looks, before others are let go first
+constexpr std::size_t kSmall = std::size_t{8} << 10;  // blocks up to this size share a chunk
+constexpr std::size_t kStep = std::size_t{16} << 20;  // memory is opened in steps of this size
+constexpr std::size_t kKept = std::size_t{64} << 20;  // bytes of large free blocks that are kept
+constexpr int kPatience = 100;                        // looks, before other threads go first
 
 constexpr std::size_t rounded(std::size_t size, std::size_t to) {
   return (size + to - 1) / to * to;
@@ -35,7 +35,7 @@ unsigned topOf(std::size_t number) { return 63U - static_cast<unsigned>(__builti
 
 // ---- size classes ----------------------------------------------------------------------------
 
-/** Up to 512 bytes each multiple of 16, then four to each power of two. */
+/** Up to 512 bytes: one class for each multiple of 16. Above: four for each power of two. */
 unsigned OrderedHeap::classFor(std::size_t size) {
   const std::size_t last = std::max(size, kGrain) - 1;
   if (last < kExact * kGrain) {
@@ -71,19 +71,19 @@ bool OrderedHeap::fits(const void* address, std::size_t size) const {
 void OrderedHeap::reserve() {
   void* const wished = reinterpret_cast<void*>(kBase);
   const int error = errno;
-  // The call of the system itself: mmap() asks for memory here when it is called first.
+  // The system call itself, because the first call of mmap() allocates memory here.
   const long result =
       ::syscall(SYS_mmap, wished, kRoom, PROT_NONE,
                 MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0L);
   void* const found = reinterpret_cast<void*>(result);
   errno = error;
   if (found != wished && found != MAP_FAILED) {
-    ::munmap(found, kRoom);  // a kernel before 4.17 takes the address for a hint
+    ::munmap(found, kRoom);  // a kernel before 4.17 takes the address as a hint only
   }
   state_ = found == wished ? State::kReady : State::kRefused;
 }
 
-/** @return whether the next @p bytes may be used. */
+/** @brief Open memory for the next chunk. @return whether the next @p bytes may be used. */
 bool OrderedHeap::open(std::size_t bytes) {
   if (state_ == State::kNew) {
     reserve();
@@ -102,7 +102,7 @@ bool OrderedHeap::open(std::size_t bytes) {
   return true;
 }
 
-/** @return a block that nobody has had; null: no room. */
+/** @return a block that was never handed out; null: no room. */
 void* OrderedHeap::carve(unsigned index) {
   Class& one = classes_[index];
   const std::size_t bytes = bytesOf(index);
@@ -128,7 +128,7 @@ OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment
   if (size > std::size_t{1} << 36 || alignment > kChunk) {
     return {};
   }
-  if (alignment > kGrain) {  // blocks of a power of two lie at its multiples
+  if (alignment > kGrain) {  // blocks whose size is a power of two lie at multiples of it
     const std::size_t least = std::max(size, alignment);
     size = std::size_t{1} << (topOf(least - 1) + 1);
   }
@@ -142,7 +142,7 @@ OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment
     classes_[index].free = free->next;
     kept_ -= bytesOf(index) >= kChunk && !free->is_discarded ? bytesOf(index) : 0;
     block = {free, free->is_discarded};
-    *free = {};  // what else is there are zeros, if it was discarded
+    *free = {};  // if it was discarded, the rest of it is zeros
   } else {
     block = {carve(index), true};
   }
@@ -150,7 +150,7 @@ OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment
   return block;
 }
 
-/** @brief Put a free block on a list; a large one may give its memory back. */
+/** @brief Put a free block on a list; the memory of a large one may go back to the system. */
 void OrderedHeap::put(void* address, Free** list, std::size_t bytes) {
   bool is_discarded = false;
   if (bytes >= kChunk && kept_ + bytes > kKept) {

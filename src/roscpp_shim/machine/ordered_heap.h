@@ -1,5 +1,5 @@
-// A heap whose addresses are a function of the calls alone: of the sizes that were asked for and
-// given back, in their order. No ROS, no libc heap below it.
+// A heap whose addresses follow only from the order of the calls and the sizes of the blocks.
+// No ROS, and no libc heap below it.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
 
@@ -12,49 +12,50 @@ namespace move_base_abstract::shim {
 
 /**
  * @brief Blocks of fixed size classes in a region of the address space that begins at the same
- * place in each run.
+ * address in each run.
  *
- * It lies in static memory, zeros at first: memory is asked for before any constructor has run. It
- * is safe to use from any thread; addresses are repeated where those who allocate() and release()
- * do so in the same order. Blocks that are given back at some moment of the wall clock are
- * setAside(): nobody gets them again, unless they have become too many (see isMixed()).
+ * The heap lies in static memory that is zero at first, because programs allocate before any
+ * constructor has run. It is safe to use from any thread. Addresses are the same in each run if the
+ * calls of allocate() and release() come in the same order. Blocks that are freed at a moment of
+ * the wall clock are given to setAside(). They are not handed out again, unless there are too many
+ * of them (see isMixed()).
  */
 class OrderedHeap {
  public:
   static constexpr std::uintptr_t kBase = std::uintptr_t{1} << 44;
   static constexpr std::size_t kRoom = std::size_t{1} << 37;   // of addresses, not of memory
-  static constexpr std::size_t kChunk = std::size_t{1} << 16;  // alignment at most
+  static constexpr std::size_t kChunk = std::size_t{1} << 16;  // also the largest alignment
   static constexpr std::size_t kMostAside = std::size_t{64} << 20;
 
-  /** @brief A block, and whether it holds zeros. */
+  /** @brief A block, and whether it contains zeros. */
   struct Block {
-    void* address = nullptr;  // null: no room, or an alignment beyond kChunk
+    void* address = nullptr;  // null: no room, or an alignment above kChunk
     bool is_zero = false;
   };
 
   /** @param alignment a power of two. */
   Block allocate(std::size_t size, std::size_t alignment);
-  /** @brief Give a block back; the next who asks for its size class gets it. */
+  /** @brief Free a block; the next allocation of its size class gets it. */
   void release(void* address);
-  /** @brief Give a block back that must not be handed out in order again. */
+  /** @brief Free a block that must not be handed out in order again. */
   void setAside(void* address);
 
   bool has(const void* address) const {
     return reinterpret_cast<std::uintptr_t>(address) - kBase < kRoom;
   }
-  /** @return bytes of the block at @p address. Ends the process if there is none. */
+  /** @return the size of the block at @p address [bytes]. Ends the process if there is no block. */
   std::size_t sizeOf(const void* address) const;
-  /** @return whether a block at @p address need not move to hold @p size bytes. */
+  /** @return whether the block at @p address can hold @p size bytes without moving. */
   bool fits(const void* address, std::size_t size) const;
 
-  /** @return whether the system gives no addresses there: the heap is always full then. */
+  /** @return whether the system refuses the region of addresses: the heap is then always full. */
   bool isRefused() const { return state_ == State::kRefused; }
-  /** @return whether there was no room some day. */
+  /** @return whether the heap has ever run out of room. */
   bool isFull() const { return is_full_; }
   /** @return whether blocks that were set aside have been handed out again. */
   bool isMixed() const { return is_mixed_; }
 
-  /** @brief Around fork(): no other thread is in the heap. */
+  /** @brief Keep other threads out of the heap, around fork(). */
   void lock();
   void unlock() { lock_.clear(std::memory_order_release); }
 
@@ -66,13 +67,13 @@ class OrderedHeap {
   enum class State { kNew, kReady, kRefused };
   struct Free {
     Free* next;
-    bool is_discarded;  // its memory was given back to the system, but for this page
+    bool is_discarded;  // its memory was given back to the system, except for this page
   };
   struct Class {
     Free* free = nullptr;
     Free* aside = nullptr;
-    std::size_t next = 0;  // what was never handed out, of the latest chunk, from kBase on
-    std::size_t end = 0;
+    std::size_t next = 0;  // offset from kBase of the unused rest of the latest chunk
+    std::size_t end = 0;   // offset from kBase of its end
   };
 
   static unsigned classFor(std::size_t size);
@@ -87,12 +88,12 @@ class OrderedHeap {
   State state_ = State::kNew;
   std::atomic<bool> is_full_{false};
   std::atomic<bool> is_mixed_{false};
-  std::size_t top_ = 0;    // where the next chunk begins, from kBase on
-  std::size_t open_ = 0;   // up to where memory may be used
+  std::size_t top_ = 0;    // offset from kBase of the next chunk
+  std::size_t open_ = 0;   // offset from kBase up to which memory may be used
   std::size_t kept_ = 0;   // bytes of large free blocks that still have their memory
-  std::size_t aside_ = 0;  // bytes
+  std::size_t aside_ = 0;  // bytes of blocks that were set aside
   std::array<Class, kClasses> classes_{};
-  std::array<std::uint8_t, kRoom / kChunk> class_of_{};  // of a chunk: its class + 1
+  std::array<std::uint8_t, kRoom / kChunk> class_of_{};  // for each chunk its class + 1; 0: none
 };
 
 }  // namespace move_base_abstract::shim

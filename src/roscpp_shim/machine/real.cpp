@@ -13,8 +13,8 @@ namespace move_base_abstract::shim {
 namespace {
 
 /**
- * Versions of glibc's symbols, newest first: where libc has an old function of the same name too,
- * dlsym() may find that one. Which of them a machine has is looked up.
+ * Versions of glibc's symbols, newest first. If libc also has an older function of the same name,
+ * dlsym() may find that one. The first version that the machine has is used.
  */
 constexpr const char* kVersions[] = {"GLIBC_2.34", "GLIBC_2.30", "GLIBC_2.17", "GLIBC_2.3.2",
                                      "GLIBC_2.2.5"};
@@ -25,7 +25,7 @@ constexpr const char* kSymbols[] = {
 #undef REPLACED
 };
 
-/** @return what a library has that a plug-in brought along: it is in nobody's list of libraries. */
+/** @return the symbol in a library that a plug-in has loaded, which dlsym() alone does not find. */
 void* findLoaded(const char* symbol) {
   std::vector<std::string> paths;
   const auto look = [](dl_phdr_info* info, std::size_t, void* found) {

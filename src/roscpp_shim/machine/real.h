@@ -1,13 +1,14 @@
-// The functions that this library stands in front of: roscpp's, librostime's and libc's own.
+// The real functions that this library replaces: those of roscpp, librostime and libc.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
 
 namespace move_base_abstract::shim {
 
-/** @return what would have been called if this library were not here; null if there is none. */
+/** @return the function that would be called if this library were not here; null if there is none.
+ */
 void* findReal(const char* symbol);
 
-/** @return the same, of a symbol that replaced.def lists; else the process ends. */
+/** @return the same. Ends the process if there is none or replaced.def does not list the symbol. */
 void* realOrAbort(const char* symbol);
 
 /** @param symbol as the linker knows it and replaced.def lists it. */

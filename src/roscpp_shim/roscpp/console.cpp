@@ -1,4 +1,4 @@
-// In front of rosconsole: what it keeps is shared with roscpp's own threads, which log too.
+// Replaces functions of rosconsole, whose data is shared with roscpp's own threads, which log, too.
 #include <ros/console.h>
 
 #include <string>

@@ -1,7 +1,7 @@
-// Calls of the ROS master and look-ups of names: they take wall time, while simulated time stands.
-// Questions about who is there are asked when nobody who takes part has anything left to do at the
-// instant: what is started by one launch file is there, whoever was slower; and the answer is in
-// the order of the names' bytes, whoever registered first.
+// Calls to the ROS master and look-ups of host names. They take wall time, while simulated time
+// stands still. Questions about nodes, topics and services are asked when no participant has
+// anything left to do at the instant. So all that one launch file starts is there, however slow it
+// was, and the answer is in the order of the names' bytes, in whichever order nodes registered.
 #include <XmlRpc.h>
 #include <netdb.h>
 #include <ros/master.h>
@@ -23,21 +23,22 @@ namespace shim = move_base_abstract::shim;
 
 namespace {
 
-/** @brief What one of the program's threads does not do while another one runs: it has the turn. */
+/** @brief Marks a call during which time stands still. The thread keeps the turn, so that no other
+ * thread of the program runs meanwhile. */
 class Standing {
  public:
   Standing() : has_turn_(shim::turn().holds()) {}
 
  private:
-  [[maybe_unused]] bool has_turn_;  // got back, where it ran beside the others
+  [[maybe_unused]] bool has_turn_;  // holds() gets it back if the thread ran beside the others
   shim::Blocking blocking_;
 };
 
 const std::array<const char*, 5> kQuestions = {"getPublishedTopics", "getTopicTypes",
                                                "getSystemState", "lookupNode", "lookupService"};
-/** So many questions in a row are a loop that waits by asking. */
+/** After this many questions in a row, they count as a loop that waits by asking. */
 constexpr unsigned kAsked = 100;
-/** No more time than this passes between two of them [ns, simulated]. */
+/** At most this time passes between two questions of such a loop [ns, simulated]. */
 constexpr move_base_abstract::Nanoseconds kStep = 1'000'000;
 
 thread_local unsigned t_asked = 0;
@@ -48,7 +49,8 @@ bool isOfProgram() {
   return !shim::Turn::isInside() && !shim::Turn::isInternal() && shim::turn().enter();
 }
 
-/** @brief Wait until nobody has anything left to do; who asks without end lets time go on. */
+/** @brief Wait until no participant has anything left to do; in a loop of questions time goes on.
+ */
 void awaitOthers() {
   t_asked = shim::node().now() <= t_asked_at + kStep ? t_asked : 0;
   shim::Wait wait;
@@ -62,20 +64,22 @@ void awaitOthers() {
   shim::turn().wait(wait);
 }
 
-/** @brief Of two who ask at once neither sees what the other has made of its answer. */
+/** @brief Wait for the next round. So if two nodes ask at once, neither sees what the other does
+ * with its answer. */
 void awaitNextRound() {
   shim::Wait wait;
   wait.next_round = true;
   shim::turn().wait(wait);
 }
 
-/** @brief Answers who is there, after the others have done what they do at this instant. */
+/** @brief Answers a question about nodes, topics and services, after all others have done their
+ * work of this instant. */
 class Question {
  public:
   Question(const XmlRpc::XmlRpcValue& request, const shim::AskMaster& ask)
       : request_(request), ask_(ask) {}
 
-  /** @return whether the ROS master says yes to @p method. */
+  /** @return whether the call of @p method succeeds. */
   bool answer(const std::string& method, XmlRpc::XmlRpcValue& answer) {
     awaitOthers();
     const bool is_good = ask(method, answer);

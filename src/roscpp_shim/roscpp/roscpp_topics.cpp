@@ -1,4 +1,4 @@
-// In front of roscpp: where programs advertise, publish and subscribe, and where messages come in.
+// Replaces the functions of roscpp that advertise, publish, subscribe, and receive messages.
 #include <ros/advertise_options.h>
 #include <ros/names.h>
 #include <ros/poll_set.h>
@@ -20,7 +20,7 @@ namespace participant = move_base_abstract::lockstep::internal;
 
 namespace {
 
-/** @brief While it lives, what the thread queues with roscpp is taken out by this library. */
+/** @brief While this object lives, this library takes out what the thread queues with roscpp. */
 class Publishing {
  public:
   explicit Publishing(bool is_app) { is_under_way = is_app; }
@@ -75,15 +75,15 @@ void TopicManager::publish(const std::string& name,
       "boost8functionIFNS_17SerializedMessageEvEEERSB_");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   {
-    const Publishing publishing(is_app);  // roscpp's thread has nothing to do
-    const shim::Beside beside;            // but to send and give back what onlookers get
+    const Publishing publishing(is_app);  // roscpp's thread need not be woken
+    const shim::Beside beside;            // it sends and frees the messages for onlookers
     function(this, name, serialize, message);
   }
   if (!is_app) {
     return;
   }
   shim::Turn::self()->has_acted = true;
-  // Now, not in roscpp's thread: it is a part of this round.
+  // Now, and not in roscpp's thread, because the message is a part of this round.
   const shim::Inside inside;
   const PublicationPtr publication = lookupPublication(name);
   if (publication) {
@@ -116,7 +116,7 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
   static Subscribe* const function =
       shim::real<Subscribe>("_ZN3ros12TopicManager9subscribeERKNS_16SubscribeOptionsE");
   if (shim::isStarting() && options.topic == names::resolve("/clock")) {
-    return true;  // roscpp's own: grants say what time it is, and a message may be ahead of them
+    return true;  // roscpp's own: grants set the time, and a message may be ahead of them
   }
   const bool is_app = shim::turn().enter() && shim::isManaged(options.topic);
   const shim::Inside inside;
@@ -152,7 +152,7 @@ size_t TopicManager::getNumSubscribers(const std::string& name) {
       "_ZN3ros12TopicManager17getNumSubscribersERKNSt7__cxx1112basic_stringIcSt11char_"
       "traitsIcESaIcEEE");
   if (shim::turn().enter() && shim::isManaged(name)) {
-    return shim::topics().of(name).receivers.size();  // an onlooker changes nothing
+    return shim::topics().of(name).receivers.size();  // onlookers do not count
   }
   return function(this, name);
 }
@@ -165,7 +165,7 @@ uint32_t Subscription::handleMessage(const SerializedMessage& message, bool seri
   }
   const bool is_managed = shim::isManaged(name_);
   if (is_managed && shim::node().membership().isMember(link->getCallerID())) {
-    return 0;  // it comes with a grant; this is the copy for those that do not take part
+    return 0;  // it comes with a grant; this is the copy for nodes that do not take part
   }
   shim::Input input;
   input.enter = [weak = boost::weak_ptr<Subscription>(shared_from_this()), message, header, link] {

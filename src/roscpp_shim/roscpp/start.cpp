@@ -1,4 +1,4 @@
-// Where roscpp programs begin and end.
+// How roscpp programs begin and end.
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/this_node.h>
@@ -21,7 +21,7 @@ thread_local bool t_is_starting = false;
 
 }  // namespace
 
-/** Programs that this one starts are not preloaded too. */
+/** Take this library out of LD_PRELOAD, so that programs which this one starts do not load it. */
 __attribute__((constructor)) void leaveEnvironment() {
   const char* const preload = std::getenv("LD_PRELOAD");
   std::istringstream names(preload == nullptr ? "" : preload);
@@ -40,7 +40,7 @@ __attribute__((constructor)) void leaveEnvironment() {
 
 bool isStarting() { return t_is_starting; }
 
-/** @brief Say what this library fits, and refuse what it does not. */
+/** @brief Log which versions this library fits; end the process if the program has others. */
 void checkFit() {
   const Surroundings found = lookAround();
   const std::string why = misfit(found);
@@ -67,7 +67,7 @@ void startRos(void (*start)()) {
     return;
   }
   beginToFollow();
-  const Inside inside;  // the threads that it starts are roscpp's own
+  const Inside inside;  // the threads that start() makes are roscpp's own
   checkFit();
   lockstep::internal::Membership::beforeRos();
   t_is_starting = true;
@@ -85,7 +85,7 @@ namespace shim = move_base_abstract::shim;
 
 namespace ros {
 
-// What ROS keeps of names, ports and process numbers has another length in another run.
+// The texts that ROS keeps of names, ports and process numbers have other lengths in other runs.
 
 void init(int& count, char** arguments, const std::string& name, uint32_t options) {
   using Init = void(int&, char**, const std::string&, uint32_t);

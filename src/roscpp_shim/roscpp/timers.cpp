@@ -1,4 +1,4 @@
-// Timers of roscpp: due exactly when the run's clocks say so, without threads that poll them.
+// Timers of roscpp. They fire exactly when they are due by the clocks of the run; no thread polls.
 #include <ros/init.h>
 #include <ros/internal_timer_manager.h>
 #include <ros/steady_timer.h>
@@ -17,7 +17,7 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @brief The clock that timers of each kind go by, as the program sees it. */
+/** @brief The clock of each kind of timers, as the program sees it. */
 template <class Instant>
 struct TimerClock;
 
@@ -39,18 +39,18 @@ struct TimerClock<ros::WallTime> {
   static Nanoseconds now() { return seenTime(CLOCK_REALTIME); }
 };
 
-/** @brief What a manager keeps to itself. */
+/** @brief The private members of a timer manager. */
 template <class Instant, class Find, class MakeCallback>
 struct Opened {
   boost::mutex& timers_mutex;
   boost::mutex& waiting_mutex;
-  std::list<std::int32_t>& waiting;  // handles; who is due first comes first
+  std::list<std::int32_t>& waiting;  // handles; the first one is due first
   Find find;
   MakeCallback make_callback;
 
   using Clock = TimerClock<Instant>;
 
-  /** @return when the first timer is due, simulated [ns]; now where it is late. */
+  /** @return when the first timer is due, simulated [ns]; now, if it is late. */
   Nanoseconds next() const {
     const boost::mutex::scoped_lock lock(timers_mutex);
     const boost::mutex::scoped_lock waiting_lock(waiting_mutex);
@@ -63,7 +63,7 @@ struct Opened {
     return node().now() + std::max<Nanoseconds>(due - Clock::now(), 0);
   }
 
-  /** @brief Put what is due into the callback queues. */
+  /** @brief Put the callbacks of due timers into their queues. */
   void fire() const {
     const boost::mutex::scoped_lock lock(timers_mutex);
     const boost::mutex::scoped_lock waiting_lock(waiting_mutex);
@@ -82,8 +82,9 @@ struct Opened {
 };
 
 /**
- * @brief In the place of a manager's thread, which ends: the node is told where its timers are. The
- * rest of the manager (periods, what a late callback means, pending callbacks) is used as it is.
+ * @brief Replaces the function of a manager's thread: gives the node access to its timers.
+ *
+ * The rest of the manager (periods, late callbacks, pending callbacks) is used as it is.
  */
 template <class Instant, class Find, class MakeCallback>
 void serve(boost::mutex& timers_mutex, boost::mutex& waiting_mutex,
@@ -99,8 +100,8 @@ void serve(boost::mutex& timers_mutex, boost::mutex& waiting_mutex,
 /**
  * @brief Start a timer, by roscpp's own @p start.
  *
- * The first one of its kind starts the manager's thread, which is roscpp's own, and is about to say
- * where they are.
+ * The first timer of its kind starts the manager's thread, which counts as roscpp's own. This waits
+ * until that thread has called serve().
  */
 template <class Impl>
 void startTimer(void (*start)(Impl*), Impl* timer, TimerKind kind) {
@@ -121,7 +122,7 @@ void startTimer(void (*start)(Impl*), Impl* timer, TimerKind kind) {
 
 namespace shim = move_base_abstract::shim;
 
-// A member of a class template can be put in the place of roscpp's only one by one.
+// Members of a class template can be replaced only one by one.
 #define MOVE_BASE_ABSTRACT_SERVE(Instant)                                          \
   shim::serve<Instant>(                                                            \
       timers_mutex_, waiting_mutex_, waiting_,                                     \

@@ -1,8 +1,9 @@
-// In front of tf2: its listener only puts transforms into a buffer.
+// Replaces functions of tf2, whose listener only puts transforms into a buffer.
 //
-// tf2_ros::TransformListener does so in a thread of its own. Who looks for transforms does so when
-// it has something else to do: they are handed over then, all at once, and no round is spent on
-// each. Where the program asks the buffer to call it back, all come at once again.
+// tf2_ros::TransformListener does so in a thread of its own. A thread looks for transforms only
+// when it has something else to do. So all waiting transforms are delivered together at that
+// moment, and no round is spent on each. If the program asks the buffer to call it back, each
+// transform is delivered at once again.
 #include <dlfcn.h>
 #include <ros/time.h>
 
@@ -19,9 +20,10 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @return whether the listener's loop calls: it is ended only by one who then joins it. */
+/** @return whether @p caller is the listener's loop. The thread that ends the loop then joins it.
+ */
 bool isListenersLoop(const void* caller) {
-  static __thread const void* t_caller = nullptr;  // the latest
+  static __thread const void* t_caller = nullptr;  // the latest caller
   static __thread bool t_is_listeners = false;
   if (t_caller != caller) {
     Dl_info info{};
@@ -47,7 +49,7 @@ enum TransformableResult { TransformAvailable, TransformFailure };
 using TransformableCallback = boost::function<void(
     std::uint64_t, const std::string&, const std::string&, ros::Time, TransformableResult)>;
 
-/** @brief What is needed of tf2's, which programs without it are not to be built with. */
+/** @brief The members of tf2's class that are needed. This library is built without tf2. */
 class BufferCore {
  public:
   std::uint32_t addTransformableCallback(const TransformableCallback& callback);

@@ -1,1 +1,1 @@
-"""What the robots measure: readings from files, drawn fields, and the grid that both are known on."""
+"""The values that the robots measure: readings from files, random fields, and the grid of both."""

@@ -1,4 +1,4 @@
-"""The truth: soil compaction over the whole field, and where it comes from."""
+"""The truth: the soil compaction of the whole field, from a file or drawn at random."""
 
 import functools
 import hashlib
@@ -22,31 +22,31 @@ from .readings import read_meuse, read_readings
 
 SYNTHETIC_MEAN_KPA = 785.2975  # statistics of the interpolated compaction of the published study's field
 SYNTHETIC_SD_KPA = 17.0323
-SYNTHETIC_LENGTH_M = 65.0  # makes its autocorrelation at 40 m that of the published study's field, 0.6 to 0.8
+SYNTHETIC_LENGTH_M = 65.0  # its autocorrelation at 40 m is then as in the published study's field, 0.6 to 0.8
 PUBLISHED_SIZE = (FIELD_WIDTH_M, FIELD_HEIGHT_M)
 PUBLISHED_READINGS = '9a06310d7d32033b0aa37d09e20161efe2de10cc1b7cc48c4ebc1f534c13fd09'  # SHA-256 of (lon, lat, kPa)
-# What PyKrige fits to them, in degrees; the eleventh digit depends on the processor.
+# The variogram that PyKrige fits to them, in degrees. Its eleventh digit depends on the processor.
 PUBLISHED_VARIOGRAM = Variogram(psill=4213.91527, range_m=0.004399242190810138, nugget=9656.74710)
-MANY_READINGS = 512  # up to these all readings decide each cell; of more, the nearest
+MANY_READINGS = 512  # up to this number, all readings decide each cell; above, the nearest ones do
 NEAR_READINGS = 128
-PLACE_DECIMALS = 3  # of metres: projections differ by less from computer to computer
-SYNTHETIC_DECIMALS = 4  # of kPa: the same goes for the libraries that draw it
-WHOLE = 1e-9  # of a cell: a box that is longer than whole cells by rounding only needs no further one
-SYNTHETIC_NODE_M = 4.0  # it is drawn at nodes so far apart and is smooth between them: 16 times faster
+PLACE_DECIMALS = 3  # of metres: projections on different computers differ by less
+SYNTHETIC_DECIMALS = 4  # of kPa: the libraries that draw it differ by less
+WHOLE = 1e-9  # of a cell: a box that is longer than whole cells by this much needs no further cell
+SYNTHETIC_NODE_M = 4.0  # distance of the nodes at which it is drawn; splines between them make it 16 times faster
 
 
 @dataclass(frozen=True)
 class Field:
     """Values over a grid.
 
-    values: kPa (the unit says so), float64, shape (rows, columns), row 0 in the south; read only.
+    values: in the field's unit, float64, shape (rows, columns), row 0 in the south; read only.
     """
 
     values: np.ndarray = field(repr=False)
     grid: Grid
-    source: str  # the text that load_field was given
+    source: str  # the text that was given to load_field
     unit: str = 'kPa'
-    extent: str = ''  # how its size came about, for people; '' for made fields
+    extent: str = ''  # for people: how its size was found; '' for synthetic fields
 
     def __post_init__(self):
         values = np.array(self.values, dtype=np.float64)
@@ -59,48 +59,48 @@ class Field:
 
     @property
     def about(self):
-        """What a trial records of it, as plain values."""
+        """What a trial records about it, as plain values."""
         return {'source': self.source, 'unit': self.unit, 'width_m': self.grid.width_m, 'height_m': self.grid.height_m,
                 'extent': self.extent}
 
     def value_at(self, x, y):
-        """Return the reading at a place of the map frame [m]: the value of the cell that holds it."""
+        """Return the reading at a place of the map frame [m]: the value of the cell that contains it."""
         return float(self.values[self.grid.cell_of(x, y)])
 
     def every_second_cell(self):
-        """Return the field of cells twice as large, of which each has the value of its south-western quarter."""
+        """Return the field with cells of twice the edge. Each has the value of its south-western quarter."""
         return Field(self.values[::2, ::2], _coarse(self.grid), self.source, self.unit, self.extent)
 
 
 class DrawnField(Field):
-    """A Field that is drawn when its values are first asked for, which takes longer than all else about it."""
+    """A Field that is drawn when its values are first used, because drawing takes longer than all other work on it."""
 
     def __init__(self, grid, source, draw):
-        """draw() returns the values, as of Field."""
+        """draw() returns the values, as in Field."""
         for name, value in (('grid', grid), ('source', source), ('unit', 'kPa'), ('extent', ''), ('_draw', draw)):
             object.__setattr__(self, name, value)
 
     @property
     def draw(self):
-        """What draws its values: a function that returns them."""
+        """The function that draws its values and returns them."""
         return self._draw
 
     def draw_by(self, draw):
-        """Have another function draw its values, if they are not drawn."""
+        """Set another function to draw its values, if they are not drawn yet."""
         object.__setattr__(self, '_draw', draw)
 
     @functools.cached_property
     def values(self):
-        """As of Field."""
+        """As in Field."""
         return Field(self._draw(), self.grid, self.source).values
 
     def every_second_cell(self):
-        """As of Field."""
+        """As in Field."""
         return DrawnField(_coarse(self.grid), self.source, lambda: self.values[::2, ::2])
 
 
 def _coarse(grid):
-    """Return the Grid of cells twice as large."""
+    """Return the Grid with cells of twice the edge."""
     return Grid(-(-grid.rows // 2), -(-grid.columns // 2), 2.0 * grid.cell_m)
 
 
@@ -112,15 +112,17 @@ def field_of(config):
 def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
     """Return the Field that a text names.
 
-    'synthetic' or 'synthetic:SEED': a random field of 324 x 220 m; 'csv:PATH': readings at lat, lon, or with crs metres
-    at x, y; 'meuse': zinc [mg/kg] in the topsoil of the Meuse's flood plain (Rikken and Van Rijn, 1993), its box
-    stretched over 324 x 220 m if no size is given.
+    'synthetic' or 'synthetic:SEED': a random field of 324 x 220 m. 'csv:PATH': readings at lat, lon, or with crs metres
+    at x, y. 'meuse': zinc [mg/kg] in the topsoil of the Meuse's flood plain (Rikken and Van Rijn, 1993), its box
+    stretched to 324 x 220 m if no size is given.
 
-    A csv field is as large as the readings' bounding box. With a size, 'WIDTHxHEIGHT' [m], the box is stretched over
-    that; the published study's readings are over 324 x 220 m, as published, if no size is given. Field.extent says it.
-    Synthetic and stretched fields have cells of 1 m, or of 2 m (every second one); others of any cell_m.
+    A csv field is as large as the readings' bounding box. With a size, 'WIDTHxHEIGHT' [m], the box is stretched to that
+    size. The published study's readings are stretched to 324 x 220 m, as published, if no size is given. Field.extent
+    describes this. Synthetic and stretched fields have cells of 1 m, or of 2 m (every second one); others of any
+    cell_m.
 
-    :raises ConfigurationError: if the text is none of these, the file cannot be used, or the values do not go together.
+    :raises ConfigurationError: if the text is none of these, the file cannot be used, or the values contradict each
+        other.
     """
     kind, _, rest = source.partition(':')
     size = parse_size(size)
@@ -145,11 +147,11 @@ def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
 
 
 def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
-    """Return the Field of readings (columns east, north, value), stretched over a size (width, height) [m].
+    """Return the Field of readings (columns east, north, value), stretched to a size (width, height) [m].
 
-    As the published study did it: the variogram is gaussian (of its own readings it is the published one), coordinates
-    are float32 and taken as planar whatever their unit, and the grid divides the readings' bounding box evenly, its
-    last edge excluded.
+    It is made as in the published study: the variogram is gaussian (for the study's own readings it is the published
+    one), coordinates are float32 and count as planar in any unit, and the grid divides the readings' bounding box
+    evenly, without its last edge.
     """
     grid = _checked(Grid(round(size[1]), round(size[0]), 1.0), source)
     exact = np.asarray(readings, dtype=np.float64)
@@ -165,9 +167,9 @@ def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
 
 
 def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
-    """Return the Field of readings in its true size, by ordinary kriging in metres at the middles of its cells.
+    """Return the Field of readings in its true size, by ordinary kriging in metres at the centres of its cells.
 
-    The map frame's origin is the south-west corner of the readings' bounding box, which whole cells cover.
+    The map frame's origin is the south-west corner of the readings' bounding box. Whole cells cover the box.
     """
     x, y, name = readings[:, 0], readings[:, 1], 'the file'
     if Crs(crs) is Crs.DEGREES:
@@ -183,7 +185,7 @@ def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
 
 
 def _krige(points, values, x, y, variogram=None):
-    """Return the kriged mean of readings at the grid that x and y span, with the Variogram fitted to them if none."""
+    """Return the kriged mean of readings on the grid that x and y span; by default with a Variogram fitted to them."""
     if variogram is None:
         width, height = np.ptp(points, axis=0)
         variogram = fit(points, values, math.sqrt(width * width + height * height))
@@ -197,12 +199,12 @@ def _krige(points, values, x, y, variogram=None):
 
 
 def is_published(readings):
-    """Return whether readings are those of the published study's field: the same numbers in the same order."""
+    """Return whether these are the readings of the published study's field: the same numbers in the same order."""
     return hashlib.sha256(np.ascontiguousarray(readings, dtype='<f8').tobytes()).hexdigest() == PUBLISHED_READINGS
 
 
 def _checked(grid, source):
-    """Return the grid; :raises ConfigurationError: if it has no cells, or more than can be kriged."""
+    """Return the grid. :raises ConfigurationError: if it has no cells, or more than kriging allows."""
     if min(grid.shape) < 1 or grid.rows * grid.columns > MAX_CELLS:
         raise ConfigurationError(f'field {source!r}: {grid.width_m:g} x {grid.height_m:g} m in cells of '
                                  f'{grid.cell_m:g} m are {grid.columns} x {grid.rows} cells; 1 to {MAX_CELLS} in all '
@@ -211,7 +213,7 @@ def _checked(grid, source):
 
 
 def _synthetic(source, seed_text):
-    """Return a gaussian random field with the mean and the standard deviation of the published study's."""
+    """Return a gaussian random field with the mean and standard deviation of the published study's field."""
     if not seed_text.isdecimal() or len(seed_text) > 19:
         raise ConfigurationError(f'field {shown(source)}: the seed must be a whole number of at most 19 digits')
     if find_spec('gstools') is None:

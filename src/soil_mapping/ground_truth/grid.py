@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FIELD_WIDTH_M = 324.0  # of the published study's field, and of the made ones
+FIELD_WIDTH_M = 324.0  # of the published study's field, and of synthetic fields
 FIELD_HEIGHT_M = 220.0
-MAX_CELLS = 1_000_000  # kriging to more takes too long
+MAX_CELLS = 1_000_000  # kriging on more cells takes too long
 
 
 @dataclass(frozen=True)
 class Grid:
-    """rows x columns square cells; row 0 is the south edge, column 0 the west edge."""
+    """rows x columns square cells; row 0 is at the south edge, column 0 at the west edge."""
 
     rows: int
     columns: int
@@ -43,25 +43,25 @@ class Grid:
         return self.rows * self.cell_m
 
     def x_centres(self):
-        """Return the x of the columns' middles [m], shape (columns,)."""
+        """Return the x of the columns' centres [m], shape (columns,)."""
         return (np.arange(self.columns) + 0.5) * self.cell_m
 
     def y_centres(self):
-        """Return the y of the rows' middles [m], shape (rows,)."""
+        """Return the y of the rows' centres [m], shape (rows,)."""
         return (np.arange(self.rows) + 0.5) * self.cell_m
 
     def cell_of(self, x, y):
-        """Return (row, column) of the cell that holds the place; places outside belong to the nearest cell.
+        """Return (row, column) of the cell that contains the place; places outside belong to the nearest cell.
 
-        The south and west edges of a cell are its own.
+        A cell contains its south and west edges.
         """
         row = min(max(int(y // self.cell_m), 0), self.rows - 1)
         return row, min(max(int(x // self.cell_m), 0), self.columns - 1)
 
     def centre(self, row, column):
-        """Return (x, y) of a cell's middle [m]."""
+        """Return (x, y) of a cell's centre [m]."""
         return (column + 0.5) * self.cell_m, (row + 0.5) * self.cell_m
 
     def snap(self, x, y):
-        """Return the middle of the cell that holds the place."""
+        """Return the centre (x, y) [m] of the cell that contains the place."""
         return self.centre(*self.cell_of(x, y))

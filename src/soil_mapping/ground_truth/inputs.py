@@ -1,4 +1,4 @@
-"""What a trial reads besides its parameters, by content: a file that was changed makes another trial."""
+"""The files that a trial reads, identified by their content: if a file was changed, it is another trial."""
 
 import hashlib
 
@@ -12,8 +12,10 @@ from .readings import MEUSE_FILE
 def inputs_of(field, charge='none'):
     """Return {'field': SHA-256, 'charge': SHA-256} of the files that a TrialConfig's field and a charge name.
 
-    What is not read from a file is left out. To be called before the files are used: if one is changed in between, the
-    trial is run again, not taken for one of the new content. :raises ConfigurationError: if one cannot be read.
+    A key is left out if no file is read for it. Call this before the files are used: if a file is changed in between,
+    the trial is then run again, and does not count as one with the new content.
+
+    :raises ConfigurationError: if a file cannot be read.
     """
     found = {}
     kind, _, path = field.partition(':')

@@ -1,4 +1,4 @@
-"""Places given as latitude and longitude, in metres of a plane."""
+"""Conversion of places from latitude and longitude to metres in a plane."""
 
 import sys
 import warnings
@@ -13,7 +13,7 @@ DECIMALS = 6  # of the degrees of the projection's origin: 0.1 m
 
 
 def _find_database(pyproj):
-    """Tell Debian's pyproj, which looks below sys.prefix only, where its database is when it runs in an environment."""
+    """Tell Debian's pyproj, which looks only below sys.prefix, where its database is if it runs in an environment."""
     folder = Path(sys.base_prefix) / 'share' / 'proj'
     try:
         pyproj.datadir.get_data_dir()
@@ -25,16 +25,18 @@ def _find_database(pyproj):
 def to_plane(lon, lat, where):
     """Return (x, y, name): metres east and north of the places' middle, and the projection's PROJ text.
 
-    A transverse Mercator projection of WGS84 about the middle of the places, scale 1 there: the one of UTM, but with
-    the field on its central meridian, so that y is north and lengths are true. Computed by PROJ.
-    :raises ConfigurationError: naming where, if the places are no field, or pyproj is not installed.
+    PROJ computes it: a transverse Mercator projection of WGS84 about the middle of the places, with scale 1 there. It
+    is the projection of UTM, but with the field on its central meridian, so that y is north and lengths are true.
+
+    lon, lat: arrays [degrees]. where: the file, for errors.
+    :raises ConfigurationError: if the places span too much for a field, or pyproj is not installed.
     """
     if max(np.ptp(lon), np.ptp(lat)) > MAX_SPAN_DEG or np.abs(lat).max() > 89.0:
         raise ConfigurationError(f'{where}: the readings span {np.ptp(lat):g} x {np.ptp(lon):g} degrees of lat and lon'
                                  f'; a field has at most {MAX_SPAN_DEG:g}, between 89 degrees south and north')
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # in a virtual environment it misses its database
+            warnings.simplefilter('ignore')  # in a virtual environment it does not find its database
             import pyproj
         _find_database(pyproj)
     except ImportError:

@@ -1,4 +1,4 @@
-"""Readings of a field from files: rows of (east, north, value), checked when they are read."""
+"""Reads the readings of a field from files: rows of (east, north, value), checked when they are read."""
 
 import csv
 import math
@@ -12,7 +12,7 @@ from move_base_abstract.common.shown import shown, shown_text
 
 from ..config import Crs
 
-MIN_READINGS, MAX_READINGS = 3, 5000  # as many as kriging can do in 10 s
+MIN_READINGS, MAX_READINGS = 3, 5000  # kriging of this many takes 10 s
 MAX_VALUE = 1e12  # in any unit; squares and their sums stay finite
 MEUSE_FILE = Path(__file__).parents[1] / 'data' / 'meuse_zinc.csv'
 
@@ -20,9 +20,11 @@ MEUSE_FILE = Path(__file__).parents[1] / 'data' / 'meuse_zinc.csv'
 def read_readings(path, crs=Crs.DEGREES):
     """Return the readings of a CSV file as an array of shape (n, 3): lon, lat [degrees], or x, y [m], and the value.
 
-    The file has a header with the columns lat and lon (crs metres: x and y) and one for the value: 'value', or else the
-    first that is neither. :raises ConfigurationError: naming file and line, if a column is missing, a number is not
-    finite, two readings lie at the same place, or there are fewer than 3.
+    The file has a header with the columns lat and lon (crs metres: x and y) and one for the value: 'value', or the
+    first other column if there is no 'value'.
+
+    :raises ConfigurationError: with file and line, if a column is missing, a number is not finite, two readings lie at
+        the same place, or there are fewer than 3 readings.
     """
     names = ('lon', 'lat') if Crs(crs) is Crs.DEGREES else ('x', 'y')
     return _read(path, (*names, None))
@@ -61,7 +63,7 @@ def _read_rows(path, names):
 
 
 def _columns(header, names, path):
-    """Return the indices of the columns; the name None stands for 'value' or else the first that is left."""
+    """Return the indices of the columns; the name None means 'value', or the first other column if there is none."""
     left = [name for name in header if name not in names]
     value = 'value' if 'value' in left or not left else left[0]
     wanted = [value if name is None else name for name in names]

@@ -1,1 +1,1 @@
-"""Ordinary kriging of samples, the variograms it takes, and arithmetic with the same bits on every computer."""
+"""Ordinary kriging of samples, its variograms, and arithmetic with the same bits on every computer."""

@@ -1,24 +1,24 @@
 """Arithmetic that gives the same bits on every computer.
 
-Sums, products, quotients and square roots do (IEEE 754), element by element. BLAS and LAPACK do not: the processor
-chooses their kernel, which sums in an order of its own. Nor do numpy's sums, whose order may follow the width of its
-registers, and exp and log, of which numpy and the C library have one for each kind of processor. What decides anything
-in a trial uses this module instead.
+Sums, products, quotients and square roots of single elements do so anyway (IEEE 754). BLAS and LAPACK do not: the
+processor chooses their kernel, and each kernel sums in its own order. The order of numpy's sums may depend on the width
+of registers. numpy and the C library have one exp and one log for each kind of processor. Therefore all computations
+that decide something in a trial use this module instead.
 """
 
 import numpy as np
 
 LOG2_E = 1.4426950408889634
 LN2_HIGH, LN2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10  # the first has zeros at its end
-LEAST_EXPONENT = -300.0  # of exp; what is smaller says nothing here, and products of two stay normal numbers
+LEAST_EXPONENT = -300.0  # of exp; smaller values do not matter here, and products of two stay normal numbers
 EXP_TERMS = 14  # of Taylor's series, for |x| <= ln(2) / 2: the rest is below 1e-17
-SLICE = 2.0**22  # of product's whole numbers
-MOST_TERMS = 512  # of a sum of product's: 2^22 2^22 512 = 2^53, up to which floats hold every whole number
+SLICE = 2.0**22  # bound of the whole numbers in slices
+MOST_TERMS = 512  # of a sum in product: 2^22 2^22 512 = 2^53, up to which floats represent every whole number
 LOG_TERMS = 12  # of the series of artanh, for |x| <= 0.172: the rest is below 1e-18
 
 
 def exp(x):
-    """Return e^x elementwise, x <= 0, to 2 units of the last place; e^-300 where x is less."""
+    """Return e^x elementwise, x <= 0, to 2 units of the last place; e^-300 if x is less than -300."""
     x = np.maximum(np.asarray(x, dtype=np.float64), LEAST_EXPONENT)
     doublings = np.rint(x * LOG2_E)
     rest = (x - doublings * LN2_HIGH) - doublings * LN2_LOW
@@ -46,7 +46,7 @@ def log(x):
 
 
 def fold(terms):
-    """Return the sum over the first axis, by halves; the terms, a float array, are used up."""
+    """Return the sum over the first axis, by halves. It overwrites terms, a float array."""
     count = len(terms)
     while count > 1:
         half = (count + 1) // 2
@@ -71,10 +71,10 @@ def slices(values):
 
 
 def product(left, right):
-    """Return the matrix product of two arrays that are given as slices, to 2^-43 a term; at most 512 terms.
+    """Return the matrix product of two arrays that are given as slices, to 2^-43 per term; at most 512 terms.
 
-    BLAS does it, and still on every computer alike: all that it may sum, in whatever order, are whole numbers below
-    2^53, so that nothing is ever rounded (K. Ozaki et al., Numerical Algorithms 59, 2012).
+    BLAS computes it, but the result is the same on every computer. All sums, in any order, are whole numbers below
+    2^53, so nothing is ever rounded (K. Ozaki et al., Numerical Algorithms 59, 2012).
     """
     high = left[0] @ right[0]
     low = left[0] @ right[1]

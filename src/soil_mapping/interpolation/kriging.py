@@ -1,16 +1,16 @@
-"""Ordinary kriging of samples to the field's grid: mean and variance of every cell.
+"""Ordinary kriging of samples on the field's grid: mean and variance of every cell.
 
-Up to 64 samples all of them decide each cell. With more, the grid is cut into tiles of 20 x 20 cells, and the 64
-samples nearest to a tile's middle decide the tile's cells (a moving neighbourhood: J.-P. Chiles and P. Delfiner,
-Geostatistics, 1999, section 3.6), so that time grows no further.
+Up to 64 samples, all of them decide each cell. With more samples, the grid is cut into tiles of 20 x 20 cells, and the
+64 samples nearest to a tile's centre decide the tile's cells (a moving neighbourhood: J.-P. Chiles and P. Delfiner,
+Geostatistics, 1999, section 3.6). So the computing time grows no further.
 
-What is defined beyond the ordinary case:
+Special cases:
 
-- Samples in the same cell count as one, at their mean place, with their mean value.
-- Fewer than 3 samples: there is no map; Kriging.estimate refuses them.
-- Equal values: the mean is that value, the variance 0 everywhere (the fitted variogram is zero).
-- Samples in a line need nothing of their own: the variogram depends on distances alone. Off the line the variance
-  grows as it does in any direction without samples.
+- Samples in the same cell count as one sample, at their mean place, with their mean value.
+- If there are fewer than 3 samples, there is no map; Kriging.estimate refuses them.
+- If all values are equal, the mean is that value and the variance is 0 everywhere (the fitted variogram is zero).
+- Samples in a line are no special case, because the variogram depends on distances alone. Off the line the variance
+  grows as in any direction without samples.
 """
 
 import math
@@ -23,24 +23,24 @@ from .kriging_system import KrigingSystem
 from .variogram import Variogram, fit
 
 MIN_SAMPLES = 3
-NEIGHBOURS = 64  # samples that decide a cell, at most
-TILE_CELLS = 20  # edge of what shares its neighbours
+NEIGHBOURS = 64  # most samples that decide a cell
+TILE_CELLS = 20  # edge of a tile, whose cells share their neighbours
 
 
 class Estimate(NamedTuple):
-    """A map made of samples. Arrays have the shape of the grid."""
+    """A map that was estimated from samples. Arrays have the shape of the grid."""
 
     mean: np.ndarray  # kPa
     variance: np.ndarray  # kPa^2
     variogram: Variogram
-    rmse: float  # kPa, of the mean against the truth, over all cells
+    rmse: float  # kPa, between mean and truth, over all cells
     mean_variance: float  # kPa^2, over all cells
 
 
 class Kriging:
-    """Kriging to one grid, whose geometry is computed once.
+    """Kriging on one grid, whose geometry is computed once.
 
-    :param fit: what gives the Variogram of values at points, called as variogram.fit.
+    :param fit: the function that returns the Variogram of values at points, called as variogram.fit.
     """
 
     def __init__(self, grid, fit=fit):
@@ -67,7 +67,7 @@ class Kriging:
                         arithmetic.mean(variance))
 
     def merge(self, points, values):
-        """Return the samples with those of one cell made one; order: as first seen."""
+        """Return (points, values) with the samples of each cell merged into one, in the order of first occurrence."""
         groups = {}
         for index, (x, y) in enumerate(points):
             groups.setdefault(self.grid.cell_of(x, y), []).append(index)
@@ -78,7 +78,7 @@ class Kriging:
                 np.array([arithmetic.mean(values[m]) for m in members]))
 
     def evaluate(self, points, values, variogram):
-        """Return (mean, variance) of all cells with a given Variogram; at a sample: its value and 0."""
+        """Return (mean, variance) of all cells for a given Variogram; at a sample its value and 0."""
         if variogram.sill == 0.0:
             return np.full(self.grid.shape, float(values[0])), np.zeros(self.grid.shape)
         mean, variance = np.empty(self.grid.shape), np.empty(self.grid.shape)
@@ -91,8 +91,8 @@ class Kriging:
 def neighbourhoods(points, x, y, most):
     """Yield (rows, columns, indices of the points that decide them) of the grid that x and y span.
 
-    Up to `most` points all of them decide all cells. Of more, each tile has its nearest; of equally near ones the
-    earlier.
+    Up to `most` points, all of them decide all cells. With more points, the nearest ones decide each tile; among
+    equally near points the earlier one comes first.
     """
     if len(points) <= most:
         yield slice(None), slice(None), slice(None)

@@ -1,17 +1,17 @@
-"""The ordinary kriging system of samples, solved once, and mean and variance that it gives on a grid.
+"""The ordinary kriging system of samples, solved once, and its mean and variance on a grid.
 
-Formulas: N. Cressie, Statistics for Spatial Data, 1993, section 3.2, with the covariance C(h) = sill - gamma(h) in the
-place of the variogram. C is factorised as L D L', by elimination without exchanges, which the nugget keeps stable.
-arithmetic.py makes it the same on every computer.
+Formulas: N. Cressie, Statistics for Spatial Data, 1993, section 3.2, with the covariance C(h) = sill - gamma(h) instead
+of the variogram. C is factorised as L D L', by elimination without exchanges, which is stable due to the nugget. With
+arithmetic.py the results are the same on every computer.
 """
 
 import numpy as np
 
 from .arithmetic import MOST_TERMS, fold, product, slices
 
-COINCIDENT = 1e-10  # coordinates nearer than this are one place, as in PyKrige
-LEAST_PIVOT = 1e-12  # of the sill: a sample that the others leave less variance says nothing, and is left out
-BLOCK = 32768  # numbers that are worked on at a time: they stay in the processor's cache
+COINCIDENT = 1e-10  # coordinates that differ by less than this are one place, as in PyKrige
+LEAST_PIVOT = 1e-12  # of the sill: a sample with less variance, given the others, is redundant and left out
+BLOCK = 32768  # numbers in one step of the computation, so that they stay in the processor's cache
 
 
 class KrigingSystem:
@@ -32,7 +32,7 @@ class KrigingSystem:
         self._weights = self._solve(values - self._mean)
 
     def mean(self, x, y):
-        """Return the kriged mean at the grid that x and y span, shape (len(y), len(x))."""
+        """Return the kriged mean on the grid that x and y span, shape (len(y), len(x))."""
         mean = np.empty((len(y), len(x)))
         for block, found in self._blocks(x, y, self._weights[None, :]):
             mean[block] = found[0] + self._mean
@@ -41,7 +41,7 @@ class KrigingSystem:
         return mean
 
     def mean_and_variance(self, x, y):
-        """Return (mean, variance), each of shape (len(y), len(x)); at a sample: its value and 0."""
+        """Return (mean, variance), each of shape (len(y), len(x)); at a sample its value and 0."""
         mean, variance = np.empty((len(y), len(x))), np.empty((len(y), len(x)))
         inverse = _invert(self._lower)
         for block, found in self._blocks(x, y, np.vstack((self._weights, self._of_ones, inverse))):
@@ -62,9 +62,9 @@ class KrigingSystem:
         return result
 
     def _blocks(self, x, y, matrix):
-        """Yield (rows of the grid, the matrix times their covariances with the samples).
+        """Yield (rows of the grid, the product of the matrix and their covariances with the samples).
 
-        The latter has the shape (rows of the matrix, rows of the grid, len(x)).
+        The product has the shape (rows of the matrix, rows of the grid, len(x)).
         """
         decay_x = self._variogram.decay(self._points[:, 0, None] - x)  # (n, columns)
         decay_y = self._variogram.decay(self._points[:, 1, None] - y)  # (n, rows)
@@ -82,20 +82,20 @@ class KrigingSystem:
     def _variance(self, missing, reduced):
         """Return sill - c' C^-1 c + (1 - 1' C^-1 c)^2 / (1' C^-1 1).
 
-        :param missing: 1 - 1' C^-1 c. :param reduced: L^-1 c, which is used up.
+        :param missing: 1 - 1' C^-1 c. :param reduced: L^-1 c, which is overwritten.
         """
         reduced *= reduced
         reduced *= self._inverse_pivots[:, None, None]
         return np.maximum(self._variogram.sill - fold(reduced) + missing * missing / self._ones, 0.0)
 
     def _samples_on(self, x, y):
-        """Yield (indices of the grid, value) of each sample: gamma is 0, not the nugget, at the place itself."""
+        """Yield (indices of the grid, value) of each sample: at its own place gamma is 0, not the nugget."""
         for point, value in zip(self._points, self._values):
             yield np.ix_(np.abs(y - point[1]) < COINCIDENT, np.abs(x - point[0]) < COINCIDENT), value
 
 
 def _factorise(matrix, least_pivot):
-    """Return (L, 1 / D) of a symmetric matrix, which is used up; D is infinite where a pivot is less than the least."""
+    """Return (L, 1 / D) of a symmetric matrix, which is overwritten; 1 / D is 0 for pivots up to least_pivot."""
     count = len(matrix)
     lower, inverse_pivots = np.eye(count), np.zeros(count)
     for k in range(count):
@@ -107,7 +107,7 @@ def _factorise(matrix, least_pivot):
 
 
 def _invert(lower):
-    """Return the inverse of a triangular matrix with ones in its diagonal."""
+    """Return the inverse of a lower triangular matrix with ones on its diagonal."""
     inverse = np.eye(len(lower))
     for k in range(len(lower)):
         inverse[k + 1:, :k + 1] -= lower[k + 1:, k, None] * inverse[k, :k + 1]

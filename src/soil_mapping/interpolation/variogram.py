@@ -1,13 +1,13 @@
-"""Gaussian variograms, and how one is fitted to samples.
+"""Gaussian variograms, and their fit to samples.
 
-Formula: gamma(h) = psill (1 - exp(-h^2 / s^2)) + nugget for h > 0, gamma(0) = 0, with s = 4/7 of the range, which is
-how PyKrige writes the gaussian variogram.
+Formula: gamma(h) = psill (1 - exp(-h^2 / s^2)) + nugget for h > 0, gamma(0) = 0, with s = 4/7 of the range. PyKrige
+writes the gaussian variogram in the same way.
 
-The fit is well-posed whatever the samples are: of a fixed table of ranges and shares of the nugget it takes the most
-likely one, by restricted likelihood (H. D. Patterson and R. Thompson, Biometrika 58, 1971; for kriging: N. Cressie,
-Statistics for Spatial Data, 1993, section 2.6), with a prior for what few samples cannot tell. The sill follows in
-closed form. Scores are compared to the sixth decimal, and no BLAS is used, so that the same samples have the same
-variogram on every computer.
+The fit is well-posed for any samples. It takes the most likely entry of a fixed table of ranges and shares of the
+nugget, by restricted likelihood (H. D. Patterson and R. Thompson, Biometrika 58, 1971; for kriging: N. Cressie,
+Statistics for Spatial Data, 1993, section 2.6). A prior decides if there are too few samples. The sill follows in
+closed form. Scores are compared to the sixth decimal, and no BLAS is used, so the same samples have the same variogram
+on every computer.
 """
 
 from typing import NamedTuple
@@ -17,15 +17,15 @@ import numpy as np
 from .arithmetic import exp, fold, log
 
 RANGE_TO_SCALE = 4.0 / 7.0
-RANGES = (1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.09375, 0.0625)  # of the extent; of equals the first is taken
-NUGGETS = (0.001, 0.01, 0.05, 0.2, 0.5, 0.8)  # of the sill; never 0, so that no system is near to singular
-USUAL_RANGE, USUAL_SPREAD = 0.3, 0.7  # the prior: ln(range / extent) is normal, and the nugget's share falls to 0 at 1
-GROUP = 64  # of more values it is the likelihood of several groups, each evenly spread over them (composite likelihood)
+RANGES = (1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.09375, 0.0625)  # of the extent; among equals the first is taken
+NUGGETS = (0.001, 0.01, 0.05, 0.2, 0.5, 0.8)  # of the sill; never 0, so that no system is nearly singular
+USUAL_RANGE, USUAL_SPREAD = 0.3, 0.7  # the prior: ln(range / extent) is normal; the nugget's share falls to 0 at 1
+GROUP = 64  # more values are split into groups, evenly spread over them, with one composite likelihood
 SCORE_DECIMALS = 6
 
 
 class Variogram(NamedTuple):
-    """A gaussian variogram. All zero psill and nugget: a constant field."""
+    """A gaussian variogram. If psill and nugget are both 0, the field is constant."""
 
     psill: float  # kPa^2, without the nugget
     range_m: float  # unit of the coordinates
@@ -43,9 +43,9 @@ class Variogram(NamedTuple):
 
 
 def fit(points, values, extent):
-    """Return the Variogram of values at points, shape (n, 2), n >= 2; extent: the diagonal of what they lie in.
+    """Return the Variogram of values at points, shape (n, 2), n >= 2; extent: the diagonal of the grid.
 
-    Equal values give a variogram of zeros, and so do those whose differences have no squares.
+    Equal values give a variogram of zeros, and so do values whose squared differences are too small for a float.
     """
     spread = float(values.max() - values.min())
     if spread * spread < np.finfo(np.float64).tiny:
@@ -64,20 +64,20 @@ def fit(points, values, extent):
 
 
 def _prior():
-    """Return the logarithm of the prior of each candidate, a range and a nugget's share, but for a constant."""
+    """Return the logarithm of the prior of each candidate (range, share of the nugget), except for a constant."""
     offset = (log(np.array(RANGES)) - log(USUAL_RANGE)) / USUAL_SPREAD
     return (-0.5 * offset[:, None] * offset[:, None] + log(1.0 - np.array(NUGGETS))).ravel()
 
 
 def _restricted(points, values, ranges, nuggets):
-    """Return (squares, log determinants) of each candidate: what its restricted likelihood is made of.
+    """Return (squares, log determinants) of each candidate, the two parts of its restricted likelihood.
 
-    With R the correlations of a candidate, 1 the vector of ones: squares (z - m)' R^-1 (z - m) with the mean m of
-    generalised least squares, and ln(det R) + ln(1' R^-1 1).
+    R are the correlations of a candidate, 1 is the vector of ones, and m the mean by generalised least squares. The
+    squares are (z - m)' R^-1 (z - m), the log determinants ln(det R) + ln(1' R^-1 1).
     """
     count = len(points)
     x, y = points[:, None, 0] - points[:, 0], points[:, None, 1] - points[:, 1]
-    scale = (ranges[::len(NUGGETS)] * RANGE_TO_SCALE)[:, None, None]  # each range comes with all nuggets, one by one
+    scale = (ranges[::len(NUGGETS)] * RANGE_TO_SCALE)[:, None, None]  # each range is there once for each nugget
     correlations = np.repeat(exp(-(x * x + y * y) / (scale * scale)), len(NUGGETS), axis=0)
     systems = np.zeros((len(ranges), count + 2, count + 2))  # bordered by the ones and the values
     systems[:, :count, :count] = (1.0 - nuggets)[:, None, None] * correlations

@@ -1,1 +1,1 @@
-"""The study as Mesa models: ours on the coordinator, and the published one by its own rules."""
+"""The study as Mesa models: our own with the coordinator, and the published one with its own rules."""

@@ -1,8 +1,8 @@
 """The paths of the published Mesa study: a greedy best-first search on a grid with eight neighbours.
 
-It looks only at how far a cell seems to be from the goal, plus the cell's own weight, never at how far it is from the
-start. That is what the search library of the published program does under the name A*; its order of ties is kept, since
-the lengths of detours around other robots, and with them who wins a task, depend on it.
+The search uses only a cell's estimated distance from the goal and the cell's own weight, never its distance from the
+start. The search library of the published program does this under the name A*. Its order of ties is kept, because it
+decides the lengths of detours around other robots, and so which robot wins a task.
 """
 
 NEIGHBOURS = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))  # (x, y), in the order of search
@@ -12,9 +12,9 @@ def greedy_path(weights, start, goal):
     """Return the cells (x, y) from start to goal, both included.
 
     :param weights: array of shape (width, height), the weight of each cell. The estimate of a cell is its weight plus
-        its Manhattan distance from the goal. Of the open cells the search goes on from the one with the least estimate:
-        from the youngest if no older one is less, else from the oldest of the least. A youngest one that is passed over
-        is forgotten.
+        its Manhattan distance from the goal. The search goes on from the open cell with the least estimate: from the
+        youngest one if no older one has a smaller estimate, otherwise from the oldest of those with the least estimate.
+        If the youngest one is passed over, it is forgotten.
     """
     width, height = weights.shape
     goal = tuple(goal)

@@ -1,8 +1,8 @@
-"""The study as a Mesa model: the coordinator's robots as agents, in steps of one second.
+"""The study as a Mesa model: the coordinator's robots are agents, in steps of one second.
 
-A step carries out, in order, all that is due within it, so that straight motion is exact to the nanosecond although a
-step lasts a second: an arrival in the middle of a step starts its dwell there. Mesa's agents show where the robots are
-at the end of each step, and its data collector keeps the metrics per step.
+A step carries out, in order, all events that are due within it. So straight motion is exact to the nanosecond, although
+a step lasts a second: after an arrival in the middle of a step, the dwell starts at once. Mesa's agents show where the
+robots are at the end of each step, and its data collector keeps the metrics of each step.
 """
 
 import mesa
@@ -31,21 +31,21 @@ class RobotAgent(mesa.Agent):
         self.trip = None  # while it drives
 
     def place_at(self, now_ns):
-        """Return where it is at an instant of the present step [ns]."""
+        """Return (x, y) [m] at an instant of the present step [ns]."""
         return self.pos if self.trip is None else self.trip.place_at(now_ns)
 
     def step(self):
-        """Move to where it is at the end of the step."""
+        """Move to its place at the end of the step."""
         self.pos = self.place_at(self.model.now_ns)
 
 
 class SoilMappingModel(mesa.Model):
     """A mission on Mesa.
 
-    :param config: a TrialConfig. :param seed: whole number >= 0. :param truth: the Field, None for the configuration's.
+    :param config: a TrialConfig. :param seed: whole number >= 0. :param truth: the Field; None: that of config.
     :param motion: 'euclidean' (straight, constant speed) or 'eight' (one 2 m cell a second, in eight directions).
-    :param stopwatch: measures the phases of the wall time; none if None.
-    :raises ConfigurationError: if motion and configuration do not go together.
+    :param stopwatch: measures the wall time of the phases; None: nothing is measured.
+    :raises ConfigurationError: if motion and config contradict each other.
     """
 
     def __init__(self, config, seed, truth=None, motion='euclidean', stopwatch=None):
@@ -63,7 +63,7 @@ class SoilMappingModel(mesa.Model):
         self._carry_out(self.coordinator.start(0))
 
     def step(self):
-        """Simulate one second, or less where the budget ends or nothing is left to do."""
+        """Simulate one second, or less if the budget ends or nothing is left to do."""
         to_ns = min(self.now_ns + STEP_NS, self.coordinator.end_ns)
         self._queue.run_until(to_ns, self)
         if not self.coordinator.complete:
@@ -103,8 +103,8 @@ class SoilMappingModel(mesa.Model):
 def run_mesa_trial(config, seed, motion='euclidean', truth=None, stopwatch=None, inputs=None):
     """Run a mission to its end and return its TrialResult; arguments as for SoilMappingModel.
 
-    inputs: as in TrialResult, where the field is given; otherwise they are looked at before it is loaded.
-    Wall seconds are measured per phase: start_up (the field and the model), mission (all of the run), and within it
+    inputs: as in TrialResult, if truth is given; otherwise they are read before the field is loaded.
+    Wall seconds are measured for each phase: start_up (the field and the model), mission (the whole run), and within it
     kriging and allocation.
     """
     stopwatch = stopwatch or Stopwatch()

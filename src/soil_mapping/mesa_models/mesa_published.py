@@ -1,26 +1,27 @@
-"""The published Mesa study by its own rules, to compare with its published results. Everything is in cells and steps.
+"""The published Mesa study with its own rules, to compare with its published results. All units are cells and steps.
 
-A cell is 2 m, a step 1 s, the grid 162 x 110 cells. What differs from the study's rules in mission/coordinator.py, all
-of it as in the published program (TAROS 2022):
+A cell is 2 m, a step 1 s, the grid 162 x 110 cells. The rules are those of the published program (TAROS 2022). They
+differ from those in mission/coordinator.py in these points:
 
-- A robot moves to a neighbouring cell per step, in eight directions, along a path that is searched anew at each step
-  (greedy_path.py). Cells within 2 steps of where another robot ever was weigh 2 for it, others 1. Where its next cell
-  is taken, or it stands on the next cell of another robot's path, it moves to a free cell beside it by chance instead:
-  drawn from the free ones in the first case, from all of them until it is free in the second.
-- It samples in the step after its arrival, and sets off again in the step after that if it has a task.
-- Whenever there are at least as many samples as robots, each sample makes new tasks. Dynamic: in the six clusters with
-  the highest mean variance of those not used, in the order of the clusters' numbers; one that holds a robot's start is
-  used up without a task.
-- The cost of a queue leaves out the way to its first task where that is not the new one: it is the weight of all cells
-  on the path from the robot to the new task, plus that of the paths between the queue's tasks in order, wherever the
-  new one is. Both allocations insert a task where this is least. The lowest cost wins the auction.
-- A random task is drawn from all cells; where that cell has had a task, it is drawn once more from a list of those that
-  have had none, column by column. Of two equal tasks of one round the second is dropped.
-- PyKrige fits the variograms. From few samples its fit is not well-posed: the last digits decide it, and with them the
-  processor, whose BLAS kernel it uses.
-- Chance is two generators of Python's own, both seeded by the trial's number: starts, and tasks and side steps.
+- In each step a robot moves to one of eight neighbouring cells, along a path that is searched anew at each step
+  (greedy_path.py). Cells within 2 steps of any place where another robot has been weigh 2 for it, others 1. If its next
+  cell is taken, or it stands on the next cell of another robot's path, it moves to a random free cell beside it
+  instead. In the first case it draws one of the free cells, in the second one of all cells, until the cell is free.
+- It samples in the step after its arrival. If it has a task, it sets off again in the step after that.
+- If there are at least as many samples as robots, each sample makes new tasks. Dynamic sampling makes them in the six
+  unused clusters with the highest mean variance, in the order of the clusters' numbers. A cluster that contains a
+  robot's start is used up without a task.
+- The cost of a queue leaves out the way to its first task, unless that is the new one. It is the weight of all cells on
+  the path from the robot to the new task, plus that of the paths between the queue's tasks in order, at any position of
+  the new one. Both allocations insert a task where this is least. The lowest cost wins the auction.
+- A random task is drawn from all cells. If that cell has had a task, it is drawn once more from a list of the cells
+  that have had none, column by column. If two tasks of one round are equal, the second one is dropped.
+- PyKrige fits the variograms. With few samples its fit is not well-posed: the last digits decide it, and so does the
+  processor, through its BLAS kernel.
+- There are two random generators of Python's own, both seeded by the trial's number: for starts, and for tasks and side
+  steps.
 
-The figures (see figures()) are those that the program wrote, with what it counts.
+The figures (see figures()) are those that the program wrote, counted in the same way.
 """
 
 import math
@@ -48,14 +49,14 @@ class PublishedRobot(mesa.Agent):
     def __init__(self, model, pos):
         super().__init__(model)
         self.pos = pos
-        self.weights = np.ones((WIDTH, HEIGHT), dtype=np.int64)  # what crossing a cell costs it
-        self.search_weights = self.weights.copy()  # those of its last step: its searches know no others
+        self.weights = np.ones((WIDTH, HEIGHT), dtype=np.int64)  # its cost of each cell
+        self.search_weights = self.weights.copy()  # those of its last step, which its searches use
         self.goal = None
         self.queue = []
-        self.path = []  # from where it was before its last step
-        self.task_steps = []  # steps on the way, per finished task
+        self.path = []  # from its place before its last step
+        self.task_steps = []  # number of steps on the way, for each finished task
         self.steps_on_way = self.distance = self.idle = 0
-        self.costs = {}  # of ways, by their ends, as long as no weight changes
+        self.costs = {}  # of ways, by their ends, until a weight changes
 
     def step(self):
         """Sample, or move one cell, or stand idle."""
@@ -96,7 +97,7 @@ class PublishedRobot(mesa.Agent):
         return [cell for cell in cells if 0 <= cell[0] < WIDTH and 0 <= cell[1] < HEIGHT]
 
     def _step_aside(self, taken, cells):
-        """Move to one of the cells that is not taken, drawn anew until it is one; stay if there is none."""
+        """Move to a random one of the cells, drawn anew until it is not taken; stay if all are taken."""
         while any(cell not in taken for cell in cells):
             cell = cells[self.model.chance.randrange(len(cells))]
             if cell not in taken:
@@ -111,7 +112,7 @@ class PublishedRobot(mesa.Agent):
         return self.costs[start, goal]
 
     def cheapest(self, task):
-        """Return (cost of the queue with the task where that is least, the position)."""
+        """Return (least cost of the queue with the task, the position of the task for it)."""
         if not self.queue:
             return self.way_cost(self.pos, task), 0
         first = self.way_cost(self.pos, task)
@@ -123,8 +124,9 @@ class PublishedRobot(mesa.Agent):
 class PublishedModel(mesa.Model):
     """One trial of the published study.
 
-    :param truth: kPa, shape (110, 162), row 0 in the south. :param allocation, sampling: as in TrialConfig, no grid.
-    :param trial: its number, from 1; it is the seed.
+    :param truth: kPa, shape (110, 162), row 0 in the south. :param allocation, sampling: as in TrialConfig, but no
+        grid.
+    :param trial: its number, from 1, which is also the seed.
     """
 
     def __init__(self, truth, allocation, sampling, trial, robots=3, steps=100):
@@ -148,7 +150,7 @@ class PublishedModel(mesa.Model):
             self.given.add(robot.pos)
 
     def step(self):
-        """Simulate one step. Distance and idle time are reported as they were before the last one."""
+        """Simulate one step. Distance and idle time are reported as they were before the last step."""
         for robot in self.robots:
             near = _cells_near(robot.pos)
             for other in self.robots:
@@ -160,11 +162,11 @@ class PublishedModel(mesa.Model):
         self.agents.do('step')
 
     def figures(self):
-        """Return what the published results hold of a trial.
+        """Return the figures that the published results have for a trial, as a mapping.
 
-        rmse [kPa] and variance [kPa^2] of the last map; samples: different cells sampled; distance [cells], idle
-        [steps, the step of each sample included] and waiting [steps, always 0] of all robots but for the last step;
-        task_time [steps on the way]: the mean of the robots' means, first samples included as 0.
+        rmse [kPa] and variance [kPa^2] of the last map; samples: number of different sampled cells; distance [cells],
+        idle [steps, including the step of each sample] and waiting [steps, always 0] of all robots, without the last
+        step; task_time [steps on the way]: the mean of the robots' means, in which first samples count as 0.
         """
         means = [np.mean(robot.task_steps) if robot.task_steps else math.nan for robot in self.robots]
         distance, idle = self._reported
@@ -174,7 +176,7 @@ class PublishedModel(mesa.Model):
                 'task_time': float(np.mean(means))}
 
     def sampled(self, cell):
-        """Take note of a sample; make the map, new tasks, and hand them out."""
+        """Note a sample at a cell (x, y); make the map and new tasks, and assign them."""
         self.values[cell] = self.truth[cell[1], cell[0]]
         if len(self.values) < max(len(self.robots), MIN_SAMPLES):
             return
@@ -229,9 +231,9 @@ def fit_by_pykrige(points, values, extent):
 
 
 def _starts(chance, count):
-    """Return different cells, drawn as the published program does: never in the first row or column.
+    """Return different cells (x, y), drawn as in the published program: never in the first row or column.
 
-    Between two robots it draws three numbers for a colour.
+    After each robot it draws three numbers for a colour.
     """
     starts = []
     while len(starts) < count:
@@ -251,7 +253,7 @@ def _cells_near(cell):
 
 
 def run_published_trial(truth, allocation, sampling, trial, steps=100):
-    """Return the figures of one trial; arguments as for PublishedModel."""
+    """Return the figures of one trial; the arguments are those of PublishedModel."""
     model = PublishedModel(truth, allocation, sampling, trial, steps=steps)
     while model.running:
         model.step()

@@ -1,4 +1,4 @@
-"""How the Mesa model's robots move: straight at a constant speed, or from cell to cell in eight directions."""
+"""The motion of the Mesa model's robots: straight at constant speed, or from cell to cell in eight directions."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from move_base_abstract.motion.leg import Leg, MotionLimits
 
 @dataclass(frozen=True)
 class StraightTrip:
-    """A straight leg, by the simulator's own law of motion."""
+    """A straight leg, with the simulator's own law of motion."""
 
     leg: Leg
 
@@ -26,20 +26,20 @@ class StraightTrip:
         return self.leg.arrive_ns
 
     def place_at(self, now_ns):
-        """Return (x, y) at an instant."""
+        """Return (x, y) [m] at an instant [ns]."""
         pose = self.leg.pose_at(now_ns)
         return pose.x, pose.y
 
     def bends(self):
-        """Return the (time_ns, x, y) at which it changes its direction: none."""
+        """Return the list of (time_ns, x, y) at which its direction changes: an empty one."""
         return []
 
 
 @dataclass(frozen=True)
 class EightWayTrip:
-    """Steps between the middles of 2 m cells, diagonal ones first, as in the published Mesa study.
+    """Steps between the centres of 2 m cells, diagonal ones first, as in the published Mesa study.
 
-    Each step takes the time of its longer side, so that a diagonal one goes 2.83 m in the time of 2 m.
+    Each step takes the time of its longer side, so a diagonal step goes 2.83 m in the time of 2 m.
     """
 
     start: tuple  # (x, y), m
@@ -51,11 +51,11 @@ class EightWayTrip:
 
     @classmethod
     def between(cls, start, goal, speed, depart_ns):
-        """Return the trip from start to goal, (x, y) of middles of cells [m], at speed [m/s] along a cell's edge."""
+        """Return the trip from start to goal, (x, y) of centres of cells [m], at speed [m/s] along a cell's edge."""
         return cls(start, goal, depart_ns, seconds_to_ns(cls.STEP_M / speed))
 
     def _steps(self):
-        """Return the signed whole steps (along x, along y)."""
+        """Return the signed numbers of steps (along x, along y)."""
         return tuple(round((b - a) / self.STEP_M) for a, b in zip(self.start, self.goal))
 
     @property
@@ -64,13 +64,13 @@ class EightWayTrip:
         return self.depart_ns + max(map(abs, self._steps())) * self.step_ns
 
     def place_at(self, now_ns):
-        """Return (x, y) of the cell at an instant: a step is made when its time is over."""
+        """Return (x, y) [m] of its cell at an instant [ns]: it makes a step when the time of the step is over."""
         done = max(0, (now_ns - self.depart_ns) // self.step_ns)
         return tuple(begin + self.STEP_M * math.copysign(min(done, abs(steps)), steps)
                      for begin, steps in zip(self.start, self._steps()))
 
     def bends(self):
-        """Return the (time_ns, x, y) at which diagonal steps become straight ones, if both occur."""
+        """Return the list of (time_ns, x, y) at which its direction changes: one item if it has both kinds of steps."""
         shorter, longer = sorted(map(abs, self._steps()))
         if shorter in (0, longer):
             return []
@@ -82,9 +82,11 @@ MOTIONS = {'euclidean': StraightTrip, 'eight': EightWayTrip}
 
 
 def motion_named(name, config):
-    """Return the kind of trip of a name; :raises ConfigurationError: if there is none, or the configuration forbids it.
+    """Return the class of trips that a name stands for.
 
-    Eight directions need cells of 2 m, and a dwell of whole steps.
+    Eight directions need cells of 2 m, and dwells of whole steps.
+
+    :raises ConfigurationError: for an unknown name, or if the configuration does not allow it.
     """
     if name not in MOTIONS:
         raise ConfigurationError(f'motion must be one of {", ".join(sorted(MOTIONS))}, got {name!r}')

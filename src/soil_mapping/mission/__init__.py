@@ -1,1 +1,1 @@
-"""Who samples where and when: the coordinator, its samplings and allocations, and the book of what happened."""
+"""The mission: the coordinator, its samplings and allocations, and the log of what happened."""

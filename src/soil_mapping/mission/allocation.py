@@ -1,4 +1,4 @@
-"""Who gets a task: round robin or an auction; and where in the queue it goes."""
+"""The allocation of tasks to robots, by round robin or auction, and the position of each task in the robot's queue."""
 
 import math
 
@@ -8,15 +8,16 @@ WAY_DECIMALS = 6  # of metres
 
 
 class Allocator:
-    """The queues of all robots. A queue holds what a robot has not begun; the task it is at is not in it.
+    """The queues of all robots. A queue has the tasks that a robot has not begun, without its present task.
 
-    Both allocations put a task where it makes the robot's queue longest by least (insertion heuristic): the way from
-    where the robot will be free, which is where its present task is (or where it stands, if it has none), through all
-    its tasks in order [m]. Equal ways: the earlier place.
+    Both allocations put a task at the position where it lengthens the robot's way least (insertion heuristic). The way
+    [m] begins where the robot will be free: at its present task, or where it stands if it has none. It goes through all
+    tasks of the queue in order. Among equal ways the earlier position is taken.
 
     Round robin takes the robots in turn, and the turn goes on from one round of tasks to the next. In the auction
-    (sequential single-item), every robot bids that whole way with the task in it; the lowest bid wins, ties go to the
-    lower robot index. Ways that differ by less than a micrometre are equal, so that no rounding decides.
+    (sequential single-item), every robot bids the length of its whole way with the task in it. The lowest bid wins;
+    ties go to the lower robot index. Ways that differ by less than a micrometre are equal, so that no rounding error
+    decides.
 
     :param places: (x, y) of each robot [m].
     """
@@ -28,11 +29,11 @@ class Allocator:
         self._turn = 0
 
     def free_at(self, robot, place):
-        """Note where a robot is that has no present task."""
+        """Note the place (x, y) [m] of a robot that has no present task."""
         self._free_at[robot] = place
 
     def take(self, robot):
-        """Remove and return the first task of a robot's queue; it becomes the robot's present one."""
+        """Remove and return the first task of a robot's queue, which becomes the robot's present task."""
         task = self.queues[robot].pop(0)
         self._free_at[robot] = (task.x, task.y)
         return task
@@ -50,7 +51,7 @@ class Allocator:
         return robot
 
     def _cheapest(self, robot, task):
-        """Return (length of the queue's way with the task [m], the position at which that is least)."""
+        """Return (least length of the robot's way with the task [m], the position of the task for it)."""
         stops = [self._free_at[robot], *((queued.x, queued.y) for queued in self.queues[robot])]
         place = (task.x, task.y)
         length = sum(math.dist(a, b) for a, b in zip(stops, stops[1:]))

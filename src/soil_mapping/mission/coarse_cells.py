@@ -1,4 +1,4 @@
-"""Coarse cells: a partition of the grid, in each part of which the dynamic sampling makes one task at most."""
+"""Coarse cells: a partition of the grid. The dynamic sampling makes at most one task in each part."""
 
 import math
 from pathlib import Path
@@ -13,20 +13,23 @@ CLUSTERS_FILE = Path(__file__).parents[1] / 'data' / 'coarse_clusters.npy'  # co
 
 
 def coarse_cells(config, grid):
-    """Return the label of each cell of the grid, whole numbers from 0, shape (rows, columns), as a TrialConfig asks."""
+    """Return the coarse cell of each cell of the grid: labels from 0, shape (rows, columns), as a TrialConfig says.
+
+    :raises ConfigurationError: if it asks for clusters and the field does not have the published size.
+    """
     if config.coarse_cells is CoarseCells.SQUARES:
         return square_labels(grid, config.coarse_m)
     if not grid.is_published:
         raise ConfigurationError(f'coarse_cells: the clusters are those of the published field, 324 x 220 m; this one '
                                  f'has {grid.width_m:g} x {grid.height_m:g} m: take squares')
     labels = field_clusters()
-    row = (grid.y_centres() // 2.0).astype(np.int64)  # the clusters are of cells of 2 m
+    row = (grid.y_centres() // 2.0).astype(np.int64)  # the clusters have cells of 2 m
     column = (grid.x_centres() // 2.0).astype(np.int64)
     return labels[np.ix_(row, column)]
 
 
 def square_labels(grid, edge_m):
-    """Return labels of squares of edge_m [m] from the south-west corner; the last ones are cut by the field's edge."""
+    """Return labels of squares of edge_m [m] from the south-west corner; the field's edge cuts the last ones."""
     row = (grid.y_centres() // edge_m).astype(np.int64)
     column = (grid.x_centres() // edge_m).astype(np.int64)
     return row[:, None] * (column[-1] + 1) + column
@@ -38,10 +41,10 @@ def field_clusters():
 
 
 def compute_clusters(rows, columns):
-    """Return labels from 0 of complete-linkage clusters of the cells' places, each sqrt(rows * columns) / 4 across.
+    """Return labels from 0 of complete-linkage clusters of the cells' places, at most sqrt(rows * columns) / 4 wide.
 
-    The distance is the largest one between two cells of a cluster, in cells. How ties are broken depends on the order
-    in which scipy gets the cells, here column by column. For 110 x 162 cells it takes 5 s and 2.5 GB.
+    The width is the largest distance between two cells of a cluster, in cells. Ties depend on the order in which scipy
+    gets the cells, here column by column. For 110 x 162 cells this takes 5 s and 2.5 GB.
     """
     from scipy.cluster.hierarchy import fcluster, linkage
     column, row = np.divmod(np.arange(rows * columns), rows)

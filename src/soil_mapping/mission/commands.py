@@ -1,10 +1,10 @@
-"""What the coordinator and an engine say to each other. Places are in the map frame [m], x east, y north."""
+"""The commands of the coordinator to an engine, and the places that it gets. Map frame [m], x east, y north."""
 
 from typing import NamedTuple, Optional
 
 
 class Drive(NamedTuple):
-    """Send a robot to a place; answer with Coordinator.arrived, or failed."""
+    """Send a robot to a place; the engine answers with Coordinator.arrived or failed."""
 
     robot: int
     task: int  # number of the task, >= 0
@@ -13,25 +13,25 @@ class Drive(NamedTuple):
 
 
 class TakeSample(NamedTuple):
-    """Let a robot sample where it stands for so long; answer with Coordinator.sampled."""
+    """Let a robot sample where it stands, for dwell_ns; the engine answers with Coordinator.sampled."""
 
     robot: int
-    task: int  # number of the task; FIRST_SAMPLE for the one that a robot takes at its start
+    task: int  # number of the task; FIRST_SAMPLE for the sample that a robot takes at its start
     dwell_ns: int  # simulated ns
 
 
 class Stop(NamedTuple):
-    """Cancel what a robot is doing: the mission is over. No answer is wanted."""
+    """Cancel what a robot is doing, because the mission is over. The engine does not answer."""
 
     robot: int
 
 
 class Place(NamedTuple):
-    """Where a robot is, and how far it has driven since it was last heard of."""
+    """The place of a robot, and the way that it has driven since its last Place."""
 
     x: float
     y: float
-    driven_m: Optional[float] = None  # None: as far as the straight line between the two places
+    driven_m: Optional[float] = None  # None: the straight line between the two places
 
 
 FIRST_SAMPLE = -1  # instead of a task's number

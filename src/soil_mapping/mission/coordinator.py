@@ -1,18 +1,18 @@
-"""The mission: who samples where and when. It is told what happened and answers with commands.
+"""The mission decides which robot samples where and when. An engine reports what happened, and gets commands.
 
 An engine (the Mesa model, the ROS node) moves the robots. It calls
 
     coordinator.start(now_ns)                        once; the robots stand at coordinator.start_places
-    coordinator.arrived(robot, now_ns, place)        a Drive has ended well
-    coordinator.failed(robot, now_ns, place)         a Drive has ended badly: the task is dropped
+    coordinator.arrived(robot, now_ns, place)        a Drive has succeeded
+    coordinator.failed(robot, now_ns, place)         a Drive has failed: the task is dropped
     coordinator.sampled(robot, now_ns, place, value) a TakeSample has ended
-    coordinator.passed(robot, now_ns, place)         a driving robot is here; only for what does not drive straight
-    coordinator.held / resumed(robot, now_ns)        a robot with a task cannot go on / can
+    coordinator.passed(robot, now_ns, place)         a driving robot is here; only for ways that are not straight
+    coordinator.held / resumed(robot, now_ns)        a robot with a task cannot go on, or can go on again
     coordinator.end(now_ns, places)                  at coordinator.end_ns, or once coordinator.complete
 
-and carries out the commands (commands.py) that each call returns, in their order. Times are simulated nanoseconds,
-never falling. Calls of the same instant come in the order of the robots' indices, so that every engine gets the same
-mission; what happens at end_ns still counts, if it is told before end. Calls after the end change nothing.
+and carries out the commands (commands.py) that each call returns, in their order. Times are simulated nanoseconds and
+never decrease. Calls of the same instant come in the order of the robots' indices, so that every engine gets the same
+mission. Events at end_ns still count if they are reported before end. Calls after the end change nothing.
 """
 
 from move_base_abstract.common.units import seconds_to_ns
@@ -33,8 +33,8 @@ class Coordinator:
 
     :param config: a TrialConfig.
     :param seed: whole number >= 0; it decides starts, random tasks and dwells, each with a generator of its own.
-    :param truth: the Field that is mapped: its grid is the map's, and the RMSE is taken against it.
-    :param stopwatch: anything with phase(name), a context manager: measures 'kriging' and 'allocation'.
+    :param truth: the Field to map; the map has its grid, and the RMSE is the difference from it.
+    :param stopwatch: any object whose phase(name) is a context manager; it measures 'kriging' and 'allocation'.
     """
 
     def __init__(self, config, seed, truth, stopwatch=None):
@@ -42,7 +42,7 @@ class Coordinator:
         self.seed = seed
         self.truth = truth
         self.start_places = start_places(config.robots, seed, truth.grid)
-        self.estimate = None  # the latest Estimate, None before the third sample
+        self.estimate = None  # the latest Estimate; None before the third sample
         self.log = MissionLog(config.robots)
         self._stopwatch = stopwatch or NullStopwatch()
         self._kriging = Kriging(truth.grid)
@@ -63,7 +63,7 @@ class Coordinator:
 
     @property
     def complete(self):
-        """Whether nothing is left to do: no task can be made any more, and none is open."""
+        """Whether nothing is left to do: no task is open, and no more tasks can be made."""
         return self._start_ns is not None and self._sampling.exhausted and not self._busy_robots() \
             and not any(self._allocator.queues)
 
@@ -73,19 +73,20 @@ class Coordinator:
         return self._over
 
     def queue(self, robot):
-        """Return the tasks that a robot has not begun, in the order in which it will go there."""
+        """Return the tasks that a robot has not begun, in the order of its way."""
         return tuple(self._allocator.queues[robot])
 
     def current_task(self, robot):
         """Return the Task that a robot drives to or samples, or None."""
         return self._current[robot]
 
-    # ------------------------------------------------------------------------------------------ what happened
+    # ------------------------------------------------------------------------------------------ reports
 
     def start(self, now_ns):
         """Begin the mission at now_ns; return the first commands.
 
-        With random and dynamic sampling each robot samples where it stands; with the grid all tasks are there at once.
+        With random and dynamic sampling each robot first samples where it stands. With the grid all tasks exist at
+        once.
         """
         self._start_ns = now_ns
         self.log.start(now_ns, self.start_places)
@@ -94,14 +95,14 @@ class Coordinator:
         return [self._take_sample(robot, now_ns, FIRST_SAMPLE) for robot in range(self.config.robots)]
 
     def arrived(self, robot, now_ns, place):
-        """Take note that a robot reached its goal (its Place); return the commands that follow."""
+        """Note that a robot has reached its goal at a Place; return the commands that follow."""
         if self._over:
             return []
         self.log.arrived(robot, now_ns, place, self._current[robot].number)
         return [self._take_sample(robot, now_ns, self._current[robot].number)]
 
     def failed(self, robot, now_ns, place):
-        """Take note that a robot gave its goal up, at a Place; the task is dropped. Return the commands that follow."""
+        """Note that a robot has given its goal up at a Place; drop the task, and return the commands that follow."""
         if self._over:
             return []
         self.log.failed(robot, now_ns, place, self._current[robot].number)
@@ -109,7 +110,7 @@ class Coordinator:
         return self._dispatch(now_ns)
 
     def sampled(self, robot, now_ns, place, value):
-        """Take note of a value [kPa] that a robot read at a Place; return the commands that follow."""
+        """Note a value [kPa] that a robot has read at a Place; return the commands that follow."""
         if self._over:
             return []
         task = self._current[robot]
@@ -121,22 +122,22 @@ class Coordinator:
         return self._dispatch(now_ns)
 
     def passed(self, robot, now_ns, place):
-        """Take note of where a robot is on its way, for its trajectory and the way that it drives; no event."""
+        """Note the Place of a robot on its way, for its trajectory and its driven distance; this is no event."""
         if not self._over:
             self.log.passed(robot, now_ns, place)
 
     def held(self, robot, now_ns):
-        """Take note that a driving robot is held up."""
+        """Note that a driving robot is held up."""
         if not self._over:
             self.log.held(robot, now_ns)
 
     def resumed(self, robot, now_ns):
-        """Take note that a robot that was held up drives on."""
+        """Note that a robot that was held up drives on."""
         if not self._over:
             self.log.resumed(robot, now_ns)
 
     def end(self, now_ns, places):
-        """End the mission; places: a Place per robot. Return a Stop for each robot that is at work."""
+        """End the mission; places: a Place for each robot. Return a Stop for each robot that drives or samples."""
         if self._over:
             return []
         self._over = True
@@ -144,16 +145,16 @@ class Coordinator:
         self.log.end(now_ns, places)
         return [Stop(robot) for robot in busy]
 
-    # ------------------------------------------------------------------------------------------ what to do
+    # ------------------------------------------------------------------------------------------ decisions
 
     def _busy_robots(self):
         return [robot for robot in range(self.config.robots) if self.log.activity(robot) is not Activity.IDLE]
 
     def _wants_tasks(self):
-        """Whether the sample that was just taken calls for new tasks.
+        """Return whether the sample that was just taken requires new tasks.
 
-        Each one does from the third on. Before, there is no map; but where fewer than 3 robots have taken their first
-        samples, they would wait for ever: then tasks are made when nobody has any.
+        From the third sample on, each one does. Before, there is no map. But if fewer than 3 robots have taken their
+        first samples, they would wait for ever, so tasks are made when no robot has one.
         """
         if self.config.sampling is Sampling.GRID:
             return False
@@ -180,7 +181,7 @@ class Coordinator:
         self.log.mapped(now_ns, self.estimate)
 
     def _plan(self, now_ns):
-        """Make tasks, allocate them, and send off whoever has something to do and does nothing."""
+        """Make tasks, allocate them, and send off all idle robots that have a task."""
         with self._stopwatch.phase('allocation'):
             tasks = self._sampling.new_tasks(self.estimate)
             for task in tasks:

@@ -1,4 +1,4 @@
-"""The book of a mission: events, samples, the map's history, and where each robot's time and way went."""
+"""The log of a mission: events, samples, the map's history, and the times and distances of each robot."""
 
 import math
 from enum import Enum
@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from .commands import FIRST_SAMPLE
 
-NOBODY = -1  # as a robot's index: the event is the mission's
+NOBODY = -1  # as a robot's index: the event concerns the mission
 
 
 class Activity(Enum):
-    """What a robot does; its time is counted under it."""
+    """What a robot does. The log adds up the time of each activity."""
 
     IDLE = 'idle'  # no task to do
     DRIVING = 'driving'  # from the command to drive to the arrival, or to giving up
@@ -19,19 +19,19 @@ class Activity(Enum):
 
 
 class Event(NamedTuple):
-    """One line of the event log. What does not apply is NaN, or -1 for a number."""
+    """One line of the event log. Values that do not apply are NaN, or -1 for whole numbers."""
 
     time_ns: int  # simulated ns since the start of the mission
     robot: int  # index, or NOBODY
     event: str  # start, allocate, drive, arrive, fail, dwell, sample, map, hold, resume, stop, end
-    task: int  # number of the task; FIRST_SAMPLE
-    x_m: float  # the robot's place, or the task's; map frame
+    task: int  # number of the task, or FIRST_SAMPLE
+    x_m: float  # place of the robot or the task, map frame
     y_m: float
     value: float  # sample: kPa; map: the RMSE in kPa; dwell: its length in s
 
 
 class Sample(NamedTuple):
-    """One reading that was taken."""
+    """One reading of a robot."""
 
     time_ns: int  # end of the dwell, simulated ns since the start of the mission
     robot: int
@@ -52,11 +52,11 @@ class Moment(NamedTuple):
     variogram_range_m: float
     variogram_nugget: float
     finished_tasks: int  # without the first samples
-    distance_m: float  # of all legs that have ended
+    distance_m: float  # sum of all legs that have ended
 
 
 class Waypoint(NamedTuple):
-    """A robot's place at an instant at which it began or ended something."""
+    """A robot's place at an instant at which it began or ended something, or passed a place."""
 
     time_ns: int
     robot: int
@@ -65,7 +65,7 @@ class Waypoint(NamedTuple):
 
 
 class MissionLog:
-    """Takes notes. Times that come in are the clock's, those that are kept count from the start of the mission."""
+    """Takes notes. Its methods get times of the clock; the times in its lists count from the start of the mission."""
 
     def __init__(self, robots):
         self.events = []
@@ -74,8 +74,8 @@ class MissionLog:
         self.waypoints = []
         self.driven_m = [0.0] * robots
         self.seconds_ns = [dict.fromkeys(Activity, 0) for _ in range(robots)]
-        self.task_ns = []  # simulated ns from the start of the leg to the end of the dwell, per finished task
-        self.duration_ns = None  # None until the end
+        self.task_ns = []  # simulated ns from the start of the leg to the end of the dwell, for each finished task
+        self.duration_ns = None  # simulated ns; None until the end
         self._start_ns = None
         self._places = [(math.nan, math.nan)] * robots
         self._activity = [Activity.IDLE] * robots
@@ -87,7 +87,7 @@ class MissionLog:
         return self._activity[robot]
 
     def start(self, now_ns, places):
-        """Note the start and where the robots stand."""
+        """Note the start and the places (x, y) of the robots."""
         self._start_ns = now_ns
         for robot, (x, y) in enumerate(places):
             self._places[robot] = (x, y)
@@ -95,7 +95,7 @@ class MissionLog:
             self.waypoints.append(Waypoint(0, robot, x, y))
 
     def allocated(self, robot, now_ns, task):
-        """Note which robot got a task."""
+        """Note that a robot got a task."""
         self._note(now_ns, robot, 'allocate', task.number, task.x, task.y)
 
     def driving(self, robot, now_ns, task):
@@ -105,7 +105,7 @@ class MissionLog:
         self._note(now_ns, robot, 'drive', task.number, task.x, task.y)
 
     def arrived(self, robot, now_ns, place, task):
-        """Note the end of a leg; what follows is the dwell."""
+        """Note the end of a leg; the dwell follows."""
         self._move(robot, now_ns, place)
         self._note(now_ns, robot, 'arrive', task, place.x, place.y)
 
@@ -125,7 +125,7 @@ class MissionLog:
         self._note(now_ns, robot, 'dwell', task, *self._places[robot], dwell_ns / 1e9)
 
     def sampled(self, robot, now_ns, place, task, value):
-        """Note the end of a dwell and the value that was read [kPa]."""
+        """Note the end of a dwell and its reading [kPa]."""
         self._move(robot, now_ns, place)
         self._become(robot, now_ns, Activity.IDLE)
         if task != FIRST_SAMPLE:
@@ -134,7 +134,7 @@ class MissionLog:
         self._note(now_ns, robot, 'sample', task, place.x, place.y, value)
 
     def mapped(self, now_ns, estimate):
-        """Note the map that was made of all samples so far."""
+        """Note the Estimate of the map from all samples so far."""
         fit = estimate.variogram
         self.history.append(Moment(now_ns - self._start_ns, len(self.samples), estimate.rmse, estimate.mean_variance,
                                    fit.psill, fit.range_m, fit.nugget, len(self.task_ns), sum(self.driven_m)))
@@ -153,7 +153,7 @@ class MissionLog:
             self._note(now_ns, robot, 'resume')
 
     def end(self, now_ns, places):
-        """Note the end of the mission and where the robots stand; parts of legs count."""
+        """Note the end of the mission and the Places of the robots; parts of legs count."""
         for robot, place in enumerate(places):
             if self._activity[robot] is not Activity.IDLE:
                 self._note(now_ns, robot, 'stop', x=place.x, y=place.y)

@@ -1,7 +1,7 @@
 """A user's own sampling or allocation, given by name: 'my_package.module:Class'. docs/soil_study.md has the interface.
 
-What a user's class returns is checked, and what it raises is told with its name, so that a mistake ends a mission with
-a sentence that says where it is.
+All that a user's class returns is checked, and its exceptions are reported with its name. So a mistake ends a mission
+with a sentence that says where the mistake is.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from .allocation import Allocator
 from .sampling import Task
 
-ROLES = {'sampling': ('new_tasks',), 'allocation': ('allocate',)}  # and the methods that each needs
+ROLES = {'sampling': ('new_tasks',), 'allocation': ('allocate',)}  # and the methods that each must have
 
 
 def is_own(value):
@@ -26,7 +26,7 @@ def is_own(value):
 
 
 def load_class(role, name):
-    """Return the class that 'module:Class' names. :raises ConfigurationError: if it cannot be had, saying why."""
+    """Return the class that 'module:Class' names. :raises ConfigurationError: if it cannot be loaded, and why."""
     module_name, _, class_name = name.partition(':')
     try:
         module = importlib.import_module(module_name)
@@ -43,7 +43,7 @@ def load_class(role, name):
 
 
 def own_code(config):
-    """Return the SHA-256 of the files of the user's classes that a TrialConfig names, by name."""
+    """Return {name: SHA-256 of its file} for the user's classes that a TrialConfig names."""
     found = {}
     for role in ROLES:
         name = getattr(config, role)
@@ -55,7 +55,7 @@ def own_code(config):
 
 
 class OwnSampling:
-    """A user's sampling in the mission's terms: it numbers the tasks and checks where they are."""
+    """A user's sampling with the mission's interface. It numbers the tasks and checks their places."""
 
     def __init__(self, config, seed, grid):
         self._name, self._grid, self._made = config.sampling, grid, 0
@@ -65,11 +65,11 @@ class OwnSampling:
 
     @property
     def exhausted(self):
-        """Whether no task will be made any more; False if the class does not say."""
+        """Whether no more tasks will be made; False if the class does not say."""
         return bool(getattr(self._own, 'exhausted', False))
 
     def new_tasks(self, estimate):
-        """Return the tasks that it wants, an Estimate given or None."""
+        """Return the tasks that the user's class makes; estimate: an Estimate, or None if there is no map yet."""
         places = _guarded('sampling', self._name, 'new_tasks', lambda: list(self._own.new_tasks(estimate)))
         tasks = [Task(self._made + index, *self._checked(place)) for index, place in enumerate(places)]
         self._made += len(tasks)
@@ -88,7 +88,7 @@ class OwnSampling:
 
 
 class OwnAllocator(Allocator):
-    """The queues of all robots, filled as a user's class says."""
+    """The queues of all robots, filled by a user's class."""
 
     def __init__(self, config, seed, grid, places):
         super().__init__(None, places)

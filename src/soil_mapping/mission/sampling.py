@@ -1,4 +1,4 @@
-"""Where samples are taken: the starts of the robots, and the three ways of making tasks."""
+"""The places of samples: the starts of the robots, and the three ways of making tasks."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from .coarse_cells import coarse_cells
 
 GRID_POINTS = 10  # per side
 GRID_MARGIN = 0.05  # of the field's extent, at each side
-VARIANCE_DECIMALS = 6  # of kPa^2: where variances differ by rounding errors only, no machine decides otherwise
+VARIANCE_DECIMALS = 6  # of kPa^2: variances that differ by rounding errors only are equal on every machine
 
 
 class Task(NamedTuple):
-    """A place to sample, in the map frame [m]."""
+    """A place for a sample, in the map frame [m]."""
 
     number: int  # from 0, in the order in which tasks are made
     x: float
@@ -22,16 +22,17 @@ class Task(NamedTuple):
 
 
 def start_places(robots, seed, grid):
-    """Return the (x, y) at which each robot starts, drawn uniformly, each from a generator of its own.
+    """Return the start (x, y) of each robot [m, map frame], drawn uniformly, each from a generator of its own.
 
-    Places are drawn in metres and moved to the middle of their cell, so that grids of other cells start nearly alike.
+    Places are drawn in metres and moved to the centre of their cell, so that the starts on other grids are nearly
+    equal.
     """
     draws = (generator(seed, Purpose.START, robot) for robot in range(robots))
     return tuple(_uniform_place(draw, grid) for draw in draws)
 
 
 def make_sampling(config, seed, grid):
-    """Return the object that makes the tasks of a mission, as a TrialConfig asks."""
+    """Return the object that makes the tasks of a mission, as a TrialConfig says."""
     if config.sampling is Sampling.GRID:
         return GridSampling(grid)
     at_random = RandomSampling(config.robots, seed, grid)
@@ -41,9 +42,9 @@ def make_sampling(config, seed, grid):
 
 
 class RandomSampling:
-    """As many tasks as there are robots, uniform over the field; no cell twice."""
+    """At each call as many tasks as there are robots, uniform over the field; no cell twice."""
 
-    first_samples = True  # each robot samples where it starts
+    first_samples = True  # each robot first samples at its start
 
     def __init__(self, count, seed, grid):
         self._count = count
@@ -58,7 +59,7 @@ class RandomSampling:
         return len(self._used) >= self._grid.rows * self._grid.columns
 
     def new_tasks(self, estimate):
-        """Return the next tasks; the Estimate does not matter."""
+        """Return the next tasks; the Estimate is not used."""
         tasks = []
         while len(tasks) < self._count and not self.exhausted:
             place = _uniform_place(self._draw, self._grid)
@@ -72,12 +73,12 @@ class RandomSampling:
 class DynamicSampling:
     """Tasks where the map is least certain.
 
-    Each time, in the coarse cells with the highest mean kriging variance of those without a task so far, each at its
-    cell of highest variance; in falling order of mean variance. Variances are compared to the sixth decimal.
-    Ties, which are frequent where the fitted range is short: lower label, then southern, then western cell.
+    At each call it takes the coarse cells with the highest mean kriging variance among those without a task so far, in
+    falling order of mean variance. The task is at their cell of highest variance. Variances are compared to the sixth
+    decimal. Ties are frequent if the fitted range is short: the lower label, then the southern, then the western cell.
 
-    :param count: tasks at a time. :param labels: coarse cell of each cell, from 0.
-    :param before: what makes tasks as long as there is no map.
+    :param count: number of tasks at each call. :param labels: coarse cell of each cell, from 0.
+    :param before: the sampling that makes tasks while there is no map.
     """
 
     first_samples = True
@@ -97,7 +98,7 @@ class DynamicSampling:
         return not self._free.any()
 
     def new_tasks(self, estimate):
-        """Return the tasks that an Estimate asks for; without one (None) those of random sampling."""
+        """Return the tasks for an Estimate; without one (None), those of random sampling."""
         if estimate is None:
             tasks = self._before.new_tasks(None)
         else:
@@ -106,7 +107,7 @@ class DynamicSampling:
         return tasks
 
     def _pick(self, estimate):
-        """Return (row, column) per task and mark the coarse cells as used."""
+        """Return (row, column) of each task, and mark the coarse cells as used."""
         variance = estimate.variance.round(VARIANCE_DECIMALS)
         mean = (np.bincount(self._labels.ravel(), weights=variance.ravel()) / self._sizes).round(VARIANCE_DECIMALS)
         order = np.argsort(-np.where(self._free, mean, -np.inf), kind='stable')[:self._count]
@@ -119,14 +120,14 @@ class DynamicSampling:
 class GridSampling:
     """10 x 10 points with a margin of 5 % of the field at each side, all at once: from the south-west, row by row."""
 
-    first_samples = False  # the tasks are there at once
+    first_samples = False  # the tasks exist at once
 
     def __init__(self, grid):
         self._grid = grid
         self.exhausted = False  # whether the tasks are made
 
     def new_tasks(self, estimate):
-        """Return all tasks the first time, none later; the Estimate does not matter."""
+        """Return all tasks at the first call, and none later; the Estimate is not used."""
         if self.exhausted:
             return []
         self.exhausted = True

@@ -1,1 +1,1 @@
-"""One module per executable."""
+"""One module for each executable."""

@@ -1,1 +1,1 @@
-"""What a trial leaves: metrics, the folder, pictures, where it was computed; and how alike two studies are."""
+"""The results of a trial: metrics, folder, pictures and provenance; and the similarity of two studies."""

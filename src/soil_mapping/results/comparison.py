@@ -1,7 +1,7 @@
-"""How alike two studies are: the published measure, its noise floor, and measures that feel scale.
+"""The similarity of two studies: the published measure, its noise floor, and measures that depend on scale.
 
-A study is a mapping from a configuration's name to an array of trials, shape (trials, metrics), its columns in the
-order of METRICS. Both studies of a comparison have the same configurations.
+A study is a mapping from a configuration's name to an array of shape (trials, metrics), with the columns in the order
+of METRICS. Both studies of a comparison have the same configurations.
 """
 
 from typing import NamedTuple
@@ -17,11 +17,11 @@ PUBLISHED_TABLE = (  # Table 1 of the TAROS 2023 abstract: first study, second s
     ('TAROS 23 stage_ros trials - 1x sim. speed', 'TAROS 23 stage_ros trials - 10x sim. speed', 0.992865229),
     ('TAROS 23 stage_ros trials - 1x sim. speed', 'TAROS 23 stage_ros trials - 15x sim. speed', 0.869587149),
 )
-PUBLISHED_OVERALL_SPEED_UPS = ((10.0, 2.87), (15.0, 14.18))  # nominal factor, simulated s per wall s over all
+PUBLISHED_OVERALL_SPEED_UPS = ((10.0, 2.87), (15.0, 14.18))  # nominal factor, simulated s per wall s overall
 
 
 class Difference(NamedTuple):
-    """One metric of one configuration, second study against first."""
+    """The difference of one metric of one configuration, of the second study from the first."""
 
     configuration: str
     metric: str
@@ -29,35 +29,35 @@ class Difference(NamedTuple):
     second_mean: float
     first_sd: float  # of the trials, n - 1
     second_sd: float
-    relative: float  # (second - first) / |first| of the means; NaN where the first is 0 and the second is not
-    standardised: float  # (second - first) of the means / pooled sd of the trials; +-inf where that is 0
+    relative: float  # (second - first) / |first| of the means; NaN if only the first is 0
+    standardised: float  # (second - first) of the means / pooled sd of the trials; +-inf if that is 0
 
 
 def trial_row(metrics):
-    """Return the row of a trial's Metrics."""
+    """Return the row of a trial's Metrics, in the order of METRICS."""
     return [float(getattr(metrics, name)) for name in METRICS]
 
 
 def cosine_similarity(first, second):
     """Return the mean over the metrics of the cosine between the studies' vectors of configuration means.
 
-    Blunt: it does not feel scale, and positive vectors are never far apart. A vector of zeros is like another one (1)
-    and unlike any other (0). NaN in a trial is left out of its mean.
+    This measure is coarse: it does not depend on scale, and positive vectors are never far apart. Two vectors of zeros
+    score 1; a vector of zeros and another one score 0. NaNs of trials are left out of the means.
     """
     return float(np.mean(metric_cosines(first, second)))
 
 
 def metric_cosines(first, second):
-    """Return the cosine per metric, in the order of METRICS."""
+    """Return the cosine of each metric, in the order of METRICS."""
     return _cosines(_means(first, first), _means(second, first))
 
 
 def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
-    """Return the (lower, upper) end of the range in which the cosine similarity of two runs of one study lies.
+    """Return (lower, upper) of the range in which the cosine similarity of two runs of one study lies.
 
-    Both runs are drawn from the study's own trials, with replacement, so many per configuration (percentile bootstrap:
-    B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13). Two runs that differ by chance only
-    score within that range in level of all cases.
+    Both runs are drawn from the study's own trials, with replacement, trials for each configuration (percentile
+    bootstrap: B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13). The share level of all
+    pairs of runs that differ by chance only scores within this range.
     """
     chance = generator(seed, Purpose.BOOTSTRAP)
     scores = [np.mean(_cosines(_redrawn_means(study, trials, chance), _redrawn_means(study, trials, chance)))
@@ -67,9 +67,9 @@ def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
 
 
 def similarity_interval(first, second, resamples=RESAMPLES, seed=0, level=0.95):
-    """Return the (lower, upper) end of the bootstrap interval of the cosine similarity of two studies.
+    """Return (lower, upper) of the bootstrap interval of the cosine similarity of two studies.
 
-    Both have the same seeds in the same order; pairs of trials are drawn anew, as many as there are, with replacement.
+    Both must have the same seeds in the same order. Pairs of trials are drawn with replacement, as many as there are.
     """
     chance = generator(seed, Purpose.BOOTSTRAP)
     both = {name: np.hstack((np.asarray(first[name], dtype=float), np.asarray(second[name], dtype=float)))
@@ -82,7 +82,7 @@ def similarity_interval(first, second, resamples=RESAMPLES, seed=0, level=0.95):
 
 
 def differences(first, second):
-    """Return a Difference per configuration and metric, configurations in the order of the first study."""
+    """Return a Difference for each configuration and metric; configurations in the order of the first study."""
     found = []
     for name in _names(first, second):
         a, b = np.asarray(first[name], dtype=float), np.asarray(second[name], dtype=float)
@@ -92,11 +92,13 @@ def differences(first, second):
 
 
 def bootstrap_interval(first, second, comparisons=1, resamples=20 * RESAMPLES, seed=0, level=0.95):
-    """Return the (lower, upper) end of the bootstrap interval of the difference of means, second - first.
+    """Return (lower, upper) of the bootstrap interval of the difference of means, second - first.
+
+    If 0 lies inside, no difference is shown.
 
     :param first, second: values of one metric, shape (trials,).
-    :param comparisons: how many such intervals are looked at together: the level is corrected so that all of them
-        hold with the given probability (Bonferroni). 0 lies inside if no difference is shown.
+    :param comparisons: number of intervals that are used together. The level is corrected so that all of them hold
+        with the given probability (Bonferroni).
     """
     chance = generator(seed, Purpose.BOOTSTRAP)
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
@@ -118,7 +120,7 @@ def _difference(name, metric, a, b):
 
 
 def _ratio(change, by, if_zero):
-    """Return change / by; 0 where nothing changed, if_zero where something did and by is 0."""
+    """Return change / by; 0 if change is 0, otherwise if_zero if by is 0."""
     if change == 0.0:
         return 0.0
     return float(if_zero) if by == 0.0 else float(change / by)
@@ -131,7 +133,7 @@ def _names(first, second):
 
 
 def _means(study, like):
-    """Return the configuration means, shape (configurations, metrics), in the order of the study like."""
+    """Return the means of the configurations, shape (configurations, metrics), in the order of the study ``like``."""
     return np.array([_known_means(np.asarray(study[name], dtype=float)) for name in _names(like, study)])
 
 
@@ -141,7 +143,7 @@ def _redrawn_means(study, trials, chance):
 
 
 def _known_means(rows):
-    """Return the mean of each column without its NaNs; NaN where there is nothing else."""
+    """Return the mean of each column without its NaNs; NaN if it has only NaNs."""
     known = ~np.isnan(rows)
     count = known.sum(axis=0)
     total = np.where(known, rows, 0.0).sum(axis=0)
@@ -149,13 +151,13 @@ def _known_means(rows):
 
 
 def _range_of(scores, tail):
-    """Return the (tail, 100 - tail) percentiles; what was drawn from trials without a value (NaN) is left out."""
+    """Return the (tail, 100 - tail) percentiles; scores of NaN, from trials without a value, are left out."""
     known = [score for score in scores if not np.isnan(score)] or [np.nan]
     return tuple(float(bound) for bound in np.percentile(known, (tail, 100.0 - tail)))
 
 
 def _cosines(first, second):
-    """Return the cosine of each pair of columns; 1 for two zero columns, 0 for one."""
+    """Return the cosine of each pair of columns; 1 if both are zero, 0 if one is zero."""
     product = (first * second).sum(axis=0)
     lengths = np.linalg.norm(first, axis=0), np.linalg.norm(second, axis=0)
     both = lengths[0] * lengths[1]

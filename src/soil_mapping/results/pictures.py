@@ -1,4 +1,4 @@
-"""Pictures of a trial as PNG files: truth, prediction, variance, and where the robots went and sampled."""
+"""Pictures of a trial as PNG files: truth, prediction, variance, and the trajectories and samples of the robots."""
 
 from matplotlib import cm
 from matplotlib.backends.backend_agg import FigureCanvasAgg

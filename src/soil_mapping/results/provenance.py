@@ -1,4 +1,4 @@
-"""Where a result comes from: the versions of what computed it, and the machine."""
+"""Where a result comes from: the versions of programs and libraries, and the machine."""
 
 import ctypes
 import functools
@@ -9,13 +9,13 @@ import re
 from pathlib import Path
 
 KERNEL_NAMES = ('openblas_get_corename', 'openblas_get_corename64_', 'scipy_openblas_get_corename',
-                'scipy_openblas_get_corename64_')  # what OpenBLAS calls the function, by how it was built
+                'scipy_openblas_get_corename64_')  # OpenBLAS's names of the function, by the way of its build
 LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
 
 
 @functools.lru_cache(maxsize=1)
 def package_version():
-    """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
+    """Return the version in this package's package.xml, in the source tree or installed; or 'unknown'."""
     for folder in list(Path(__file__).resolve().parents)[3:7]:  # Python 3.9 takes no slice of them
         for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
             if file.is_file():
@@ -26,7 +26,7 @@ def package_version():
 
 @functools.lru_cache(maxsize=1)
 def versions():
-    """Return the versions of Python and of the libraries that are installed, by name."""
+    """Return {name: version} of Python and of the installed libraries."""
     found = {'python': platform.python_version()}
     for name in LIBRARIES:
         try:
@@ -38,16 +38,16 @@ def versions():
 
 @functools.lru_cache(maxsize=1)
 def machine():
-    """Return what is known of the machine: system, processor, number of usable cores, the kernels of its BLAS.
+    """Return a description of the machine: system, processor, number of usable cores, kernels of its BLAS.
 
-    A trial does not depend on them (interpolation/arithmetic.py); what is compared with it may.
+    A trial does not depend on these (interpolation/arithmetic.py), but studies that it is compared with may.
     """
     return {'system': platform.platform(), 'processor': _processor(), 'cores': len(os.sched_getaffinity(0)),
             'blas': ', '.join(blas_kernels()) or 'unknown'}
 
 
 def blas_kernels():
-    """Return the OpenBLAS libraries that are loaded, each with the kernel that it chose for this processor."""
+    """Return the names of the loaded OpenBLAS libraries, each with the kernel that it chose for this processor."""
     try:
         with open('/proc/self/maps', encoding='utf-8') as stream:
             paths = {line.split(maxsplit=5)[-1].strip() for line in stream}
@@ -58,7 +58,7 @@ def blas_kernels():
 
 
 def _kernel_of(path):
-    """Return the kernel of a loaded library, in a list; an empty one if it is no OpenBLAS."""
+    """Return a list with the kernel of a loaded library; empty if it is no OpenBLAS."""
     try:
         library = ctypes.CDLL(path)
     except OSError:

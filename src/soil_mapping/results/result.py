@@ -1,4 +1,4 @@
-"""What a trial leaves, the same for every engine."""
+"""The result of a trial, in the same form for every engine."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,18 +13,16 @@ from ..mission.own_code import own_code
 class Metrics(NamedTuple):
     """The figures of one trial.
 
-    What is counted:
-
-    rmse_kpa             of the last map against the truth, over all cells; NaN without a map
+    rmse_kpa             error of the last map against the truth, over all cells; NaN without a map
     mean_variance_kpa2   mean kriging variance of the last map, over all cells; NaN without a map
-    samples              readings taken until the end, the robots' first ones included; a dwell cut short is none
-    distance_m           driven by all robots, the begun legs as far as they got
-    idle_s               sum over the robots of the time without a task to do; dwells are not idle time
-    waiting_s            sum over the robots of the time held up on the way to a task
-    task_s               mean over all finished tasks of all robots, from the command to drive to the end of the
-                         dwell; first samples are no tasks (they have no leg); NaN without a finished task
+    samples              number of readings, including the robots' first ones; a dwell that was cut short does not count
+    distance_m           distance driven by all robots, including the driven parts of unfinished legs
+    idle_s               time without a task, summed over the robots; dwells are not idle time
+    waiting_s            time held up on the way to a task, summed over the robots
+    task_s               mean time of all finished tasks of all robots, from the command to drive to the end of the
+                         dwell; first samples are no tasks, because they have no leg; NaN without a finished task
 
-    For each robot idle + waiting + driving + dwelling is the duration of the mission.
+    For each robot, idle + waiting + driving + dwelling time is the duration of the mission.
     """
 
     rmse_kpa: float
@@ -52,7 +50,7 @@ def measure(coordinator):
 
 @dataclass(frozen=True)
 class TrialResult:
-    """One finished trial. Lists hold records of mission_log.py; maps have shape (rows from the south, columns)."""
+    """One finished trial. Lists contain records of mission_log.py; maps have shape (rows from the south, columns)."""
 
     config: dict  # TrialConfig.to_dict()
     seed: int
@@ -67,15 +65,15 @@ class TrialResult:
     prediction: np.ndarray = field(repr=False)  # kPa; all NaN without a map
     variance: np.ndarray = field(repr=False)  # kPa^2; all NaN without a map
     cell_m: float = 1.0  # edge of a cell
-    about_field: dict = field(default_factory=dict)  # its source, unit, width_m, height_m, and how they came about
-    own_code: dict = field(default_factory=dict)  # SHA-256 of the files of a user's own classes, by their names
-    inputs: dict = field(default_factory=dict)  # what the trial read: SHA-256 by purpose, see ground_truth/inputs.py
-    wall_s: dict = field(default_factory=dict)  # wall seconds per phase: start_up, mission, kriging, allocation, ...
+    about_field: dict = field(default_factory=dict)  # its source, unit, width_m, height_m, and how its size was found
+    own_code: dict = field(default_factory=dict)  # SHA-256 of the files of a user's own classes, by name
+    inputs: dict = field(default_factory=dict)  # SHA-256 of the files that it read, by purpose: ground_truth/inputs.py
+    wall_s: dict = field(default_factory=dict)  # wall seconds of phases: start_up, mission, kriging, allocation, ...
     moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
 
     @property
     def speed_up(self):
-        """Simulated seconds per wall second: overall (all of start_up, mission), and while moving; NaN if unknown."""
+        """Simulated seconds per wall second, ``overall`` (start_up, mission) and while ``moving``; NaN if unknown."""
         overall = self.wall_s.get('start_up', 0.0) + self.wall_s.get('mission', math.nan)
         return {'overall': _ratio(self.simulated_s, overall), 'moving': _ratio(self.simulated_s, self.moving_wall_s)}
 
@@ -85,7 +83,7 @@ def _ratio(simulated_s, wall_s):
 
 
 def collect(coordinator, engine, wall_s, moving_wall_s, inputs=None):
-    """Return the TrialResult of a mission that has ended; engine, inputs and the wall times as in TrialResult."""
+    """Return the TrialResult of a mission that has ended; engine, inputs and wall times are those of TrialResult."""
     log, truth = coordinator.log, coordinator.truth
     unknown = np.full(truth.values.shape, np.nan)
     estimate = coordinator.estimate

@@ -1,20 +1,20 @@
-"""The folder that a trial leaves, complete or marked as unfinished.
+"""The folder of a trial, complete or marked as unfinished.
 
-    NAME.unfinished/       while the trial runs, and for ever if it died: it says so itself and is begun again
+    NAME.unfinished/       while the trial runs; if it dies, this folder stays, and the trial is begun again
     NAME/                  a complete trial; the name appears in one step, when all files are on the disk
-        trial.json         format, config, seed, engine, metrics, simulated_s, speed_up, wall_s (per phase), versions,
-                           package (version), inputs (what was read, by its SHA-256), machine, events_sha256
+        trial.json         format, config, seed, engine, metrics, simulated_s, speed_up, wall_s (of phases), versions,
+                           package (version), inputs (SHA-256 of files that were read), machine, events_sha256
         events.csv         time_ns, robot, event, task, x_m, y_m, value       (mission_log.Event)
         samples.csv        time_ns, robot, task, x_m, y_m, value_kpa          (mission_log.Sample)
         metrics.csv        the map after each sample                          (mission_log.Moment)
         trajectories.csv   time_ns, robot, x_m, y_m                           (mission_log.Waypoint)
         truth.npy prediction.npy variance.npy     float64, (rows from the south, columns), kPa and kPa^2
-        truth.png prediction.png variance.png trajectories.png     with pictures=True only, drawn last of all
-        .made_by_move_base_abstract     says that this program made the folder, and may replace it
+        truth.png prediction.png variance.png trajectories.png     only with pictures=True, drawn last
+        .made_by_move_base_abstract     marks that this program made the folder, and may replace it
 
 An engine may put further files (FROM_ENGINES) into TrialFolder.path before it is finished. Numbers in CSV files are
-written so that reading gives the same bits. Times are simulated ns since the start of the mission, so that the event
-logs of two runs can be compared as they are.
+written so that reading gives the same bits. Times are simulated ns since the start of the mission, so the event logs of
+two runs can be compared directly.
 """
 
 import csv
@@ -36,7 +36,7 @@ from .result import Metrics, TrialResult
 
 FORMAT = 1
 UNFINISHED = '.unfinished'
-OLD = '.old'  # while a complete trial takes the place of another one
+OLD = '.old'  # while a complete trial replaces another one
 ARRAYS = ('truth', 'prediction', 'variance')
 PICTURES = (*ARRAYS, 'trajectories')
 FROM_ENGINES = ('lockstep_events.jsonl', 'charge.jsonl', 'trial.bag', 'trial.bag.active', 'error.txt')
@@ -51,19 +51,19 @@ KIND = FolderKind('trial', ('trial.json', *(file for _, file, _, _ in TABLES), *
 
 
 def is_complete(path, prefix=''):
-    """Return whether the folder holds a complete trial. Whatever else is there is not one."""
+    """Return whether the folder has a complete trial. ``prefix``: what the names of its files begin with."""
     return (Path(path) / f'{prefix}trial.json').is_file()
 
 
 class TrialFolder:
     """The folder of one trial that is about to run; a context manager.
 
-    Entering removes what an earlier try left and makes NAME.unfinished. finish() turns it into NAME. Leaving without
-    finish() leaves NAME.unfinished, for whoever wants to see how far it came. A complete NAME is replaced only by a
-    complete one, and whatever is not a trial's folder, or empty, is not replaced at all (own_files.py).
+    Entering removes the remains of an earlier try and makes NAME.unfinished. finish() renames it to NAME. Without
+    finish(), NAME.unfinished stays, and shows how far the trial came. A complete NAME is replaced only by another
+    complete trial. A folder that is neither a trial's nor empty is never replaced (own_files.py).
 
-    :raises ConfigurationError: on entering, if something else is in the way, or another process writes there.
-    :raises OutputError: if something cannot be written, because the disk is full, say.
+    :raises ConfigurationError: on entering, if something else has that name, or another process writes there.
+    :raises OutputError: if something cannot be written, for example because the disk is full.
     """
 
     def __init__(self, path):
@@ -75,7 +75,7 @@ class TrialFolder:
         self._marker = None
 
     def check(self):
-        """Complain if there is something in the way. :raises ConfigurationError: naming it."""
+        """Check that nothing else has the names of the folder. :raises ConfigurationError: if so, with its path."""
         for path in (self.final_path, self.path, self._old):
             KIND.check(path)
 
@@ -90,9 +90,9 @@ class TrialFolder:
         return False
 
     def finish(self, result, pictures=False, recorded=lambda: None):
-        """Write all files of a TrialResult, see that they are on the disk, and give the folder its final name.
+        """Write all files of a TrialResult to the disk, give the folder its final name, and return its path.
 
-        recorded: called when the trial is complete. Pictures are drawn after that.
+        pictures: whether to draw pictures, too. recorded: called when the trial is complete, before pictures are drawn.
         """
         self._write(result)
         recorded()
@@ -111,7 +111,7 @@ class TrialFolder:
                               f'{self.path}') from error
 
     def _swap(self):
-        """Give the folder its final name. An older complete one makes room first: a kill in between loses only that."""
+        """Give the folder its final name. An older complete one is moved first; a kill in between loses only that."""
         KIND.remove(self._old)
         KIND.check(self.final_path)
         if is_complete(self.final_path):
@@ -124,7 +124,7 @@ class TrialFolder:
 
 
 def write_files(folder, result):
-    """Write the files of a TrialResult: what cannot be computed again comes first, what makes it complete last."""
+    """Write the files of a TrialResult: first what cannot be computed again, last the file that makes it complete."""
     digest = _write_tables(folder, result)
     for name in ARRAYS:
         content = io.BytesIO()  # numpy does not say why it cannot write to a file
@@ -136,7 +136,7 @@ def write_files(folder, result):
 
 
 def describe(result, events_sha256):
-    """Return what trial.json says of a TrialResult."""
+    """Return the content of trial.json for a TrialResult."""
     return {
         'format': FORMAT, 'config': result.config, 'seed': result.seed, 'engine': result.engine,
         'metrics': result.metrics._asdict(), 'simulated_s': result.simulated_s, 'speed_up': result.speed_up,
@@ -149,7 +149,7 @@ def describe(result, events_sha256):
 def read_trial(path, prefix=''):
     """Return the TrialResult of a complete folder; ``prefix``: what the names of its files begin with.
 
-    :raises ValueError: if it is not complete, or of another format.
+    :raises ValueError: if it is not complete, or has another format.
     """
     path = Path(path)
     if not is_complete(path, prefix):
@@ -166,7 +166,7 @@ def read_trial(path, prefix=''):
 
 
 def read_about(path, prefix=''):
-    """Return trial.json of a complete folder as a mapping; NaN is None there."""
+    """Return the content of trial.json of a complete folder; NaNs are None in it."""
     file = Path(path) / f'{prefix}trial.json'
     with open(file, encoding='utf-8') as stream:
         about = json.load(stream)
@@ -176,7 +176,7 @@ def read_about(path, prefix=''):
 
 
 def events_text(events):
-    """Return the event log as it is written: two runs are the same if these texts are."""
+    """Return the event log as it is written. Two runs are the same if these texts are equal."""
     return _csv_text(Event._fields, events)
 
 
@@ -205,7 +205,7 @@ def _read_table(path, record):
 
 
 def _plain(value):
-    """Return a value as JSON has it: NaN and infinities are null."""
+    """Return a value that JSON can represent; NaN and infinities become None."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -1,1 +1,1 @@
-"""The study on ROS: the coordinator as any user would write it, for whatever robots speak move_base."""
+"""The study on ROS: the coordinator as any user would write it, for any robots with the interface of move_base."""

@@ -1,7 +1,7 @@
-"""What the clock does while the mission computes.
+"""The clock while the mission computes.
 
-Real time: it goes on. The scaled clock of the time master: it is held, so that computing takes the simulated time that
-it would take on a robot. Lockstep: it stands, and the node's charge (~lockstep_charge) says how long computing took.
+Real time goes on. The scaled clock of the time master is held, so that computing takes the simulated time that it would
+take on a robot. In lockstep time stands still, and the node's charge (~lockstep_charge) says how long computing takes.
 """
 
 import contextlib
@@ -14,9 +14,9 @@ HOLD_TIMEOUT_S = 60.0  # wall; no computation takes that long
 
 
 def computing(participant):
-    """Return a function that makes the context manager for the time in which something is computed.
+    """Return a function that makes a context manager for the time during which the mission computes.
 
-    ``participant`` is what lockstep.join has returned.
+    ``participant`` is the value that lockstep.join has returned.
     """
     mode = rospy.get_param('/time_master/mode', None)
     if participant is not None or mode is None or not rospy.get_param('~hold', True):

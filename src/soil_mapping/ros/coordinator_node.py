@@ -1,7 +1,7 @@
 """The node ``soil_coordinator``: an ordinary user's node that has robots map the compaction of a field.
 
-It takes the robots as they are: any action server under <robot>/move_base, and <robot>/<task> for the sampling. The
-parameters of the mission are those of soil_mapping.config.TrialConfig, by the same names; docs/soil_study_ros.md.
+It works with any robots that have an action server <robot>/move_base, and <robot>/<task> for the sampling. The
+parameters of the mission are those of soil_mapping.config.TrialConfig, with the same names; see docs/soil_study_ros.md.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pict
 
 
 def main():
-    """Run one mission; exit with 0 when it is over, 1 if it could not be carried out."""
+    """Run one mission. Exit with 0 when it is over, or with 1 if it could not be carried out."""
     began = time.perf_counter()
     parse_no_arguments('soil_coordinator', __doc__)
     end = ProcessEnd('soil_coordinator')
@@ -51,7 +51,7 @@ def main():
         rospy.logfatal('%s: %s', rospy.get_name(), error)
         sys.exit(1)
     except Exception as error:
-        if end.asked.is_set():  # what it waited for has ended with ROS
+        if end.asked.is_set():  # a wait of the mission has ended because ROS ends
             return
         sys.exit(tell_error('soil_coordinator', error))
 
@@ -69,11 +69,11 @@ def _run(began):
     with TrialFolder(raw['output']) if raw.get('output') else contextlib.nullcontext() as folder:
         _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder)
     if raw.get('stay', False):
-        rospy.spin()  # for those who look at it yet
+        rospy.spin()  # so that its maps can still be seen
 
 
 def _names(raw, count):
-    """Return the robots' namespaces."""
+    """Return the robots' namespaces. :raises ConfigurationError: if the names are not allowed, or not count many."""
     names = raw or [f'robot_{index}' for index in range(count)]
     if not isinstance(names, list) or not all(is_namespace(name) for name in names) or len(
             {name.strip('/') for name in names}) < len(names):
@@ -98,15 +98,16 @@ def _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder):
 
 
 def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None, before=lambda: None):
-    """Run a mission in this process, whose node is initialised, to its end; return the MissionRun.
+    """Run a mission to its end in this process, whose node is initialised; return the MissionRun.
 
-    names: of the robots. task: of the sampling action below each. pose_topic: nav_msgs/Odometry in the map frame.
-    check: called while robots are waited for; may raise. before: called before the mission; in lockstep time stands.
+    names: the robots' namespaces. task: name of the sampling action below each. pose_topic: topic of nav_msgs/Odometry
+    below each, in the map frame. check: called repeatedly while waiting for the robots; it may raise. before: called
+    before the mission; in lockstep time stands still meanwhile.
     """
     participant = lockstep.join()
     if participant is None:
         watch_clock()
-    events = queue.Queue()  # made after joining: its locks are lockstep's then
+    events = queue.Queue()  # made after joining, so that lockstep handles its locks
     robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
     views = Views(coordinator, rospy.get_param('~variance_frame', 'map'))
 
@@ -118,6 +119,6 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     run.wait_until_ready(participant, check)
     run.go_to_start()
     before()
-    coordinator.truth.values  # noqa: B018 - drawn by now, if it is not, while no robot and no stopwatch waits for it
+    coordinator.truth.values  # noqa: B018 - if it is not drawn yet, this draws it, outside of the measured time
     run.run()
     return run

@@ -1,9 +1,9 @@
-"""A Python that has what the study needs.
+"""Finds a Python that has all that the study needs.
 
-catkin installs scripts with the Python that ROS was built for, and what is not Debian's lies in a virtual environment:
-that of SOIL_MAPPING_PYTHON (the path of its python), .ws/venv in the source tree, which `make study` makes, or the one
-that `study setup` makes for a user. A program whose Python lacks an import starts itself again with the first of these
-that is there. Imports nothing but the standard library.
+catkin installs scripts with the Python for which ROS was built. Packages that Debian lacks are in a virtual
+environment: the one of SOIL_MAPPING_PYTHON (the path of its python), .ws/venv in the source tree, which `make study`
+makes, or the one that `study setup` makes for a user. If the Python of a program lacks an import, the program starts
+itself again with the first of these that exists. This module imports only the standard library.
 """
 
 import importlib.util
@@ -13,18 +13,19 @@ from pathlib import Path
 
 from soil_mapping import environment
 
-# modules and the packages that have them
+# {module: the package that contains it}
 NEEDED = {'scipy': 'scipy', 'gstools': 'gstools', 'jinja2': 'Jinja2'}
 VARIABLE = 'SOIL_MAPPING_PYTHON'
 STARTED_AGAIN = 'SOIL_MAPPING_STARTED_AGAIN'
-# One thread per trial: trials run side by side, and sums come out the same on every number of cores.
+# One thread for each trial: trials run in parallel, and sums are the same for every number of cores.
 ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 
 def find_python(words):
-    """Start the program of these words again with another Python, unless this one has what is needed.
+    """Start the program of this command line again with another Python, unless this one has all that is needed.
 
-    Exits with an error where there is none. To be called before numpy is imported: it sets numpy's number of threads.
+    If there is no such Python, the program exits with an error. Call this before numpy is imported, because it sets
+    numpy's number of threads.
     """
     for name in ONE_THREAD:
         os.environ.setdefault(name, '1')
@@ -37,14 +38,14 @@ def find_python(words):
     if started_again or python is None:
         sys.exit(f'{Path(words[0]).name}: {", ".join(missing)} not installed for {sys.executable}'
                  f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run `rosrun "
-                 f'move_base_abstract study setup`, or have {VARIABLE} name a Python that has all of '
+                 f'move_base_abstract study setup`, or set {VARIABLE} to a Python that has all packages of '
                  f'{environment.STUDY_LISTS[0]}')
     os.environ[STARTED_AGAIN] = '1'
     os.execv(python, [python, *words])
 
 
 def _candidates():
-    """Return the paths where a Python may be that has what is needed, the first to be taken first."""
+    """Return the paths at which a suitable Python may be, in the order of preference."""
     if os.environ.get(VARIABLE):
         return [os.environ[VARIABLE]]
     source_tree = Path(__file__).resolve().parents[3]

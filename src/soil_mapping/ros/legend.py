@@ -1,4 +1,4 @@
-"""What colours and dots of the maps in RViz mean: titles with units, colour bars with values, a key to the markers."""
+"""The legend of the maps in RViz: titles with units, colour bars with values, and a key to the markers."""
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -6,15 +6,15 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 GAP = 0.05  # of the field's width, between the two maps
 BAR_STEPS = 49
-ALPHA, BACKGROUND = 0.8, 0.96  # of the maps in rviz/soil_mapping.rviz: the bars look as the maps do
+ALPHA, BACKGROUND = 0.8, 0.96  # as in rviz/soil_mapping.rviz, so that the bars look like the maps
 INK = ColorRGBA(0.05, 0.05, 0.05, 1.0)
 HEIGHT_Z = 0.4  # m, above the maps
 
 
 def make_legend(grid, unit, span, variance_span):
-    """Return the markers that stand around the maps of a Grid, in the map frame.
+    """Return the markers around the maps of a Grid, in the map frame.
 
-    unit: of the values. span, variance_span: (low, high) that the first and the last colour show.
+    unit: that of the values. span, variance_span: (low, high), the values of the first and the last colour.
     """
     size = 0.042 * max(grid.width_m, grid.height_m / 2.0)  # height of a letter [m]
     beside = variance_offset_m(grid)
@@ -34,7 +34,7 @@ def make_legend(grid, unit, span, variance_span):
 
 
 def variance_offset_m(grid):
-    """Return how far east of the map frame's origin the map of the variance is shown [m]."""
+    """Return the distance by which the map of the variance is shown east of the map frame's origin [m]."""
     return (1.0 + GAP) * grid.width_m
 
 
@@ -55,7 +55,7 @@ def _text(text, x, y, size_m):
 
 
 def _bar(west, length_m, y, height_m):
-    """Return a bar of RViz's costmap colours, from that of 1 to that of 98."""
+    """Return a bar of RViz's costmap colours, from the colour of 1 to that of 98."""
     marker = _marker(Marker.CUBE_LIST)
     step = length_m / BAR_STEPS
     marker.scale.x, marker.scale.y, marker.scale.z = step, height_m, 0.01

@@ -1,7 +1,7 @@
-"""Carries the commands of the mission out on ROS robots, and tells the mission what becomes of them.
+"""Carries out the commands of the mission on ROS robots, and reports their ends to the mission.
 
-All that happens to robots comes in over one queue and is handled in the main thread. What has come by then is handled
-together, in the order of the robots' indices, which is the mission's stated order of equal times.
+All events of robots come over one queue and are handled in the main thread. Events that wait there are handled
+together, in the order of the robots' indices, which is the mission's stated order for equal times.
 """
 
 import contextlib
@@ -17,21 +17,21 @@ from .ros_time import now_ns, to_ros_duration
 
 READY_TIMEOUT_S = 60.0  # wall; on the scaled clock only
 POLL_S = 0.01  # wall
-START_TRIES = 5  # how often a robot is sent to its start
-START_PAUSE_NS = 1_000_000_000  # simulated ns between two of them
+START_TRIES = 5  # number of times that a robot is sent to its start, at most
+START_PAUSE_NS = 1_000_000_000  # simulated ns between two tries
 END = (-1, None)  # on the queue: the budget is over
 SHUTDOWN = (-2, None)
 
 
 class MissionFailed(RuntimeError):
-    """The mission could not be begun or carried on; the text says why."""
+    """The mission could not begin or go on; the text says why."""
 
 
 class MissionRun:
     """One mission, from waiting for the robots to its end.
 
-    coordinator: a soil_mapping Coordinator that has not started. robots: one RobotLink per robot, in order, which put
-    the ends of their goals on events (queue.Queue). computing: makes a context manager for the time in which the
+    coordinator: a soil_mapping Coordinator that has not started. robots: a RobotLink for each robot, in order; they put
+    the ends of their goals on events (queue.Queue). computing: makes a context manager for the time during which the
     mission computes. show: called after each change.
     """
 
@@ -41,18 +41,20 @@ class MissionRun:
         self._events = events
         self._computing = computing
         self._show = show
-        self.began = self.ended = None  # wall s (perf_counter) at which the mission did
+        self.began = self.ended = None  # wall s (perf_counter) of the mission's begin and end
 
     @property
     def wall_s(self):
-        """How long the mission took [wall s], once it is over."""
+        """The duration of the mission [wall s], when it is over."""
         return self.ended - self.began
 
     def wait_until_ready(self, participant=None, check=lambda: None):
         """Wait for all robots.
 
-        participant: of lockstep, where the wait lets simulated time be. check: called again and again, may raise.
-        :raises MissionFailed: after 60 s of wall time, naming what is missing.
+        participant: the participant of lockstep, whose wait takes no simulated time, or None. check: called repeatedly
+        without lockstep; it may raise.
+
+        :raises MissionFailed: after 60 s of wall time, with the names of what is missing, or if ROS is shut down.
         """
         if participant is not None:
             participant.wait_until(lambda: all(robot.is_ready for robot in self._robots), what='the robots')
@@ -68,9 +70,11 @@ class MissionRun:
             time.sleep(POLL_S)
 
     def go_to_start(self):
-        """Send robots that are elsewhere to the places where the mission begins, and wait for them.
+        """Send robots that are elsewhere to their starts, and wait for them.
 
-        A robot that gives up is sent again after a pause. :raises MissionFailed: if it has given up 5 times.
+        A robot that gives up is sent again after a pause.
+
+        :raises MissionFailed: if a robot has given up 5 times, or ROS is shut down.
         """
         places = self._coordinator.start_places
         tries = {robot.index: 0 for robot, (x, y) in zip(self._robots, places) if not robot.is_at(x, y)}
@@ -100,7 +104,7 @@ class MissionRun:
         robot.drive(*place)
 
     def run(self):
-        """Carry the mission out, to its end. :raises MissionFailed: if ROS is shut down meanwhile."""
+        """Carry out the mission to its end. :raises MissionFailed: if a robot cannot sample, or ROS is shut down."""
         self.began = time.perf_counter()
         start_ns = now_ns()
         commands = self._coordinator.start(start_ns)
@@ -112,7 +116,7 @@ class MissionRun:
         self.ended = time.perf_counter()
 
     def shut_down(self):
-        """End the waiting for robots: ROS goes down. From any thread."""
+        """End all waits for robots, because ROS ends. From any thread."""
         self._events.put(SHUTDOWN)
 
     def _tell_end(self):
@@ -129,7 +133,7 @@ class MissionRun:
         return event
 
     def _take_events(self):
-        """Wait for something to happen and handle all that is there; return whether the budget is over."""
+        """Wait for an event and handle all that are there; return whether the budget is over."""
         events = [self._next()]
         with contextlib.suppress(queue.Empty):
             while True:
@@ -142,7 +146,7 @@ class MissionRun:
         return END in events
 
     def _tell(self, index, handle, at_ns=None):
-        """Tell the mission of a goal's end; return the commands that follow."""
+        """Report the end of a goal to the mission; return the commands that follow."""
         robot = self._robots[index]
         is_drive = robot.is_driving
         reached = robot.end_of_goal(handle)
@@ -168,7 +172,7 @@ class MissionRun:
                 robot.take_sample(command.dwell_ns)
 
     def _finish(self):
-        """End the mission: robots are stopped first, so that it is known where; what they reached by then counts."""
+        """End the mission. Robots are stopped first, so that their places are known; goals reached by then count."""
         end_ns = now_ns()
         for robot in self._robots:
             robot.cancel()

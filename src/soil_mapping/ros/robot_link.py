@@ -1,4 +1,4 @@
-"""One robot as its user knows it: the actions move_base and timed task, and a topic that says where it is."""
+"""One robot as its user sees it: the action of move_base, the action of a timed task, and a topic with its pose."""
 
 import math
 import threading
@@ -14,14 +14,14 @@ from soil_mapping.mission.odometer import Odometer
 
 from .ros_time import now_ns, to_ros_duration
 
-SAME_PLACE_M = 1e-6  # a robot that is so near its goal is there
+SAME_PLACE_M = 1e-6  # a robot that is so near to a place is there
 
 
 class RobotLink:
-    """Clients of one robot. Each goal that ends is put on a queue as (index, the goal's handle).
+    """Clients of one robot. When a goal ends, (index, the goal's handle) is put on a queue.
 
-    index: the robot's in the mission. namespace: of its topics. task: name of the sampling action below it.
-    pose_topic: nav_msgs/Odometry in the map frame, below it too. events: a queue.Queue.
+    index: that of the robot in the mission. namespace: that of its topics. task: name of the sampling action below it.
+    pose_topic: topic of nav_msgs/Odometry in the map frame, also below it. events: a queue.Queue.
     """
 
     def __init__(self, index, namespace, task, pose_topic, events):
@@ -30,7 +30,7 @@ class RobotLink:
         self._events = events
         self._drive = ActionClient(f'{self.namespace}/move_base', MoveBaseAction)
         self._task = ActionClient(f'{self.namespace}/{task}', TimedTaskAction)
-        self._handle = None  # of the goal under way: a client forgets a goal whose handle is gone
+        self._handle = None  # of the goal under way, kept because a client forgets goals without a handle
         self._goal_place = None  # (x, y) of the drive under way
         self._lock = threading.Lock()  # poses come in another thread
         self._odometer = Odometer()
@@ -65,7 +65,7 @@ class RobotLink:
         return math.dist(self._odometer.position, (x, y)) <= SAME_PLACE_M
 
     def drive(self, x, y):
-        """Send the robot to a place of the map frame [m], looking along the straight line there."""
+        """Send the robot to a place of the map frame [m]; its yaw there is the direction of the straight line."""
         self._goal_place = (x, y)
         goal = MoveBaseGoal()
         goal.target_pose.header.frame_id = 'map'
@@ -78,21 +78,21 @@ class RobotLink:
         self._send(self._drive, goal)
 
     def take_sample(self, dwell_ns):
-        """Let the robot sample where it stands, for so long [simulated ns]."""
+        """Let the robot sample where it stands, for dwell_ns [simulated ns]."""
         self._goal_place = None
         self._send(self._task, TimedTaskGoal(duration=to_ros_duration(dwell_ns)))
 
     def cancel(self):
-        """Ask for the end of the goal that is under way, if there is one; its end is told as any other."""
+        """Cancel the goal that is under way, if there is one; its end is reported like any other."""
         if self._handle is not None:
             self._handle.cancel()
 
     def is_reached(self, handle):
-        """Return whether a goal of a handle is the one under way, and has been reached."""
+        """Return whether the goal of this handle is the one under way, and has been reached."""
         return handle == self._handle and handle.get_terminal_state() == GoalStatus.SUCCEEDED
 
     def end_of_goal(self, handle):
-        """Return whether a goal that has ended was reached; it is no longer under way. None if it is an older one."""
+        """Return whether an ended goal was reached, and note its end; None if it is not the goal under way."""
         if handle != self._handle:
             return None
         self._handle = None
@@ -101,8 +101,8 @@ class RobotLink:
     def place_after(self, handle):
         """Return the Place at which a drive has ended.
 
-        That is the robot's pose if it has been heard since, else, where the goal was reached, the goal's place: poses
-        come by another connection and may be late.
+        It is the robot's pose, if one has arrived since then. Otherwise, if the goal was reached, it is the goal's
+        place, because poses come over another connection and may be late.
         """
         result = handle.comm_state_machine.latest_result
         if result is not None and self._goal_place is not None \
@@ -125,6 +125,6 @@ class RobotLink:
 
     def _on_pose(self, message):
         position = message.pose.pose.position
-        stamp_ns = message.header.stamp.to_nsec() or now_ns()  # 0: the publisher does not say when
+        stamp_ns = message.header.stamp.to_nsec() or now_ns()  # 0: the publisher sets no stamp
         with self._lock:
             self._odometer.pose(stamp_ns, position.x, position.y)

@@ -1,4 +1,4 @@
-"""Between ROS's times and the whole nanoseconds in which the mission counts."""
+"""Conversions between ROS's times and the mission's times in whole nanoseconds."""
 
 import rospy
 
@@ -6,7 +6,7 @@ NS_PER_S = 1_000_000_000
 
 
 def now_ns():
-    """Return ROS's present [simulated ns]."""
+    """Return the present ROS time [simulated ns]."""
     return rospy.Time.now().to_nsec()
 
 

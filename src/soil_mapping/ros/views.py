@@ -1,6 +1,7 @@
-"""What the mission looks like in RViz: maps as OccupancyGrid, samples, tasks and ways as markers; RMSE and variance.
+"""The mission in RViz: maps as OccupancyGrid; samples, tasks and ways as markers; RMSE and variance.
 
-Pictures are made for those who listen only: without RViz they cost nothing. Who comes late gets the latest at once.
+Messages are made only for topics with a subscriber, so they cost nothing without RViz. A late subscriber gets the
+latest message at once.
 """
 
 import numpy as np
@@ -15,11 +16,11 @@ from .legend import make_legend, variance_offset_m
 
 ROBOT_COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (0.58, 0.40, 0.74), (1.0, 0.5, 0.05))
 SAMPLE_M, TASK_M, WAY_M = 5.0, 6.0, 1.0  # sizes of markers
-SAMPLE_Z, TASK_Z, WAY_Z = 0.3, 0.2, 0.1  # heights: what matters more lies on top
+SAMPLE_Z, TASK_Z, WAY_Z = 0.3, 0.2, 0.1  # heights: more important markers lie on top
 
 
 class LatchedView(rospy.SubscribeListener):
-    """A topic whose message is made by make() when there is somebody to see it; None: there is nothing to see yet."""
+    """A topic whose message make() makes if there is a subscriber; if it returns None, there is nothing to show yet."""
 
     def __init__(self, topic, kind, make):
         super().__init__()
@@ -27,23 +28,23 @@ class LatchedView(rospy.SubscribeListener):
         self._publisher = rospy.Publisher(topic, kind, subscriber_listener=self, queue_size=2)
 
     def refresh(self):
-        """Publish anew, if anybody listens."""
-        if self._publisher.impl.connections:  # onlookers, whom lockstep counts not
+        """Publish again, if there is a subscriber."""
+        if self._publisher.impl.connections:  # counts onlookers, which lockstep does not count
             message = self._make()
             if message is not None:
                 self._publisher.publish(message)
 
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
-        """Show a newcomer the present state."""
+        """Send the present state to a new subscriber."""
         message = self._make()
         if message is not None:
             peer_publish(message)
 
 
 class Views:
-    """All topics that show a mission; below the node's own name. refresh() after each change.
+    """All topics that show a mission, below the node's own name. Call refresh() after each change.
 
-    variance_frame: that of the variance's map; another one than map is put beside the prediction by a static transform.
+    variance_frame: frame of the variance's map. If it is not map, a static transform puts it beside the prediction.
     """
 
     def __init__(self, coordinator, variance_frame='map'):
@@ -65,7 +66,7 @@ class Views:
         self._mean_variance = rospy.Publisher('~mean_variance', Float64, queue_size=10, latch=True)
 
     def refresh(self):
-        """Show what has changed."""
+        """Publish all that has changed."""
         markers, estimate = self._latched[-1], self._coordinator.estimate
         markers.refresh()
         if estimate is None or estimate is self._told:
@@ -97,7 +98,7 @@ class Views:
 
 
 def _beside(frame, x):
-    """Return where a frame lies that is so far east of map [m]."""
+    """Return the transform of a frame that lies x east of the frame map [m]."""
     transform = TransformStamped()
     transform.header.frame_id, transform.child_frame_id = 'map', frame
     transform.header.stamp = rospy.Time.now()
@@ -107,9 +108,9 @@ def _beside(frame, x):
 
 
 def to_grid(values, cell_m, frame, span):
-    """Return values (rows from the south) as an OccupancyGrid; span: what is shown as 1 and as 98, (low, high).
+    """Return values (rows from the south) as an OccupancyGrid; span: (low, high), the values that become 1 and 98.
 
-    RViz's colours of 0, 99 and 100 mean something else.
+    0, 99 and 100 are not used, because RViz's colours of them have other meanings.
     """
     low, high = span
     grid = OccupancyGrid()
@@ -124,7 +125,7 @@ def to_grid(values, cell_m, frame, span):
 
 
 def to_points(namespace, number, kind, size_m, height_m, colour, places):
-    """Return a marker of many places (x, y) [m, map frame]; one without places deletes what was shown before."""
+    """Return a marker of many places (x, y) [m, map frame]; without places it deletes the marker shown before."""
     marker = Marker(ns=namespace, id=number, type=kind, action=Marker.ADD if places else Marker.DELETE)
     marker.header.frame_id = 'map'
     marker.pose.orientation.w = 1.0

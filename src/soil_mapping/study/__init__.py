@@ -1,1 +1,1 @@
-"""Trials and whole studies, run from a shell: which trials there are, where they run, and the report on them."""
+"""The program ``study``: runs trials and whole studies, and makes the report on them."""

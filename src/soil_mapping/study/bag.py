@@ -1,4 +1,4 @@
-"""A rosbag of one trial. The recorder takes no part in lockstep: so it is connected before the mission begins."""
+"""A rosbag of one trial. The recorder takes no part in lockstep, so it must be connected before the mission begins."""
 
 import signal
 import subprocess
@@ -13,7 +13,7 @@ from move_base_abstract_ros.loopback import LoopbackError
 NODE = '/bag'
 TIMEOUT_S = 20.0  # wall
 POLL_S = 0.05  # wall
-LAST_WORDS_S = 0.3  # wall; what rospy has queued reaches the recorder by then
+LAST_WORDS_S = 0.3  # wall; time for rospy's queued messages to reach the recorder
 ACTION = ('goal', 'cancel', 'status', 'feedback', 'result')
 COMMON = ('/clock', '/tf', '/tf_static', '/rosout', '/move_base_abstract/markers', '/time_master/state')
 VIEWS = ('prediction', 'variance', 'truth', 'markers', 'legend', 'rmse', 'mean_variance')
@@ -22,7 +22,8 @@ VIEWS = ('prediction', 'variance', 'truth', 'markers', 'legend', 'rmse', 'mean_v
 class BagRecorder:
     """rosbag on the master of a Loopback, writing to path.
 
-    names: of the robots. actions: below each. poses: the pose topic below each. coordinator: its node's name.
+    names: those of the robots. actions: names of the actions below each. poses: the pose topic below each. coordinator:
+    the name of its node.
     """
 
     def __init__(self, ros, path, names, actions, poses, coordinator):
@@ -36,7 +37,7 @@ class BagRecorder:
         self._child = ros.spawn(NODE, command)
 
     def wait_until_connected(self):
-        """Wait until all topics that somebody publishes reach the recorder. :raises LoopbackError: after 20 s."""
+        """Wait until all topics that have a publisher reach the recorder. :raises LoopbackError: after 20 s."""
         deadline = time.monotonic() + TIMEOUT_S
         while True:
             self._ros.check()
@@ -49,9 +50,9 @@ class BagRecorder:
             time.sleep(POLL_S)
 
     def _missing(self):
-        """Return the topics of which some publisher does not send to the recorder yet.
+        """Return the topics with a publisher that does not send to the recorder yet.
 
-        The publishers are asked: the recorder calls a link connected when it has only begun to connect.
+        This asks the publishers, because the recorder reports a link as connected when it has only begun to connect.
         """
         master = rosgraph.Master('/study', master_uri=self._ros.uri)
         missing, links = set(), {}
@@ -73,13 +74,13 @@ class BagRecorder:
         return {row[4] for row in rows if row[1] == NODE and row[2] == 'o'}
 
     def close(self):
-        """Let it write what it has and close its file; say so on stderr where the bag is not complete."""
+        """Let the recorder write what it has and close its file; print an error if the bag is not complete."""
         time.sleep(LAST_WORDS_S)
         self._child.signal(signal.SIGINT)
         try:
             self._child.process.wait(TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            self._child.signal(signal.SIGKILL)  # the mission's own record is worth more than its bag
+            self._child.signal(signal.SIGKILL)  # the trial's own files are more important than its bag
         said = self._child.last_lines()
-        if not self._path.is_file() or 'Disabling recording' in said:  # which rosbag does with less than 1 GB left
+        if not self._path.is_file() or 'Disabling recording' in said:  # rosbag stops with less than 1 GB left
             print(f'study: {self._path.name} is not complete; the last lines of rosbag:\n{said}', file=sys.stderr)

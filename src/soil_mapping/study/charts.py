@@ -1,4 +1,4 @@
-"""The charts of the study's sections of the report."""
+"""The charts in the study's sections of the report."""
 
 from matplotlib.figure import Figure
 
@@ -8,13 +8,13 @@ from .groups import FACTORS, LOCKSTEP
 from .outcomes import as_study, common_seeds, mean
 from .tables import group_title
 
-# nominal factor, achieved speed-ups, errors of the legs [%] of the published system on a 2-core machine
+# nominal factor, achieved speed-ups, errors of the legs [%]: the published system on a machine with 2 cores
 PUBLISHED_LEGS = ((10, (4.9, 5.6), (12.0, 19.0)), (15, (4.8, 6.8), (17.0, 28.0)), (100, (15.0, 20.0), (60.0, 196.0)))
 COLOUR = '#4c72b0'
 
 
 def error_against_speed(groups):
-    """Return a matplotlib Figure: error of the legs, and dissimilarity, against the speed-up that was achieved."""
+    """Return a matplotlib Figure: error of the legs, and dissimilarity, against the achieved speed-up."""
     figure = Figure(figsize=(13.0, 5.0), constrained_layout=True)
     left, right = figure.subplots(1, 2)
     _draw_legs(left, groups)
@@ -59,7 +59,7 @@ def _draw_cosines(axes, groups):
 
 
 def _make_room(axes, limits):
-    """Leave room for texts at the right, the legend and what lies at 0."""
+    """Leave room for texts at the right, for the legend, and for points at 0."""
     left, right = axes.get_xlim()
     axes.set(xlim=(left, 3.0 * right), ylim=limits)
     axes.legend(loc='lower left')

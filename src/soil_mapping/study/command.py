@@ -1,4 +1,4 @@
-"""The command line: ``study trial``, ``study run``, ``study report``; ``study status`` and ``rerun`` are experiment's.
+"""The command line of ``study``: trial, run and report; its status and rerun are those of ``experiment``.
 
 Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arguments; 130 interrupted.
 """
@@ -20,15 +20,15 @@ from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
-MAX_COUNT = 10000  # of seeds, of trials at a time
-ENGINE_OPTIONS = {  # what only some engine or clock knows: the option, its default, and where it applies
+MAX_COUNT = 10000  # of seeds, and of trials at a time
+ENGINE_OPTIONS = {  # options of one engine or clock only: default, and the arguments with which the option applies
     'clock': ('lockstep', '--engine ros'), 'factor': (10.0, '--engine ros --clock scaled'),
     'limit': (0.0, '--engine ros --clock lockstep'), 'charge': ('none', '--engine ros --clock lockstep'),
     'motion': ('euclidean', '--engine mesa'), 'bag': (False, '--engine ros')}
 
 
 def main(words=None):
-    """Run the command of these words, or those of the shell; return the exit code."""
+    """Run the command of these words, by default those of the shell; return the exit code."""
     words = sys.argv[1:] if words is None else words
     if words[:1] in (['status'], ['rerun']):
         return _experiment(words)
@@ -37,7 +37,7 @@ def main(words=None):
 
 
 def _code_of(run, arguments):
-    """Return the exit code of a command; what is wrong is printed."""
+    """Run a command and return its exit code; errors are printed."""
     try:
         return run(arguments)
     except (ConfigurationError, FileNotFoundError) as error:
@@ -63,12 +63,12 @@ def _trial(arguments):
     TrialFolder(path).check()
     began = time.monotonic()
     processes.keep_memory()
-    trials.check(spec, ahead=True, with_imports=False)  # that is done while nodes come up
+    trials.check(spec, ahead=True, with_imports=False)  # imports are done while nodes start
 
     def run(_):
         try:
             trials.run_one(spec, path, arguments.pictures, bag)
-        except RuntimeError as error:  # of ROS: a node that ended, a mission that cannot be carried out
+        except RuntimeError as error:  # on ROS: a node has ended, or the mission cannot be carried out
             print(f'study: the trial failed: {error}', file=sys.stderr)
             return 1
         return 0
@@ -81,7 +81,7 @@ def _trial(arguments):
 
 
 def _engine_options(arguments):
-    """Return the values of ENGINE_OPTIONS. :raises ConfigurationError: if one is given where it does not apply."""
+    """Return the values of ENGINE_OPTIONS. :raises ConfigurationError: if an option is given that does not apply."""
     words = f'--engine {arguments.engine} --clock {arguments.clock or "lockstep"}'.split()
     found = {}
     for name, (default, applies) in ENGINE_OPTIONS.items():
@@ -93,14 +93,14 @@ def _engine_options(arguments):
 
 
 def _folder(arguments):
-    """Return the folder that the command writes to, with its whole path."""
+    """Return the absolute path of the folder to which the command writes."""
     if not arguments.output:
         raise ConfigurationError("--output: must be the name of a folder, got ''")
     return Path(os.path.abspath(arguments.output))
 
 
 def _print_trial(path, total_s):
-    """Print what came out of a trial."""
+    """Print the results of a trial."""
     from soil_mapping.results.trial_folder import read_about
     about = read_about(path)
     for name, value in about['metrics'].items():
@@ -114,7 +114,7 @@ def _print_trial(path, total_s):
 
 
 def _run(arguments):
-    """Run what is missing of the study's experiment, then write the report."""
+    """Run the missing trials of the study's experiment, then write the report."""
     from yaml import safe_dump
 
     from move_base_abstract_experiments import sweep
@@ -140,7 +140,7 @@ def _run(arguments):
 
 
 def _report(arguments):
-    """Write the report of what is there."""
+    """Write the report on the trials that exist."""
     from move_base_abstract_experiments.report import command
     path, problems = command.write(_folder(arguments))
     for problem in problems:
@@ -150,7 +150,7 @@ def _report(arguments):
 
 
 def _experiment(words):
-    """Let `experiment` do it, with the Python that has what the study needs."""
+    """Run the command of `experiment`, with the Python that has all that the study needs."""
     from move_base_abstract_experiments.command import main as command
     return command(words)
 
@@ -163,15 +163,16 @@ def _config(arguments):
 
 def _parser():
     parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
-                                     'on Mesa, and the comparison of them. Each ROS trial has a master of its own.')
+                                     'on Mesa, and their comparison. Each ROS trial has a ROS master of its own.')
     commands = parser.add_subparsers(required=True, metavar='trial|run|report|status|rerun|setup')
     _add_trial(commands.add_parser('trial', help='run one trial'))
-    _add_run(commands.add_parser('run', help='run what is missing of the whole study, then report'))
-    report = commands.add_parser('report', help='write the report of the trials that are there')
-    report.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR', help='the study (default: %(default)s)')
+    _add_run(commands.add_parser('run', help='run the missing trials of the whole study, then write the report'))
+    report = commands.add_parser('report', help='write the report on the trials that exist')
+    report.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
+                        help='folder of the study (default: %(default)s)')
     report.set_defaults(run=_report)
-    setup = commands.add_parser('setup', help='make the Python environment that all this needs, for this user; takes '
-                                'what Debian lacks from PyPI')
+    setup = commands.add_parser('setup', help='make the Python environment that the study needs, for this user; '
+                                'packages that Debian lacks come from PyPI')
     setup.set_defaults(run=lambda arguments: environment.main([str(environment.of_the_user())]))
     return parser
 
@@ -179,23 +180,23 @@ def _parser():
 def _add_trial(parser):
     parser.set_defaults(run=_trial)
     parser.add_argument('--engine', choices=ENGINES, default='ros', help='default: %(default)s')
-    parser.add_argument('--clock', choices=CLOCKS, help='of ROS (default: lockstep)')
+    parser.add_argument('--clock', choices=CLOCKS, help='clock of ROS (default: lockstep)')
     parser.add_argument('--factor', type=float, metavar='F',
                         help='simulated s per wall s of the scaled clock, 0.01..1e6 (default: 10)')
     parser.add_argument('--limit', type=float, metavar='F',
-                        help='in lockstep at most so many simulated s per wall s; 0 = no limit (default: 0)')
+                        help='in lockstep, upper limit of simulated s per wall s; 0 = no limit (default: 0)')
     parser.add_argument('--charge', help='simulated time that computing takes in lockstep: none, '
                         'fixed:SECONDS, measured[:FILE], measured_cpu[:FILE], replay:FILE (default: none)')
     parser.add_argument('--motion', choices=('euclidean', 'eight'),
-                        help='of Mesa: straight, or one 2 m cell a second in eight directions, with --cell 2 '
-                        '(default: euclidean)')
+                        help='motion on Mesa: euclidean = straight; eight = one 2 m cell a second in eight directions, '
+                        'with --cell 2 (default: euclidean)')
     parser.add_argument('--seed', type=_whole, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
     parser.add_argument('--allocation', default='ssi', metavar='NAME', help='rr (round robin), ssi (auction), or a '
                         'class of your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--sampling', default='dynamic', metavar='NAME', help='random, dynamic, grid, or a class of '
                         'your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--bag', action='store_true', default=None, help='record all topics to trial.bag')
-    parser.add_argument('--output', default='trial', metavar='DIR', help='the folder to be (default: %(default)s)')
+    parser.add_argument('--output', default='trial', metavar='DIR', help='folder of the results (default: %(default)s)')
     _add_mission(parser, pictures=True)
 
 
@@ -204,15 +205,17 @@ def _add_run(parser):
     parser.add_argument('--seeds', type=_count, default=10, metavar='N',
                         help='seeds 0..N-1 of each configuration on Mesa and in lockstep (default: %(default)s)')
     parser.add_argument('--scaled-seeds', type=_count, default=3, metavar='N',
-                        help='the same for each factor of the scaled clock (default: %(default)s)')
-    parser.add_argument('--groups', nargs='+', metavar='GROUP', help='only these, such as mesa or ros-lockstep')
+                        help='seeds 0..N-1 of each configuration and factor on the scaled clock (default: %(default)s)')
+    parser.add_argument('--groups', nargs='+', metavar='GROUP',
+                        help='only these groups of trials, such as mesa or ros-lockstep')
     parser.add_argument('--jobs', type=_count, default=len(os.sched_getaffinity(0)), metavar='N',
-                        help='trials at a time (default: number of cores, %(default)s)')
-    parser.add_argument('--scheduler', metavar='ADDRESS', help='a running Dask scheduler, tcp://HOST:PORT, instead')
+                        help='number of trials at a time (default: number of cores, %(default)s)')
+    parser.add_argument('--scheduler', metavar='ADDRESS',
+                        help='a running Dask scheduler that runs the trials instead, tcp://HOST:PORT')
     parser.add_argument('--verify', type=_share, default=0.05, metavar='SHARE',
                         help='run this share of the trials twice, 0..1 (default: %(default)s)')
     parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
-                        help='the study; what is there already is kept (default: %(default)s)')
+                        help='folder of the study; complete trials in it are kept (default: %(default)s)')
     _add_mission(parser, pictures=False)
 
 
@@ -220,21 +223,22 @@ def _add_mission(parser, pictures):
     parser.add_argument('--field', default='synthetic', help="'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse' "
                         '(default: %(default)s)')
     parser.add_argument('--crs', choices=[each.value for each in Crs], default='degrees',
-                        help='of csv:PATH: columns lat, lon in degrees, or x, y in metres such as UTM (default: '
+                        help='for csv:PATH: columns lat, lon in degrees, or x, y in metres such as UTM (default: '
                         '%(default)s)')
-    parser.add_argument('--size', default='', metavar='WxH', help="of csv:PATH: stretch the readings' box over so many "
-                        'metres, such as 324x220 (default: their own size)')
-    parser.add_argument('--robots', type=_count, default=3, metavar='N', help='default: %(default)s')
+    parser.add_argument('--size', default='', metavar='WxH', help="for csv:PATH: stretch the readings' bounding box to "
+                        'this size in m, such as 324x220 (default: their own size)')
+    parser.add_argument('--robots', type=_count, default=3, metavar='N', help='number of robots (default: %(default)s)')
     parser.add_argument('--budget', dest='budget_s', type=_positive, default=240.0, metavar='S',
-                        help='simulated s of a trial (default: %(default)g)')
+                        help='simulated s that a trial lasts (default: %(default)g)')
     parser.add_argument('--dwell', dest='dwell_s', type=float, default=1.0, metavar='S',
                         help='simulated s that a sample takes (default: %(default)g)')
     parser.add_argument('--dwell-spread', dest='dwell_spread_s', type=float, default=0.0, metavar='S',
-                        help='a dwell is drawn evenly from the dwell -+ this (default: %(default)g)')
-    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
+                        help='each dwell is drawn evenly from dwell - S to dwell + S (default: %(default)g)')
+    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='speed of the robots in m/s '
+                        '(default: %(default)g)')
     parser.add_argument('--cell', dest='cell_m', type=_positive, default=1, metavar='M',
-                        help='edge of a cell of truth and map; of synthetic and stretched fields 1 or 2 m (default: '
-                        '%(default)s)')
+                        help='edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2 '
+                        '(default: %(default)s)')
     parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,
                         help='draw the maps of the trial')
 

@@ -1,4 +1,4 @@
-"""The study as an experiment: its file, as `study run` writes it."""
+"""The study as an experiment: makes the file that `study run` writes."""
 
 import os
 
@@ -7,8 +7,8 @@ from soil_mapping.ground_truth.readings import MEUSE_FILE
 
 from .groups import FACTORS
 
-CHOSEN = ('allocation', 'sampling', 'coarse_cells')  # they are factors, or follow from them
-GUARD_S = 300.0  # wall, on top of what the clock needs; only ends a trial that would never end
+CHOSEN = ('allocation', 'sampling', 'coarse_cells')  # these are factors, or follow from them
+GUARD_S = 300.0  # wall, in addition to the time that the clock needs; ends a trial that would never end
 COLUMNS = {
     'rmse_kpa': {'title': 'Error of the map (RMSE)', 'unit': 'kPa', 'better': 'lower'},
     'mean_variance_kpa2': {'title': 'Mean kriging variance', 'unit': 'kPa²', 'better': 'lower'},
@@ -23,8 +23,9 @@ COLUMNS = {
 def document(config, groups, seeds, scaled_seeds, verify=0.0, pictures=False):
     """Return the experiment's file as a mapping.
 
-    config: a TrialConfig; allocation and sampling are factors. groups: names of groups.py. seeds, scaled_seeds: how
-    many seeds, from 0; the second one for the scaled clock, which takes its time. verify: share that runs twice.
+    config: a TrialConfig, whose allocation and sampling are not used: they are factors. groups: names of groups.py.
+    seeds: number of seeds, from 0 on. scaled_seeds: the same for the scaled clock, which is slower. verify: share of
+    the trials that run twice. pictures: whether trials draw pictures.
     """
     values = config.to_dict()
     kind, _, path = values['field'].partition(':')

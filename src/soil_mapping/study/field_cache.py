@@ -1,4 +1,4 @@
-"""The field of a trial, made once per process: making it takes longer than most else."""
+"""The field of a trial, made once in each process, because it is one of the slowest parts of a trial."""
 
 import functools
 import os
@@ -12,14 +12,14 @@ from soil_mapping.ground_truth.inputs import inputs_of
 
 def truth_of(config):
     """Return the Field of a TrialConfig."""
-    digests(config.field)  # before it is read
+    digests(config.field)  # before the file is read
     return _load(config.field, config.cell_m, config.crs, config.size)
 
 
 def draw_ahead(config):
-    """Have a process of its own draw the field of a TrialConfig, if it is drawn, until its values are asked for.
+    """Draw the field of a TrialConfig in another process, if it is a random one, until its values are needed.
 
-    So that this process can import what else a trial needs, and start its nodes: all of it takes about as long.
+    Meanwhile this process can import all that a trial needs, and start its nodes, which takes about as long.
     """
     field = truth_of(config)
     if not isinstance(field, DrawnField):
@@ -36,7 +36,7 @@ def draw_ahead(config):
         with open(ready, 'rb') as stream:
             content = stream.read()
         shape = field.grid.shape
-        if len(content) != 8 * shape[0] * shape[1]:  # it was killed, or out of memory
+        if len(content) != 8 * shape[0] * shape[1]:  # the process was killed, or out of memory
             return draw()
         return np.frombuffer(content).reshape(shape)
     processes.fork(body, os.devnull)
@@ -46,7 +46,7 @@ def draw_ahead(config):
 
 @functools.lru_cache(maxsize=None)
 def digests(field, charge='none'):
-    """Return inputs.inputs_of these, looked at once per process, as the field is."""
+    """Return inputs_of these arguments, read once in each process, like the field."""
     return inputs_of(field, charge)
 
 

@@ -1,4 +1,4 @@
-"""The groups of trials that the study is made of: the engines and clocks on which each mission runs."""
+"""The groups of trials of the study: the engines and clocks on which each mission runs."""
 
 import functools
 from dataclasses import replace
@@ -17,7 +17,7 @@ ALL = (MESA, EIGHT, LOCKSTEP, *SCALED, REAL_TIME)
 
 
 def specs_of(groups, config):
-    """Return the TrialSpec of each group of names, with a TrialConfig and seed 0."""
+    """Return the TrialSpec of each named group, with a TrialConfig and seed 0."""
     return [_spec_of(group, config) for group in groups]
 
 
@@ -33,7 +33,7 @@ def _spec_of(group, config):
 
 
 def _coarse_cells(config):
-    """Eight directions have the published study's coarse cells where the field is of the published one's size."""
+    """Return the coarse cells for eight directions: the published ones, if the field has the published size."""
     return 'clusters' if _is_published(config.field, config.cell_m, config.crs, config.size) else 'squares'
 
 
@@ -44,7 +44,7 @@ def _is_published(field, cell_m, crs, size):
 
 
 def chosen(names, with_1x=False):
-    """Return the groups of these names, without names those that a study runs. :raises ConfigurationError: if none."""
+    """Return the groups of these names, by default all of a study. :raises ConfigurationError: for other names."""
     known = [group for group in ALL if with_1x or group != REAL_TIME]
     for name in names or ():
         if name not in known:

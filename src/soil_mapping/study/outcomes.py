@@ -1,4 +1,4 @@
-"""The trials of a study that are complete, as the report's sections need them."""
+"""The complete trials of a study, in the form that the report's sections need."""
 
 import math
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from .groups import ALL
 
 CONFIGURATION_NAMES = {'ssi_random': 'SSI random', 'ssi_dynamic': 'SSI dynamic', 'rr_random': 'RR random',
                        'rr_dynamic': 'RR dynamic'}  # in the sections' order
-FILES = 'files-'  # what the names of a trial's own files begin with in an experiment's folder
+FILES = 'files-'  # prefix of the names of a trial's own files in an experiment's folder
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What a complete folder says, without its maps."""
+    """The content of a complete trial's folder, without its maps."""
 
     path: Path
     group: str
@@ -29,13 +29,13 @@ class Trial:
     events_sha256: str
     wall_s: dict
     speed_up: dict  # overall, moving
-    leg_errors: tuple  # per leg: how much longer it took than by the law of motion, as a share of that
+    leg_errors: tuple  # for each leg: the time that it took too long, as a share of its time by the law of motion
     leg_errors_ns: tuple  # the same [simulated ns]
     about: dict  # the trial's own trial.json
 
 
 def collect_trials(experiment):
-    """Return the complete trials of a report's Experiment by group, in a stated order."""
+    """Return {group: [Trial, ...]} of the complete trials of a report's Experiment, groups in a stated order."""
     groups, engines = {}, {one['id']: one['configuration'].get('engine') for one in experiment.plan['trials']}
     for one in experiment.complete:
         path = experiment.folder / 'trials' / one.id
@@ -55,7 +55,7 @@ def read(path, group):
 
 
 def leg_errors(result):
-    """Return the errors of all finished legs of a TrialResult: ([simulated ns], as shares of the leg's own time)."""
+    """Return the errors of all finished legs of a TrialResult: (in simulated ns, as shares of the leg's own time)."""
     places = {way.robot: (way.x, way.y) for way in reversed(result.waypoints)}  # the first of each robot
     departed, errors_ns, errors = {}, [], []
     for event in result.events:
@@ -73,7 +73,7 @@ def leg_errors(result):
 
 
 def as_study(trials, seeds=None):
-    """Return {configuration: array (trials, metrics)} as comparison.py takes it; only of these seeds, if given."""
+    """Return {configuration: array (trials, metrics)} for comparison.py; only trials of these seeds, if given."""
     rows = {}
     for trial in trials:
         if seeds is None or (trial.configuration, trial.seed) in seeds:
@@ -93,6 +93,6 @@ def configuration_order(name):
 
 
 def mean(values):
-    """Return the mean of those that are not NaN; NaN if there is none."""
+    """Return the mean of the values that are not NaN; NaN if there are none."""
     known = [value for value in values if not math.isnan(value)]
     return sum(known) / len(known) if known else math.nan

@@ -1,21 +1,21 @@
-"""Where the report's figures come from: the field, the mission's parameters, programs, machines: text in cells."""
+"""Tables on the origin of the report's figures: field, parameters of the mission, programs and machines."""
 
 from move_base_abstract_experiments.report.parts import Table
 
 from .outcomes import CONFIGURATION_NAMES
 from .tables import group_title
 
-CHOSEN = ('allocation', 'sampling')  # they differ between configurations; the tables name them
+CHOSEN = ('allocation', 'sampling')  # they differ between configurations, and the tables name them
 HIDDEN = ('field', *CHOSEN)
 
 
 def provenance(groups):
-    """Return the tables on what the trials of all groups were made with."""
+    """Return the tables on the origin of the trials of all groups."""
     return [_parameters(groups), _groups(groups), _programs(groups)]
 
 
 def _parameters(groups):
-    """Return field and mission; a value in which trials differ is told with the groups that have it."""
+    """Return the table of field and mission. If trials differ in a value, each value has the groups that have it."""
     rows = []
     fields = _by_value(groups, _field)
     rows += [('field', value, where) for value, where in fields]
@@ -61,7 +61,7 @@ def _listed(mapping):
 
 
 def _by_value(groups, value_of):
-    """Return (value, groups that have it) pairs; 'all' where there is one value only. The commonest comes last."""
+    """Return (value, groups that have it) pairs; 'all' if there is one value only. The most common value is last."""
     found = {}
     for name, trials in groups.items():
         for trial in trials:

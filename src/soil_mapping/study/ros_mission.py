@@ -14,8 +14,10 @@ from .field_cache import truth_of
 def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
     """Run the mission of a TrialSpec to its end; return its Coordinator and its MissionRun.
 
-    node: the name to be. names: of the robots. topics: of the sampling's action and the poses, below each. ros: the
-    Loopback of the others. before: called when all are there, before the mission.
+    node: the name of this node. names: those of the robots. topics: names of the sampling's action and of the pose
+    topic, below each robot. ros: the Loopback of the other nodes. before: called when all are there, before the
+    mission.
+
     :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
     """
     coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
@@ -29,6 +31,6 @@ def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
 
 
 def leave():
-    """Take part no more, if this process does."""
+    """Leave the run, if this process takes part."""
     if lockstep.participant() is not None:
         lockstep.participant().leave('the mission is over')

@@ -1,4 +1,4 @@
-"""One trial on ROS: a master of its own, time master, fleet and task server as children, the coordinator here."""
+"""One trial on ROS: a ROS master of its own; time master, fleet and task server as children; the coordinator here."""
 
 import math
 import signal
@@ -15,15 +15,16 @@ from .field_cache import truth_of
 NODE = 'soil_coordinator'
 TASK = 'take_sample'
 POLL_S = 0.002  # wall
-OWN_END_S = 10.0  # wall; for the time master's end by itself
+OWN_END_S = 10.0  # wall; time for the time master to end by itself
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
 def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
-    """Run the trial of a TrialSpec in this process, which can run no other, and return its TrialResult.
+    """Run the trial of a TrialSpec in this process, which cannot run another one, and return its TrialResult.
 
-    folder: where bag and a measured charge go (a Path). event_log: the path of the robots' log to be, in lockstep. bag:
-    record all topics. over: called when the mission is.
+    folder: the Path for bag and measured charge. event_log: the Path of the event log to write, in lockstep. bag:
+    whether to record all topics. over: called when the mission is over.
+
     :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
     """
     stopwatch = Stopwatch()
@@ -32,7 +33,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
         ros.adopt()
         names = [f'robot_{index}' for index in range(spec.config.robots)]
         nodes = _start_nodes(ros, spec, names, folder, event_log)
-        from . import ros_mission  # while they come up
+        from . import ros_mission  # while the nodes start
         recorder = _recorder(ros, folder, names) if bag else None
         coordinator, run = ros_mission.carry_out(spec, NODE, names, (TASK, POSE_TOPIC), ros, stopwatch,
                                                  recorder.wait_until_connected if bag else lambda: None)
@@ -46,13 +47,13 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
 
 
 def _start_nodes(ros, spec, names, folder, event_log):
-    """Start the nodes of a trial, which come up while this process goes on; return their Childs, time master first."""
+    """Start the nodes of a trial, without waiting for them; return their Child objects, time master first."""
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, event_log))]
     with processes.importing():
-        from . import ros_nodes  # noqa: F401 - while the time master comes up, before the forks
+        from . import ros_nodes  # noqa: F401 - while the time master starts, before the forks
     config = spec.config
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
-    quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator goes by what happens
+    quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator acts on events
     ros.set_param('/log_motion', True)  # so that a replay of the log is exact
     nodes.append(ros.run('fleet', 'fleet', parameters={
         **quiet,
@@ -76,23 +77,23 @@ def _clock(spec, event_log):
     """Return the time master's parameters."""
     if spec.clock == 'scaled':
         return {'mode': 'scaled', 'factor': float(spec.factor)}
-    # It ends in the round in which the coordinator leaves: how long it goes on after that would be the wall clock's.
+    # It ends in the round in which the coordinator leaves. A later end would depend on the wall clock.
     return {'mode': 'lockstep', 'participants': ['/fleet', '/task_server', '/' + NODE], 'on_death': 'end',
             'end_with': ['/' + NODE],
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
 def end_nodes(nodes, recorder, event_log):
-    """Let bag and event log be written to their ends; the rest has nothing to say, and a second can be saved.
+    """Wait until bag and event log are complete, and kill all other nodes, which saves a second.
 
-    The time master comes first in ``nodes``. It ends by itself once the coordinator has left. A signal could overtake
-    the coordinator's last words, and would cut the run: it gets one only if it does not end.
+    The time master comes first in ``nodes``. It ends by itself when the coordinator has left. A signal could overtake
+    the coordinator's last report, and would cut the run, so the time master gets one only if it does not end.
     """
     if recorder is not None:
         recorder.close()
     if event_log is not None:
         deadline = time.monotonic() + OWN_END_S
-        # It gets its name when it is complete; roscpp's own end takes a third of a second after that.
+        # The log gets its name when it is complete. After that, the end of roscpp takes a third of a second.
         while not event_log.exists() and nodes[0].process.poll() is None:
             if time.monotonic() > deadline:
                 nodes[0].signal(signal.SIGTERM)

@@ -1,4 +1,4 @@
-"""What the study adds to the report on its experiment: comparisons with the published figures, legs, speed, maps."""
+"""The study's sections in the report on its experiment: comparisons with published figures, legs, speed, maps."""
 
 import base64
 import html
@@ -19,7 +19,7 @@ MAPS = ('truth', 'prediction', 'variance', 'trajectories')
 
 
 def sections(given):
-    """Return the Sections of the study; given: the report's extension.Tables."""
+    """Return the Sections of the study; given: the report's extension.Tables. Without complete trials: none."""
     groups = collect_trials(given.experiment)
     if not groups:
         return []
@@ -38,7 +38,7 @@ def sections(given):
 
 
 def _maps(trial):
-    """Return the pictures of a trial, as parts of the page that need no other file."""
+    """Yield the pictures of a trial, as parts of the page that need no other file."""
     with temporary.folder('move_base_abstract_study_maps_') as folder:
         write_pictures(Path(folder), read_trial(trial.path, FILES))
         for name in MAPS:

@@ -1,4 +1,4 @@
-"""One trial to run: the mission, its seed, and the engine with what only that engine knows."""
+"""One trial to run: its mission, seed and engine, and the options of the engine."""
 
 from dataclasses import dataclass, field
 
@@ -17,16 +17,16 @@ MAX_SEED = 2**63 - 1
 
 @dataclass(frozen=True)
 class TrialSpec:
-    """What makes a trial the trial it is. :raises ConfigurationError: if values do not go together."""
+    """All that identifies a trial. :raises ConfigurationError: if a value is not allowed, or values contradict."""
 
     config: TrialConfig = field(default_factory=TrialConfig)
     seed: int = 0
     engine: str = 'ros'
-    clock: str = 'lockstep'  # of ROS
-    factor: float = 10.0  # simulated s per wall s; of the scaled clock
-    limit: float = 0.0  # at most so many simulated s per wall s in lockstep; 0 = no limit
-    charge: str = 'none'  # what computing costs in lockstep: none, fixed:SECONDS, measured[:FILE], replay:FILE, ...
-    motion: str = 'euclidean'  # of Mesa
+    clock: str = 'lockstep'  # for ROS
+    factor: float = 10.0  # simulated s per wall s, for the scaled clock
+    limit: float = 0.0  # upper limit of simulated s per wall s, for lockstep; 0 = no limit
+    charge: str = 'none'  # simulated time of computing, for lockstep: none, fixed:SECONDS, measured[:FILE], ...
+    motion: str = 'euclidean'  # for Mesa
 
     def __post_init__(self):
         for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
@@ -44,7 +44,7 @@ class TrialSpec:
 
     @property
     def about_engine(self):
-        """The engine and its options, as they stand in trial.json; what does not apply is left out."""
+        """The engine and its options, as in trial.json; options that do not apply are left out."""
         if self.engine == 'mesa':
             return {'name': 'mesa', 'motion': self.motion}
         if self.clock == 'scaled':
@@ -53,5 +53,5 @@ class TrialSpec:
 
     @property
     def inputs(self):
-        """What the trial reads, as in TrialResult; looked at once per process."""
+        """The digests of the files that the trial reads, as in TrialResult; computed once in each process."""
         return digests(self.config.field, self.about_engine.get('charge', 'none'))

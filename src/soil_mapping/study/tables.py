@@ -1,4 +1,4 @@
-"""The tables of the report, as text in cells: what they say is decided here, how they look elsewhere."""
+"""The tables of the report, with texts in their cells. Other modules decide how they look."""
 
 import math
 
@@ -34,7 +34,7 @@ from .wording import (
 
 UNITS = {'rmse_kpa': 'RMSE [kPa]', 'mean_variance_kpa2': 'mean kriging variance [kPa²]', 'samples': 'samples',
          'distance_m': 'distance [m]', 'idle_s': 'idle time [s]', 'task_s': 'mean task time [s]'}
-ENOUGH_PAIRS = 5  # with fewer a bootstrap interval is too narrow to show a difference
+ENOUGH_PAIRS = 5  # with fewer pairs a bootstrap interval is too narrow to show a difference
 SCALE_NOTE = (
     'Relative error of the means; 95 % interval of the difference within a pair of trials, in the unit of the column, '
     'by bootstrap of the pairs, corrected for the number of cells in the table; standardised difference (sd: standard '
@@ -43,25 +43,25 @@ SCALE_NOTE = (
 COSINE_NOTE = (
     'Mean over six metrics of the cosine between vectors of configuration means, of pairs of trials with the same '
     'seeds. The pairs of the published table come first. Interval: by bootstrap of the pairs. Noise '
-    'floor: where two runs of the first study lie that differ by chance only, by bootstrap of its trials; a score '
-    'within it shows no difference, nor that there is none. A metric that is 0 in one study alone scores 0. '
-    'Standardised difference: of the means, in standard deviations of the trials (sd); it feels scale.')
+    'floor: the range of two runs of the first study that differ by chance only, by bootstrap of its trials; a score '
+    'within it shows neither a difference nor that there is none. A metric that is 0 in one study only scores 0. '
+    'Standardised difference: that of the means, in standard deviations of the trials (sd); it depends on scale.')
 
 
 def group_title(name):
-    """Return a group's name for people."""
+    """Return the title of a group, for people."""
     titles = {MESA: 'Mesa', EIGHT: 'Mesa, eight directions', LOCKSTEP: 'ROS, lockstep'}
     return titles.get(name) or f'ROS, {name.partition("-")[2]}'
 
 
 def published_pairs(groups):
-    """Return the groups of Table 1's own pairs; both kinds of Mesa stand for its Mesa (eight directions)."""
+    """Return the pairs of groups of the published Table 1; both kinds of Mesa stand for its Mesa (eight directions)."""
     mesa = [name for name in (MESA, EIGHT) if name in groups] or [MESA]
     return [*((name, 'ros-10x') for name in mesa), ('ros-1x', 'ros-10x'), ('ros-1x', 'ros-15x')]
 
 
 def pairs(groups):
-    """Return the pairs of groups that are compared, as names: Table 1's own first, then what else there is."""
+    """Return the pairs of names of groups that are compared: those of the published Table 1 first, then all others."""
     scaled = [name for name in groups if name in FACTORS]
     wanted = published_pairs(groups)
     wanted += [(MESA, LOCKSTEP), (EIGHT, LOCKSTEP), (MESA, EIGHT)]
@@ -71,7 +71,7 @@ def pairs(groups):
 
 
 def overview(groups):
-    """Return what was run, and how fast."""
+    """Return the table of the groups that ran, with their speeds."""
     rows = []
     for name, trials in groups.items():
         wall = [sum(trial.wall_s.get(part, 0.0) for part in ('start_up', 'mission', 'end')) for trial in trials]
@@ -83,11 +83,11 @@ def overview(groups):
                                   'start-up', 'mission', 'kriging', 'allocation', 'messages', 'end'), tuple(rows),
                  'Means. Speed-up: simulated seconds per wall second, while the mission runs and with start-up. '
                  'Kriging, allocation and messages are parts of the mission. Output is not counted. '
-                 f'{NOT_MEASURED}: such trials have no such part.')
+                 f'{NOT_MEASURED}: these trials have no such part.')
 
 
 def cosines(groups):
-    """Return the published table; below it, in its form, its own pairs of studies and then all others."""
+    """Return the published table, and below it, in the same form, its pairs of studies and then all others."""
     rows = [(first, second, f'{value:.9f}', '', '', '', 'published') for first, second, value in PUBLISHED_TABLE]
     wanted = list(dict.fromkeys([*published_pairs(groups), *pairs(groups)]))
     for first, second in wanted:
@@ -97,7 +97,7 @@ def cosines(groups):
             hint = '; real time runs with STUDY_1X=1' if 'ros-1x' in (first, second) and 'ros-1x' not in groups else ''
             cells = ('', '', '', '', f'not run: {", ".join(lacking)}{hint}')
         elif not seeds:
-            cells = ('', '', '', '', 'no seeds that both have')
+            cells = ('', '', '', '', 'no common seeds')
         else:
             cells = _compared(groups[first], groups[second], seeds)
         rows.append((group_title(first), group_title(second), *cells))
@@ -107,7 +107,7 @@ def cosines(groups):
 
 
 def _compared(first, second, seeds):
-    """Return similarity, interval, noise floor, largest difference and source of two studies' trials of these seeds."""
+    """Return similarity, interval, noise floor, largest difference and source of two studies, for these seeds."""
     a, b = as_study(first, seeds), as_study(second, seeds)
     trials = max(1, len(seeds) // len(a))
     interval = floor = f'{UNKNOWN} (one trial each)'
@@ -124,7 +124,7 @@ def _compared(first, second, seeds):
 
 
 def cosines_per_metric(groups):
-    """Return the cosine of each metric, per pair of studies."""
+    """Return the cosine of each metric for each pair of studies."""
     rows = []
     for first, second in pairs(groups):
         seeds = common_seeds(groups[first], groups[second])
@@ -136,7 +136,7 @@ def cosines_per_metric(groups):
 
 
 def scale_errors(groups):
-    """Return one table per pair of studies: relative error of the means, its interval, and standardised difference."""
+    """Return a table for each pair of studies: relative errors of means, intervals, standardised differences."""
     tables = []
     for first, second in pairs(groups):
         seeds = common_seeds(groups[first], groups[second])
@@ -166,7 +166,7 @@ def _scale_cell(each, first, second, comparisons):
 
 
 def legs(groups):
-    """Return how much too long the legs took."""
+    """Return the table of the times that legs took too long."""
     rows = []
     for name, trials in groups.items():
         errors = np.array([error for trial in trials for error in trial.leg_errors])
@@ -178,13 +178,13 @@ def legs(groups):
                          duration(largest) if largest else '0: exact'))
     return Table('Error of the legs', ('trials of', 'legs', 'mean, share of the leg', 'largest, share of the leg',
                                        'mean, simulated', 'largest, simulated'), tuple(rows),
-                 'How much longer a leg took, from the command to the arrival as the coordinator sees them, than '
-                 'distance over speed. The published system: 12 to 19 % at nominal 10x, 17 to 28 % at 15x, 60 to 196 % '
-                 'at 100x.')
+                 'The time that a leg took too long, from the command to the arrival as the coordinator sees them, '
+                 'against distance over speed. The published system: 12 to 19 % at nominal 10x, 17 to 28 % at 15x, '
+                 '60 to 196 % at 100x.')
 
 
 def identities(groups):
-    """Return, for runs that must be the same run, whether they are."""
+    """Return the table that says whether runs that must be identical are identical."""
     reference = {(trial.configuration, trial.seed): trial for trial in groups.get(LOCKSTEP, [])}
     pairs_of_both = [(trial, reference[trial.configuration, trial.seed]) for trial in groups.get(MESA, [])
                      if (trial.configuration, trial.seed) in reference]
@@ -192,5 +192,5 @@ def identities(groups):
     rows = [(f'{group_title(MESA)} and {group_title(LOCKSTEP)}', str(len(pairs_of_both)), str(same),
              'yes' if same == len(pairs_of_both) else 'no')] if pairs_of_both else []
     return Table('Identical runs', ('runs', 'pairs', 'identical', 'identical: yes/no'), tuple(rows),
-                 'The same mission on both engines: its event log, to the byte. What ran twice on one engine stands '
-                 'under Repeatability.', True)
+                 'The same mission on both engines: its event log, to the byte. Trials that ran twice on one engine '
+                 'are under Repeatability.', True)

@@ -1,6 +1,7 @@
-"""Trials of the study: run in this process, by `study trial` or as the function that is a trial of the experiment.
+"""Runs trials of the study in this process, for `study trial` or as the function of the experiment.
 
-What computes is imported, and the field made, before a process is forked for a trial: both take longer than most of it.
+Imports are done, and the field is made, before a process is forked for a trial, because both take longer than most
+other parts of it.
 """
 
 import contextlib
@@ -25,29 +26,30 @@ from .groups import specs_of
 HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'soil_mapping.study.ros_nodes', 'soil_mapping.study.ros_mission',
                  'rosmaster.master'), 'mesa': ('soil_mapping.mesa_models.mesa_model',)}
 PACKAGES = {'ros': ('rospy', 'rosmaster', 'actionlib'), 'mesa': ('mesa',)}
-END = signal.SIGTERM  # ends a trial that is run by itself, unless its mission is over and its record is not complete
-RECORD_S = 30.0  # wall; so long an interrupted trial may write what it has, once its mission is over
-LOG = 'lockstep_events.jsonl'  # of a trial that is run by itself
+END = signal.SIGTERM  # ends a trial of `study trial`, unless its mission is over and its record is not complete
+RECORD_S = 30.0  # wall; time for an interrupted trial to write its record, if its mission is over
+LOG = 'lockstep_events.jsonl'  # of a trial of `study trial`
 NOT_REPEATABLE = 'scaled clock: when messages arrive depends on the machine'
 
 
 def prepare(args, factors):
-    """Import what the experiment's trials need and make their fields; called once per warm process."""
+    """Import all that the experiment's trials need and make their fields; called once in each warm process."""
     for spec in specs_of(factors['engine'], _config(args)):
         check(spec)
-        truth_of(spec.config).values  # noqa: B018 - made here
+        truth_of(spec.config).values  # noqa: B018 - this makes it
     versions()
     machine()
 
 
 def check(spec, ahead=False, with_imports=True):
-    """Import what the trial of a TrialSpec needs and read its field, if that is read; complain of what cannot be.
+    """Check the trial of a TrialSpec: import all that it needs, and read its field, if that comes from a file.
 
-    ahead: another process draws the field meanwhile, if it is drawn. with_imports: else packages are only looked for.
-    :raises ConfigurationError: if a file that it reads, or a class of the user's, cannot be used.
+    ahead: whether another process draws a random field meanwhile. with_imports: False: packages are only searched.
+
+    :raises ConfigurationError: if a package is missing, or a file or a class of the user's cannot be used.
     """
     from soil_mapping.mission.coordinator import Coordinator
-    spec.inputs  # noqa: B018 - looked at, and kept
+    spec.inputs  # noqa: B018 - this computes and keeps them
     truth = truth_of(spec.config)
     if ahead:
         draw_ahead(spec.config)
@@ -69,7 +71,7 @@ def _look_for(engine, package):
 
 
 def _missing(engine, package):
-    why = 'it needs Python 3.11; trials on ROS need none' if package == 'mesa' else 'see docs/soil_study_ros.md'
+    why = 'it needs Python 3.11; trials on ROS do not need it' if package == 'mesa' else 'see docs/soil_study_ros.md'
     return ConfigurationError(f"engine '{engine}': {package} is not installed for {sys.executable} ({why})")
 
 
@@ -78,7 +80,7 @@ def _config(args):
 
 
 def run(trial):
-    """Run a trial of the experiment, as its function: write its files, return its metrics."""
+    """Run a trial, as the function of the experiment: write its files, return its metrics."""
     config = replace(_config(trial.args), **{name: trial.configuration[name] for name in ('allocation', 'sampling')})
     spec = replace(specs_of([trial.configuration['engine']], config)[0], seed=trial.seed)
     result = _carry_out(spec, trial.files, trial.event_log)
@@ -93,7 +95,7 @@ def run(trial):
 
 
 def run_one(spec, path, pictures=False, bag=False):
-    """Run a trial in this process, which can run no other of ROS after it, and write its folder.
+    """Run a trial in this process, which cannot run another one on ROS afterwards, and write its folder.
 
     An error is also written to error.txt in the unfinished folder.
     """
@@ -103,17 +105,19 @@ def run_one(spec, path, pictures=False, bag=False):
 
 
 def in_child(body):
-    """Call body(), which returns an exit code, in a forked process; return that, or a signal's negative number.
+    """Call body(), which returns an exit code, in a forked process; return that code, or minus a signal's number.
 
-    If this process is interrupted, the child ends: at once, or once END is no longer ignored there. The kernel ends its
-    nodes with it. :raises KeyboardInterrupt: after that.
+    If this process is interrupted, the child ends: at once, or as soon as it no longer ignores END. The kernel ends its
+    nodes with it.
+
+    :raises KeyboardInterrupt: after an interruption, when the child has ended.
     """
     def child():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: here it might come anywhere
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent; in the child it could come anywhere
         code = body()
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(code)  # rospy's own end takes half a second and tells a master that has gone
+        os._exit(code)  # rospy's own end takes half a second, and calls a ROS master that has ended
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     pid, statuses = None, {}
     try:
@@ -127,7 +131,7 @@ def in_child(body):
 
 
 def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
-    """Run the mission of a TrialSpec; return its TrialResult. over: called when it is over."""
+    """Run the mission of a TrialSpec; return its TrialResult. over: called when the mission is over."""
     if spec.engine == 'ros':
         from .ros_trial import run_ros_trial
         return run_ros_trial(spec, folder, event_log, bag, over)
@@ -139,7 +143,7 @@ def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
 
 @contextlib.contextmanager
 def _noted_errors(folder):
-    """Write an error that ends a trial into the folder that it leaves, as well as that goes."""
+    """Write an error that ends a trial into the trial's folder, if that is possible."""
     try:
         yield
     except BaseException as error:

@@ -1,14 +1,14 @@
-"""How numbers are written in the report's cells."""
+"""The form of numbers in the report's cells."""
 
 import math
 
 UNKNOWN = 'unknown'
 NOT_MEASURED = '–'
-ROUNDING = 1e-9  # shares that are smaller are rounding errors
+ROUNDING = 1e-9  # smaller numbers are rounding errors
 
 
 def number(value, unknown=UNKNOWN):
-    """Return a number with four digits that say something; what is left of rounding is 0."""
+    """Return a number with four significant digits; rounding errors become 0."""
     if math.isnan(value):
         return unknown
     if math.isinf(value):
@@ -19,7 +19,7 @@ def number(value, unknown=UNKNOWN):
 
 
 def percent(share):
-    """Return a share as per cent, with its sign; what is left of rounding is 0."""
+    """Return a share in per cent, with its sign; rounding errors become 0."""
     if math.isnan(share):
         return UNKNOWN
     if abs(share) < ROUNDING:
@@ -28,7 +28,7 @@ def percent(share):
 
 
 def duration(ns):
-    """Return nanoseconds in the unit in which they are read best."""
+    """Return nanoseconds in the unit that is easiest to read."""
     for size, unit in ((10**9, 's'), (10**6, 'ms'), (10**3, 'µs')):
         if abs(ns) >= size:
             return f'{ns / size:.3g} {unit}'
@@ -41,7 +41,7 @@ def span(low, high):
 
 
 def change(each):
-    """Return the relative error of a comparison.Difference; from or to 0 it is told by the values."""
+    """Return the relative error of a comparison.Difference, or its values if the first is 0 or one is unknown."""
     if math.isnan(each.first_mean) or math.isnan(each.second_mean):
         return f'{number(each.first_mean)} became {number(each.second_mean)}'
     if each.first_mean == 0.0 and each.second_mean != 0.0:

@@ -69,7 +69,7 @@ def test_a_folder_of_another_kind_is_never_touched(steps, tmp_path):
     (tmp_path / 'env' / 'thesis.tex').write_text('mine')
     (tmp_path / 'file').write_text('mine')
     for name in ('env', 'file'):
-        with pytest.raises(EnvironmentFailure, match=f'{name}: is there, and not made by this program'):
+        with pytest.raises(EnvironmentFailure, match=f'{name}: exists, and was not made by this program'):
             make(tmp_path / name)
     assert (tmp_path / 'env' / 'thesis.tex').read_text() == (tmp_path / 'file').read_text() == 'mine'
     assert steps == []
