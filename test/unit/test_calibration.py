@@ -101,8 +101,8 @@ def test_a_file_beside_the_scenario(tmp_path):
     ({'calibration': 'mine.yaml'}, ("'mine.yaml'", 'an absolute path')),
     ({'calibration': '/none/such.yaml'}, ('/none/such.yaml', 'cannot be read')),
     ({'calibration': 3}, ('calibration', 'got 3')),
-    ({'calibration': SHIPPED, 'max_speed': 2.0}, ('max_speed', 'one of them')),
-    ({'calibration': SHIPPED, 'goal_overhead': 2.0}, ('goal_overhead', 'one of them')),
+    ({'calibration': SHIPPED, 'max_speed': 2.0}, ('max_speed', 'one of the two')),
+    ({'calibration': SHIPPED, 'goal_overhead': 2.0}, ('goal_overhead', 'one of the two')),
 ])
 def test_what_cannot_be_used_is_said(raw, words):
     with pytest.raises(ConfigurationError) as error:
