@@ -26,7 +26,7 @@ from .user_calls import AFTER_USERS
 
 #: the place of a decision at its instant: after the events of robots and users, before those of processes
 _DECISION = AFTER_USERS - 1
-#: if others wait for a robot that charges, the dispatcher looks again after this time [ns]; time goes on until then
+#: if orders or robots wait for a robot that charges, time goes on, and the dispatcher looks again after this [ns]
 CHARGE_LOOK_NS = 60 * NS_PER_S
 _MOST_TOLD = 5  # orders in a warning
 

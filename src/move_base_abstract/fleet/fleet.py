@@ -123,7 +123,9 @@ class Fleet:
             member.reset(self.now_ns)
 
     def send(self, name, x, y, yaw=0.0, goal_id='', frame='map'):
-        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. A goal that cannot be reached is aborted.
+        """Send a goal [m, rad, in ``frame``] to a robot now; return its id.
+
+        If anything is wrong with the goal, it ends with a text that says why.
 
         :raises ConfigurationError: if there is no such robot, or an argument is of a wrong type.
         """
@@ -269,7 +271,7 @@ class Fleet:
     def run(self, until_ns=None, until=None):
         """Run up to ``until_ns`` [ns] or ``until`` [s], or until no events are left; return the time [ns].
 
-        Without either, the run does not wait for batteries to be charged, nor for failures that are yet to come.
+        Without either, the run waits neither for a battery to be charged or used up, nor for failures yet to come.
 
         :raises TimeError: if that time is past, or after the end of simulated time.
         """

@@ -42,7 +42,7 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:
     """Tell ``stream`` the first events of a robot that exists from ``now_ns`` [ns] on: how it travels, and where it is.
 
-    ``durations``: its GoalDurations or GoalAttempts, or None.
+    ``durations``: the Durations or CalibratedDurations of its settings, or None.
     """
     stream.tell(motion_of(robot, now_ns))
     if robot.phases is not None:

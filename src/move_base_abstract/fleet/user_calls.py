@@ -21,7 +21,7 @@ class UserCalls:
         self._on_event = on_event
         self._listeners = [(kind, listener) for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
                            if listener is not None]
-        self._has_warned = False  # that a goal lies outside of what its calibration was fitted to
+        self._has_warned = False  # whether the user was warned of a goal outside the ranges of its calibration
 
     def subscribe(self, stream, with_motion):
         """Call the user's functions for the events of a robot's ``stream`` (Stream): ``on_event`` before the others."""

@@ -98,9 +98,9 @@ class CalibratedDurations:
 
     First the robot stands for ``delay`` [s]. Then there are two cases. Usually the duration of the motion differs by a
     normal ``spread`` [s] and by small delays, which are exponential with the mean ``delay_share`` times the duration of
-    the motion. Otherwise the goal is in the tail: it takes longer by a time drawn from ``tail`` (Gamma) [s], which the
-    robot spends at the start too. The chance of the tail is ``tail_rate`` [1/s] over the duration of the motion, and
-    rises with the start turn by ``tail_chances`` ((rad, chance), ...).
+    the motion. Otherwise the goal is in the tail: it takes longer by a time drawn from ``tail`` (Gamma) [s], for which
+    the robot stands at the start, too, unless there is a ``tail_motion``. The chance of the tail is ``tail_rate`` [1/s]
+    over the duration of the motion, and rises with the start turn by ``tail_chances`` ((rad, chance), ...).
 
     ``failures``: as in :class:`.durations.Durations`. ``recorded``: the ranges of the legs to which this was fitted,
     None: unknown. ``tail_motion``: what a robot in the tail does during the extra time, None: it stands. ``tail_most``

@@ -75,7 +75,7 @@ class Pose2D:
         return Pose2D(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
 
-#: They set what the frozen class does not let be set, as object.__setattr__ would, but in a third of the time.
+#: They set fields of the frozen class, as object.__setattr__ would, but in a third of the time: each goal makes a pose.
 _set_x, _set_y, _set_yaw = Pose2D.x.__set__, Pose2D.y.__set__, Pose2D.yaw.__set__
 
 

@@ -127,7 +127,10 @@ class SpeedProfile:
         return [*ramp, *(self.seconds - seconds for seconds in ramp)]
 
     def smooth(self):
-        """Return the spans of constant acceleration in order: [(end [s after the start], its size [m/s^2]), ...]."""
+        """Return the spans of constant acceleration, in order: [(end, acceleration), ...].
+
+        ``end`` is in s after the start; the acceleration is its size [m/s^2], so it is not negative while braking.
+        """
         if self.ramp_seconds == 0.0:
             return [(self.seconds, 0.0)]
         return [(self.ramp_seconds, self.acceleration), (self.seconds - self.ramp_seconds, 0.0),

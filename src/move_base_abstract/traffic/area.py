@@ -61,8 +61,8 @@ class Area:
         """Return the first request, or the first one for which ``traveller`` has to wait; that may be its own.
 
         Requests of robots that go on only if that is safe (``is_careful``) do not count. For ``traveller``, neither do
-        requests that lack room ahead. If ``traveller`` holds a place in the group of this area, requests for a place in
-        the group do not count either.
+        other robots' requests that lack room ahead. If ``traveller`` holds a place in the group of this area, other
+        robots' requests for a place in the group do not count either.
         """
         return next((request for request in self.queue if not request.traveller.is_careful and (
             traveller is None or not self.is_overtaken(request, traveller))), None)

@@ -1,9 +1,10 @@
 """Traffic: zones and lanes with place for a limited number of robots, on top of Travel.hold.
 
 A robot asks for a place when it comes to the border of an area. If there is none, it waits there, outside, and its goal
-stays active. Robots are served in the order in which they ask, at one instant by name, and no robot overtakes. A robot
-gives its place back when it comes to the border on its way out. If it goes from one area directly into another, it
-gives the place back when it has got a place in the other one.
+stays active. Robots are served by priority, then in the order in which they ask, at one instant by name; the docstring
+of :meth:`.Area.first` says which robots may be overtaken. A robot gives its place back when it comes to the border on
+its way out. If it goes from one area directly into another, it gives the place back when it has got a place in the
+other one.
 """
 from __future__ import annotations
 

@@ -24,9 +24,9 @@ class TrafficRules(NamedTuple):
     """The choices for the traffic.
 
     ``policy``: what happens to circles of waiting; ``blocks``: the number of areas ahead that must have room before a
-    robot goes on; ``lane_price``: the share of its length by which each robot in the way makes a lane longer when
-    another robot chooses its way; ``groups``: {name: number of robots that have place in the group}, 1 for groups that
-    are not in it.
+    robot goes on; ``lane_price``: when a robot chooses its way, each robot in the way makes a lane cost this share of
+    its travel time more, divided by the lane's number of places; ``groups``: {name: number of robots that have place in
+    the group}, 1 for groups that are not in it.
     """
 
     policy: DeadlockPolicy = DeadlockPolicy.WAIT

@@ -78,7 +78,7 @@ def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
 
 
 def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool]) -> List[Tuple[Area, Traveller]]:
-    """Return [(area, Traveller), ...]: the areas because of which ``traveller`` is stuck, and the robots before it."""
+    """Return [(area, Traveller), ...]: the areas in which ``traveller`` is stuck, and the robots for which it waits."""
     found: List[Tuple[Area, Traveller]] = []
     request = traveller.request
     for area in (*request.areas, *request.ahead) if request is not None else ():
