@@ -67,7 +67,7 @@ class FieldPoint(NamedTuple):
 
 
 def _facing_travel(previous, place):
-    """Return ``place`` with the heading of the way from ``previous``, or the same heading if the two coincide."""
+    """Return ``place`` with the heading of the way from ``previous``, or with ``previous.yaw`` if the two coincide."""
     same = (previous.x, previous.y) == (place.x, place.y)
     return Pose2D(place.x, place.y, previous.yaw if same else previous.bearing_to(place))
 

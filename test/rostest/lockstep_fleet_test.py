@@ -318,7 +318,7 @@ class LockstepFleet(unittest.TestCase):
             ros.run('time_master', 'time_master')
             robot = ros.run('move_base', 'move_base', parameters={'encounters': 'calibrated'})
             self.assertEqual(robot.process.wait(GUARD), 1)
-            self.assertIn('robots of different processes, as of this node, cannot meet', robot.last_lines())
+            self.assertIn('robots of different processes, such as this node, cannot meet', robot.last_lines())
 
     def test_robots_are_added_and_removed_by_a_participant(self):
         run = Run('services', TWO, fleet(TWO))

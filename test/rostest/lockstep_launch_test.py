@@ -334,7 +334,7 @@ class LaunchTest(unittest.TestCase):
         for name in ('a.jsonl', 'b.jsonl'):
             done = self.run_it('--log-messages', '--event-log', self.path(name), self.file(LEAVING))
             self.assertEqual(done.returncode, 0, done.stdout)
-            left = re.search('what the programs left in their temporary folder is in (.*)', done.stdout).group(1)
+            left = re.search('files that the programs left in their temporary folder are in (.*)', done.stdout).group(1)
             file, = os.listdir(left)
             with open(os.path.join(left, file)) as stream:
                 self.assertEqual(stream.read(), 'kept')

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from .type_names import StrPath
 
-MAX_DEPTH = 32  # of lists and mappings in one another
-MAX_DIGITS = 100  # of characters in a number
+MAX_DEPTH = 32  # the deepest nesting of lists and mappings
+MAX_DIGITS = 100  # the most characters of a number
 _MERGE_TAG = 'tag:yaml.org,2002:merge'
 _NUMBER_TAGS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
 #: the errors that SafeLoader does not catch if a value does not fit its tag: !!int x, 2001-13-40

@@ -258,7 +258,7 @@ def schema_of(cls: Type[Any]) -> Schema:
 
 
 def collected(record: Any, is_wanted: Callable[[Option], Any]) -> List[Tuple[Option, Any]]:
-    """Return (Option, value) of all wanted Options in ``record``, and in dataclasses in it, that are not by default."""
+    """Return (Option, value) of all wanted Options in ``record``, and in dataclasses in it, if not the default."""
     found: List[Tuple[Option, Any]] = []
     for one in options_of(record).values():
         value = getattr(record, one.field)

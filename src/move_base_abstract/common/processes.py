@@ -26,7 +26,7 @@ _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _MOST_TRIMMED, _MOST_MAPPED = 2 ** 30, 2 ** 25  # bytes; glibc allows no more for the latter
 _POLL_S = 0.05  # wall
 _SHORT_POLL_S = 0.005  # wall
-_ARGUMENTS = slice(45, 47)  # the fields of /proc/PID/stat, after the name, with begin and end of the command line
+_ARGUMENTS = slice(45, 47)  # fields of /proc/PID/stat after the name: addresses of begin and end of the command line
 _KILL_ROUNDS = 200
 _TASKS = '/proc/self/task'
 #: set for all programs of a trial, because trials run side by side, and sums must not depend on the number of cores

@@ -5,10 +5,10 @@ import math
 import re
 import reprlib
 
-MAX_LENGTH = 120  # of characters in the text of a value
+MAX_LENGTH = 120  # the most characters of the text for a value
 _EXPONENT = re.compile(r'[-+]?[0-9]{1,20}(\.[0-9]{0,20})?[eE][-+]?[0-9]{1,5}\Z')
 _YAML_NOTE = ' (a text: in YAML a number with an exponent has a point and a sign, as 1.0e+3)'
-_MAX_BITS = 200  # of a whole number that is written out
+_MAX_BITS = 200  # the most bits of a whole number that is written out
 
 
 class _Shortener(reprlib.Repr):

@@ -71,6 +71,6 @@ def _clear(path: str, say: Callable[[str], None]) -> None:
         for name in names:
             os.rename(os.path.join(path, name), os.path.join(aside, name))
     except OSError as error:
-        say('{}: what a run has left there cannot be moved aside: {}'.format(path, error.strerror))
+        say('{}: the files that a run has left there cannot be moved aside: {}'.format(path, error.strerror))
     else:
-        say('what the programs left in their temporary folder is in {}'.format(aside))
+        say('the files that the programs left in their temporary folder are in {}'.format(aside))

@@ -72,7 +72,7 @@ class RobotSettings:
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
     #: how the durations of goals differ from the law of motion; None: they do not
     durations: Union[Durations, CalibratedDurations, None] = None
-    #: how the robot fails, and which mishaps are drawn for it; None: it does not fail, and there are none
+    #: the failures of the robot, and its deliberate faults; None: there are none
     failures: Optional[Failures] = None
     buggify: Optional[Buggify] = None
     #: the robot's battery; None: it has none, and needs no energy
@@ -124,8 +124,8 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
     if 'encounters' in raw:
         raise ConfigurationError("parameter {}/encounters: got {}; allowed: at the top of a fleet's scenario, or as a "
-                                 'parameter of the node fleet: robots of different processes, as of this node, cannot '
-                                 'meet'.format(where.rstrip('/'), shown(raw['encounters'])))
+                                 'parameter of the node fleet: robots of different processes, such as this node, '
+                                 'cannot meet'.format(where.rstrip('/'), shown(raw['encounters'])))
     values = read_table(raw, TABLE, where)
     network = _check_routes(values, where)
     planner = PlannerGroup(raw, where)

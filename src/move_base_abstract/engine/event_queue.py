@@ -167,11 +167,12 @@ class EventQueue:
                 break_off(error)
 
     def foresee(self, before_ns, most):
-        """Return the next calls of series that only tell, [(due_ns, [Series, ...]), ...], and where they end [ns].
+        """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series that only tell, before ``end_ns``.
 
-        The list is in the order of time. It ends before ``before_ns`` [ns], before the first instant at which anything
-        else is due, and after ``most`` instants. The queue does not change, except that series that nobody hears any
-        more fall asleep. :meth:`skip` says later how many of these calls have been made.
+        The list is in the order of time. It has all calls before ``end_ns`` [ns], which is the earliest of
+        ``before_ns`` [ns], the first instant at which anything else is due, and the instant after ``most`` instants
+        with calls. The queue does not change, except that series that nobody hears any more fall asleep. :meth:`skip`
+        says later how many of these calls have been made.
         """
         if not self._telling:
             due_ns = self.next_due_ns()

@@ -18,7 +18,7 @@ Method = TypeVar('Method', bound=Callable[..., Any])
 
 
 def guarded(method: Method) -> Method:
-    """Decorate ``method`` so that an exception in it is handed to the object's ``break_off(error)``, not raised."""
+    """Decorate ``method``: an exception in it is not raised; the object's ``break_off(error)`` is called instead."""
     @functools.wraps(method)
     def guard(self: Any, *arguments: Any) -> Any:
         try:

@@ -69,7 +69,7 @@ class Simulation:
         """Wake the series that sleep and are heard now, because somebody has begun to listen; they go on after now.
 
         The last action that each has slept through is done now, with the time at which it was due, so that all is as if
-        the series had not slept.
+        the series had not slept. Nobody heard it then, so the caller must keep its messages from the new listeners.
         """
         for series in self.queue.sleepers():
             missed_ns = series.wake(self.now_ns)

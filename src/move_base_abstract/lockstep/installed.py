@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     pass
 
 _SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
-_LARGEST = 16 * 1024 * 1024  # of bytes that are read of a list
+_LARGEST = 16 * 1024 * 1024  # the most bytes that are read of a list
 
 
 def is_installed(path: str) -> bool:

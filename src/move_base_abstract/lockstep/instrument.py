@@ -7,8 +7,8 @@ that do more than look. The text of the program decides:
 - Tests look. So do calls of functions that are known to return something and to change nothing.
 - Other calls may compute, or look: ``while not self.ready(): pass``.
 - A statement computes if it stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or
-  stores in a name from which the value is made (``node = node.parent``). If the end of a loop depends on nothing that
-  the loop stores, another thread must end it (``while not self.stop: n += 1``), or it never ends.
+  stores in a name a value that is made from that name (``node = node.parent``). If the end of a loop depends on
+  nothing that the loop stores, another thread must end it (``while not self.stop: n += 1``), or it never ends.
 
 This module only knows Python's text: no ROS, no threads, no clock.
 """

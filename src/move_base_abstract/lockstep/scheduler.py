@@ -376,7 +376,7 @@ class Scheduler(Looking):
         return self.now_ns < due_ns < self.next_besides_source_ns() and self._goes_on_to(due_ns)
 
     def abandon(self) -> None:
-        """Take no longer part; for a process that was forked, in which no other thread is left."""
+        """Leave lockstep in a process that was forked, in which no other thread is left."""
         self.is_closed, self.turn_ident = True, 0
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ GLOBAL, LOCAL = 'global_costmap', 'local_costmap'
 
 _RADIUS = 0.46  # m, as in costmap_2d
 _PADDING = 0.01  # m, as in costmap_2d
-_CORNERS = 16  # of the polygon for a circle, as in costmap_2d
+_CORNERS = 16  # the corners of the polygon for a circle, as in costmap_2d
 _MAX_POINTS = 1000
 _MAX_TEXT = 100_000
 _MAX_CELLS = 4_000_000

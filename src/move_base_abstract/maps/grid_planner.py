@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _FIELDS_BYTES = 64 * 1024 * 1024  # the memory for all fields of one map; the least recently used one is dropped first
 _WAVES_BYTES = 32 * 1024 * 1024  # the memory for waves that can go on; other waves have to start again
 _WAVE_BYTES = 6  # the memory per cell for a wave that can go on
-_DIGITS = 6  # of corners [m]: micrometres hide the rounding of a rotated map's angle
+_DIGITS = 6  # the decimals of corners [m]: micrometres hide the rounding of a rotated map's angle
 _LEAST_RESOLUTION = 0.001  # m; with smaller cells, a micrometre is not much less than 1/256 of a cell
 _KEPT_WAYS = 10_000  # the least recently found one is dropped first
 

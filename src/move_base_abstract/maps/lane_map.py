@@ -65,8 +65,8 @@ class Edge(NamedTuple):
     """A lane from the node ``begin`` to the node ``end`` along ``points`` ((x, y), ...) [m], including both nodes.
 
     ``speed`` [m/s] and ``capacity`` [robots], None: no limit; ``capacity`` counts both directions together. ``share``:
-    the part of its speed with which a robot drives, so that the lane takes as long as one of the given ``length``, 1
-    without one. ``group``: the name of the group with which the lane shares places, None: it has none.
+    the part of its speed with which a robot drives, so that the lane takes as long as one of the given ``length``; 1
+    if no length is given. ``group``: the name of the group with which the lane shares places, None: it has none.
     """
 
     begin: str

@@ -121,7 +121,7 @@ class LaneWays:
         return self._ways[key]
 
     def priced_way(self, start: Tuple[float, float], goal: Tuple[float, float], prices: Prices) -> Optional[PlannedWay]:
-        """Return the cheapest way, if lanes cost more than their time, otherwise as :meth:`way` does.
+        """Return the way with the least sum of time and ``prices``, or None if no lanes lead there; it is not cached.
 
         See :mod:`.priced_ways`.
         """

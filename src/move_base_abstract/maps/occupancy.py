@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 _WHITE = 255
-_DIGITS = 12  # of the sine and cosine of a map's angle
+_DIGITS = 12  # the decimals of the sine and cosine of a map's angle
 
 
 class MapMode(Enum):

@@ -72,7 +72,7 @@ def _bends_within(grid: PlanningGrid, begin: Tuple[int, int], bend: Tuple[int, i
                   sign: int) -> Iterable[Any]:
     """Return the bends [(x, y)] at the corners of blocked cells in the triangle, including its sides.
 
-    If a corner is in the triangle but its bend is a part outside, it counts.
+    A corner in the triangle counts even if its bend is slightly (1/256 cell) outside.
     """
     corners, bends = grid.corners_within((begin, bend, end))
     x, y = corners.T

@@ -72,7 +72,7 @@ _SHOWN_AS = {'order_id': 'id', 'deadline_ns': 'deadline', 'duration_ns': 'durati
 
 
 def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
-    """Return a text that says what is wrong with an order that was sent, or None. It may contain values of any kind."""
+    """Return a text that says what is wrong with ``order``, or None. The order may contain values of any kind."""
     fault = _fault_of_kinds(order, _ORDER_KINDS)
     if fault is not None:
         return fault

@@ -20,7 +20,8 @@ Distance = Callable[[str, Point, Point], Optional[int]]
 class OpenOrder(NamedTuple):
     """An order that no robot does.
 
-    ``deadline_ns``: an instant [ns], None: there is none; ``tried``: the number of failed attempts.
+    ``deadline_ns``: an instant [ns], None: there is none. ``tried``: the number of failed attempts; those that ended
+    because the robot failed, ran out of charge or got another goal do not count.
     """
 
     order: Order

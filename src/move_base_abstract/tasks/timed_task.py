@@ -47,8 +47,8 @@ class TimedTaskRunner:
     """The life of one robot's tasks, from the goal to the ending, which ``ledger`` (GoalLedger) publishes.
 
     ``durations`` draws the durations of goals that have none. ``on_begin(record, duration_ns, now_ns)`` is called when
-    the work begins. ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` is called ``progress_frequency`` [Hz,
-    simulated] times a second while the robot works and, unless that is 0, at the end. ``is_heard``: as in
+    the work begins. ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` is called ``progress_frequency``
+    times per simulated second while the robot works and, unless that is 0, at the end. ``is_heard``: as in
     :class:`Series`. Not thread-safe, just as the simulation.
     """
 
