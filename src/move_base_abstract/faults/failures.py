@@ -108,7 +108,7 @@ def check_request(kind: Optional[str], repair: Optional[float], where: str) -> N
 def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     """Return the :class:`Failures` in ``values`` (of :data:`TABLE`), None for a robot that never fails.
 
-    :raises ConfigurationError: for values that do not fit together; ``where``: the name space of the parameters.
+    :raises ConfigurationError: for values that do not fit together; ``where``: the namespace of the parameters.
     """
     where = where.rstrip('/')
     kind, cv = values['failure_kind'], values['repair_cv']

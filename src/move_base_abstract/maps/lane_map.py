@@ -105,7 +105,7 @@ class LaneMap(NamedTuple):
 def read_lane_map(path: str, where: str) -> LaneMap:
     """Return the :class:`LaneMap` in the file ``path``.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
     """
     return _lane_map_in(*found(path, 'lanes', where))
 

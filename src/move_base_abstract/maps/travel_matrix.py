@@ -51,7 +51,7 @@ class TravelMatrix(NamedTuple):
 def read_travel_matrix(path: str, where: str) -> TravelMatrix:
     """Return the :class:`TravelMatrix` in the file ``path``; if its name ends with .csv it is CSV, otherwise YAML.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
     """
     return _matrix_in(*found(path, 'travel_matrix', where))
 

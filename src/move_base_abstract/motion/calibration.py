@@ -177,7 +177,7 @@ class Calibration:
 def calibration_file(name, where):
     """Return the path of the calibration ``name``: an absolute path, or the name of a calibration of this package.
 
-    :raises ConfigurationError: if it is neither; ``where`` is the name space of the parameter, for the message.
+    :raises ConfigurationError: if it is neither; ``where`` is the namespace of the parameter, for the message.
     """
     path = name if os.path.isabs(name) else _shipped().get(name)
     if path is None:
@@ -191,7 +191,7 @@ def calibration_file(name, where):
 def read_calibration(name, where):
     """Return the :class:`Calibration` ``name``, which is found as by :func:`calibration_file`.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the name space of the parameter.
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
     """
     path = calibration_file(name, where)
     return _calibration_in(path, *file_version(path, 'parameter {}/calibration'.format(where.rstrip('/'))))

@@ -75,7 +75,7 @@ class LaserSettings:
 def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
     """Return the :class:`LaserSettings` in ``values`` (of :data:`TABLE`).
 
-    :raises ConfigurationError: if an angle or a range ends before it begins; ``where`` is the parameters' name space.
+    :raises ConfigurationError: if an angle or a range ends before it begins; ``where`` is the parameters' namespace.
     """
     for what, unit in (('angle', 'rad'), ('range', 'm')):
         low, high = values['scan_{}_min'.format(what)], values['scan_{}_max'.format(what)]
