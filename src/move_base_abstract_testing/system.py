@@ -1,6 +1,6 @@
 """The processes of one test's run (ROS master, time master, robots, the user's nodes), and how they ended.
 
-They are children of this process. A node is forked where that has the same effect as starting it. This process has a
+They are children of this process. A node is forked if that has the same effect as starting it. This process has a
 single thread until all of them are started.
 """
 import contextlib

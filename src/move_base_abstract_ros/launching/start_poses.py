@@ -47,7 +47,7 @@ def is_placed(config, node):
 
 
 def _commands(config, ours):
-    """Return lines about programs that may place robots in Stage's world, if it is not said where the map is there."""
+    """Return lines about programs that may place robots in Stage's world, if nothing says where the map is there."""
     lost = [roles.name_of(node) for node in ours
             if not any('{}/{}'.format(roles.name_of(node), key) in config.params for key in _IN_STAGE)]
     senders = [roles.name_of(node) for node in config.nodes if node.package != PACKAGE and _names_command(node)]

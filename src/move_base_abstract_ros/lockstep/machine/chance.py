@@ -19,7 +19,7 @@ from ..code.labels import told
 
 _STRAY = 'draws in a thread that lockstep does not order'
 _BITS = 32  # number of bytes that seed a generator
-_MULTICAST = 1 << 40  # in the node of uuid.uuid1: says that it is not an address of hardware
+_MULTICAST = 1 << 40  # bit in the node of uuid.uuid1: the node is not an address of hardware
 
 
 def install(text, present_ns):

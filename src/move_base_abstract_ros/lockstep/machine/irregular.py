@@ -104,7 +104,10 @@ def install():
 
 
 def hand_on(clocks):
-    """Have names of C functions in the program's own code come here; ``clocks`` are those that the program sees."""
+    """Replace functions made in C, such as ``id``, where the program's own code names them.
+
+    ``clocks`` are the clocks that the program sees.
+    """
     setattr(builtins, ASK, _Asking(clocks).ask)
     setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)

@@ -32,7 +32,7 @@ _OUTSIDE = 'gets something over a connection or a pipe: it comes when it comes'
 _BY_ADDRESS = 'goes through a set of coroutines, which Python hashes by their address: its order differs from run to ' \
               'run'
 _ENDS = (signal.SIGINT, signal.SIGTERM)  # signals that end the run
-_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; new connections are watched within the first; the second is as for locks
+_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; within the first, new connections are watched; the second is as for locks
 _numbers = itertools.count()
 
 
