@@ -178,7 +178,7 @@ def _python_outputs() -> Iterator[None]:
 
 
 def _enter(folder: str) -> None:
-    """Have this process and its children use the loopback address, and write into the run's folder."""
+    """Make this process and its children use the loopback address, and write into the run's folder."""
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folder, ROS_HOME=folder, PYTHONUNBUFFERED='1',

@@ -217,7 +217,7 @@ class _Asked:
             then()
 
     def when_over(self, then):
-        """Have ``then()`` called in the call's thread when the call is over; not if it is over already."""
+        """Call ``then()`` in the call's thread when the call is over, unless it is over already."""
         self._then.append(then)
 
     def result(self):

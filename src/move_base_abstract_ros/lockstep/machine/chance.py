@@ -23,7 +23,7 @@ _MULTICAST = 1 << 40  # bit in the node of uuid.uuid1: the node is not an addres
 
 
 def install(text, present_ns):
-    """Seed the global generators, and have the program draw from the run's chance.
+    """Seed the global generators, and make the program draw from the run's chance.
 
     :param text: the seed and the node's name.
     :param present_ns: function of a frame that returns the date [ns] that its code sees; None for the machine's.

@@ -12,7 +12,7 @@ import rospy.core
 
 
 def install(participant):
-    """Have a forked child drop the connection and rospy's signal handler; the parent keeps both."""
+    """Make a forked child drop the connection and rospy's signal handler; the parent keeps both."""
     before = threading.local()
 
     def hold():

@@ -37,7 +37,7 @@ _numbers = itertools.count()
 
 
 def install(clocks, take_part):
-    """Have event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
+    """Make event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
 
     ``take_part(what)`` is called if a program that is not a node yet waits, as in :mod:`watchdog`.
     """
