@@ -54,7 +54,7 @@ def _commands(config, ours):
     if not lost or not senders:
         return []
     return ["{} may place robots by cmd_pose, in Stage's world; for {} nothing says where the map's frame lies there, "
-            "so that places are taken in the map's frame: --param {}/stage_offset_x=X, and stage_offset_y, say it (0 "
+            "so that places are taken in the map's frame: --param {}/stage_offset_x=X, and stage_offset_y, set it (0 "
             'if both frames are the same; the original package adds -162 and -110)'.format(
                 ' and '.join(senders), ' and '.join(lost), lost[0])]
 

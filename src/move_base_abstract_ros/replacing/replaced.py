@@ -326,8 +326,8 @@ def unknown():
         found.append('Python {}.{}'.format(*sys.version_info[:2]))
     if not found:
         return ''
-    return ('{} {} not known to this version of move_base_abstract, which stands in for them: what was tested may not '
-            'hold. Known: {}; Python {}.{} to {}.{}'.format(
+    return ('{} {} not known to this version of move_base_abstract, which replaces them: the results of our tests '
+            'may not hold. Known: {}; Python {}.{} to {}.{}'.format(
                 ', '.join(found), 'is' if len(found) == 1 else 'are', SOURCES, *PYTHON[0], *PYTHON[1]))
 
 

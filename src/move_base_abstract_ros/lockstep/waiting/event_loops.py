@@ -28,7 +28,7 @@ from ..failing import outcomes
 from .waits import replace_within, until_shutdown
 
 _WAITS_FOR = 'a callback of its event loop'
-_OUTSIDE = 'gets something over a connection or a pipe: it comes when it comes'
+_OUTSIDE = 'gets data over a connection or a pipe, at some moment of the wall clock'
 _BY_ADDRESS = 'goes through a set of coroutines, which Python hashes by their address: its order differs from run to ' \
               'run'
 _ENDS = (signal.SIGINT, signal.SIGTERM)  # signals that end the run
