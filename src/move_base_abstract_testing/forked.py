@@ -1,4 +1,4 @@
-"""Run a test in a fork of pytest, since a process can be only one ROS node. The fork finds all modules imported."""
+"""Run a test in a fork of pytest, since a process can be only one ROS node. The fork has all imports done."""
 import json
 import os
 import select

@@ -1,6 +1,6 @@
 """The processes of one test's run (ROS master, time master, robots, the user's nodes), and how they ended.
 
-They are children of this process. A node is forked where that has the same effect as starting it. This process has a
+They are children of this process. A node is forked if that has the same effect as starting it. This process has a
 single thread until all of them are started.
 """
 import contextlib
@@ -178,7 +178,7 @@ def _python_outputs() -> Iterator[None]:
 
 
 def _enter(folder: str) -> None:
-    """Have this process and its children use the loopback address, and write into the run's folder."""
+    """Make this process and its children use the loopback address, and write into the run's folder."""
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folder, ROS_HOME=folder, PYTHONUNBUFFERED='1',

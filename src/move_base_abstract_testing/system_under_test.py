@@ -157,7 +157,7 @@ class Lockstep:
         self._allowed += properties
 
     def assert_identical(self) -> None:
-        """Have the test fail unless a second run of the whole test has the same event log, to the byte.
+        """Make the test fail unless a second run of the whole test has the same event log, to the byte.
 
         pytest makes the second run after this one, in a process of its own.
         """

@@ -72,7 +72,7 @@ extern "C" {
 
 std::atomic<std::int64_t>* move_base_abstract_native_cells() { return native::cells; }
 
-/** @brief Have libraries see the run's chance from now on. @p text is the seed and the node's name;
+/** @brief Make libraries see the run's chance from now on. @p text is the seed and the node's name;
  * @p sleep is Python's function for sleepInPython(). */
 void move_base_abstract_native_begin(const char* text, int (*sleep)(std::int64_t)) {
   native::seed_text = strdup(text);
@@ -80,7 +80,7 @@ void move_base_abstract_native_begin(const char* text, int (*sleep)(std::int64_t
   native::seedGenerators();
 }
 
-/** @brief Note that the calling thread takes turns from now on, or takes turns no more. */
+/** @brief Note that the calling thread takes turns from now on, or stops taking turns. */
 void move_base_abstract_native_enter(int is_entering) {
   native::t_epoch = is_entering != 0 ? native::cell(native::kEpoch) : -1;
 }

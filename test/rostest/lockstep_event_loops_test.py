@@ -74,7 +74,7 @@ class OutsideTest(unittest.TestCase):
         self.assertEqual(self.run_.printed('pipe'), ["2.0 read b'x'"], self.run_.outputs)
         self.assertEqual(self.run_.printed('server')[0].split()[1:], ['HELLO'], self.run_.outputs)
         for role, words in (('child', 'asyncio.run('), ('pipe', 'add_reader('), ('server', 'start_server(')):
-            self.assertTrue(any("'/{}': asyncio in {}, line {}: gets something over a connection".format(
+            self.assertTrue(any("'/{}': asyncio in {}, line {}: gets data over a connection".format(
                 role, SCRIPT, self.line(words)) in label for label in self.labels(role)), self.labels(role))
 
     def test_a_signal_wakes_a_loop_and_labels_the_run_only_when_it_comes(self):

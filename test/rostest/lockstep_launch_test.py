@@ -284,7 +284,7 @@ class LaunchTest(unittest.TestCase):
     def test_what_cannot_be_run_is_refused_with_the_reason(self):
         simulator = '<launch><node pkg="stage_ros" type="stageros" name="stage"/></launch>'
         nobody = '<launch><node pkg="rosbag" type="play" name="player"/></launch>'
-        for words, text in (((self.path('none.launch'),), 'none.launch'), ((), 'a launch file is wanted'),
+        for words, text in (((self.path('none.launch'),), 'none.launch'), ((), 'a launch file must be given'),
                             (('--until', '-1', SYSTEM), 'more than 0'),
                             (('--onlooker', '/x', SYSTEM), 'no node of this'),
                             (('--replace', 'a/b=c', SYSTEM), 'PACKAGE/TYPE=PACKAGE/TYPE')):

@@ -240,7 +240,7 @@ class OutsideTest(unittest.TestCase):
             self.addCleanup(shutil.rmtree, folder)
             path = shutil.copy(own('shim_rate'), folder)
             os.chmod(path, 0o4755)
-            self.assertIn('the system lets nobody preload', self.launch(ros, path))
+            self.assertIn('the system does not preload', self.launch(ros, path))
 
     def test_what_the_library_exports_is_what_its_table_lists(self):
         table = os.path.join(SOURCES, 'machine', 'replaced.def')

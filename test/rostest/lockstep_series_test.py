@@ -134,7 +134,7 @@ class LockstepSeries(unittest.TestCase):
         self.assertIn('hashed by 0', said)
         code, said = self.run_script(os.path.join(self.folder, 'nothing.py'))
         self.assertEqual(code, 2, said)
-        self.assertIn('a Python script is wanted behind the options', said)
+        self.assertIn('a Python script must follow the options', said)
 
 
 if __name__ == '__main__':

@@ -1,4 +1,4 @@
-"""Find the places of robots that a launch file gives, for whatever program they are: each is a Hint."""
+"""Find the places of robots in a launch file, whichever program they are meant for. Each is a Hint."""
 import math
 import os
 import re

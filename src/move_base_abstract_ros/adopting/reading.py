@@ -1,4 +1,4 @@
-"""A loader of launch files. If a file names something that is not here, it leaves that out, and notes its place."""
+"""A loader of launch files, which leaves out what a file names and is not here, and notes the place in the file."""
 import os
 import re
 import shlex
@@ -307,7 +307,7 @@ def _check_size(text):
 
 
 def _values(node, known):
-    """Return the number of values for which a YAML node stands. If a node contains itself, it is above the limit."""
+    """Return the number of values for which a YAML node stands. A node that contains itself has more than the limit."""
     if id(node) not in known:
         known[id(node)] = 2 * bounded_yaml.FILE.values  # during the count: only a node that contains itself sees this
         parts = node.value if isinstance(node, yaml.CollectionNode) else ()

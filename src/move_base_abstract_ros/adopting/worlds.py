@@ -9,7 +9,7 @@ _LARGEST = 1 << 22  # characters
 _MOST_INCLUDED = 50
 _MOST_ROBOTS = 1000
 _DEEPEST = 50  # parts within parts
-#: Stage's own models that are not robots. A model that is not defined here may be of a file that is not here
+#: Stage's own models that are not robots. Another model that no file defines may be of a file that is not here
 _BUILT_IN = ('model', 'window', 'speech_bubble', 'ranger', 'laser', 'fiducial', 'blobfinder', 'gripper', 'actuator',
              'camera', 'bumper', 'wifi', 'lightindicator', 'blinkenlight', 'block', 'sensor', 'loadcell', 'indicator')
 

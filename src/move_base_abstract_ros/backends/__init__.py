@@ -1,9 +1,10 @@
-"""Backends: the simulators that show robots and place them, one object for each robot, chosen by name.
+"""Backends: the simulators that show robots and place them. Each robot has an object of its own, chosen by name.
 
 A backend is made with (names, settings). It has
 
 - ``place(pose, velocity, stamp_ns)``: publish that the robot is there now;
-- ``rests(pose, stamp_ns)``: publish that it still stands there; ``is_odometry_heard()``: which nodes hear that;
+- ``rests(pose, stamp_ns)``: publish that it still stands there; ``is_odometry_heard()``: the kind of nodes that hear
+  that, NOBODY (0), ONLOOKERS or PARTICIPANTS;
 - ``heartbeat(pose, stamp_ns)``: publish tf, so that look-ups of the present work;
 - ``looks(pose, stamp_ns)``: publish tf at the instant of a laser scan;
 - ``shift``: where odometry seems to begin, or None; only of backends that publish the robot's pose in tf;

@@ -35,7 +35,7 @@ class Hearers:
                     self._participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
 
     def show_rates(self, text):
-        """Put ``text()`` into the time master's state: what is published at which rate, and which nodes hear it."""
+        """Let ``text()`` be a part of the time master's state: it names the rates, and the nodes that hear them."""
         self._rates = text
 
     def rates_changed(self):
@@ -50,7 +50,10 @@ class Hearers:
 
 
 class NoHearers:
-    """Takes the place of :class:`Hearers` on the scaled clock. It reports nothing: there is no run in lockstep."""
+    """Takes the place of :class:`Hearers` on the scaled clock, and reports nothing: there is no run in lockstep.
+
+    A rate of 0 needs no warning there, because only a parameter sets it.
+    """
 
     def falls_silent(self, _robot, _teller, _parameter):
         """Do nothing."""

@@ -31,7 +31,7 @@ _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 def make_timing():
     """Return the timing of this process: LockstepTiming if the time master works in lockstep, or will do so.
 
-    :raises ConfigurationError: if one of its parameters is not allowed.
+    :raises ConfigurationError: if ``events_only`` or ``log_motion`` is neither true nor false.
     """
     events_only = _switch('events_only')
     if lockstep.is_lockstep():

@@ -106,7 +106,7 @@ class FleetServer:
             raise ConfigurationError('parameters: got {}; allowed: a YAML mapping of settings'.format(shown(own)))
         for key, field in _OF_REQUEST.items():
             if key in own:
-                raise ConfigurationError("parameters: {}: unknown here; the request's own field {} says it".format(
+                raise ConfigurationError("parameters: {}: unknown here; the request's own field {} sets it".format(
                     key, field))
         return {**self._defaults, 'start_x': request.x, 'start_y': request.y, 'start_yaw': request.yaw, **own}
 

@@ -178,7 +178,7 @@ class _Adoption:
                 self.problems.append(
                     '{!r} is not a name that ROS accepts for a robot; allowed: letters, digits and _ between '
                     'slashes ({}); '
-                    'if an argument of the file says it: NAME:=VALUE'.format(robot.name, robot.place))
+                    'if an argument of the file sets it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
                 self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))

@@ -56,7 +56,7 @@ def find(first, second):
     try:
         for path in (first, second):
             if os.path.exists(path) and not os.path.isfile(path):
-                raise BagError('{}: is no regular file'.format(path))
+                raise BagError('{}: is not a regular file'.format(path))
         if bags.digest(first) == bags.digest(second):
             return []
         for path in (first, second):

@@ -59,7 +59,7 @@ def _look_at(node, path):
     if closed != path and os.path.exists(path):
         return Bag(node, path, os.path.getsize(path), '', 'it was not closed')
     if os.path.exists(closed) and not os.path.isfile(closed):
-        return Bag(node, closed, 0, '', 'it is no regular file')
+        return Bag(node, closed, 0, '', 'it is not a regular file')
     try:
         size, sha256 = digest(closed)
         space = os.statvfs(closed)

@@ -1,4 +1,4 @@
-"""Read the file of ROS's core, as roslaunch does before each launch file, without running `rosversion` twice for it."""
+"""Read the file of ROS's core, as roslaunch does before each launch file, but without its two runs of `rosversion`."""
 import os
 
 import rospkg

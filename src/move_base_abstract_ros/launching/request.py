@@ -12,7 +12,7 @@ class Request(NamedTuple):
     """A request to start a node.
 
     ``words``: the command line; ``cwd``: the working folder; ``outputs``: descriptors of the standard output and the
-    standard error output. Only the first request is another one: its words are the paths of scripts to come.
+    standard error output. Only the first request is different: its words are the paths of scripts to come.
     """
 
     words: list

@@ -47,14 +47,14 @@ def is_placed(config, node):
 
 
 def _commands(config, ours):
-    """Return lines about programs that may place robots in Stage's world, if it is not said where the map is there."""
+    """Return lines about programs that may place robots in Stage's world, if nothing says where the map is there."""
     lost = [roles.name_of(node) for node in ours
             if not any('{}/{}'.format(roles.name_of(node), key) in config.params for key in _IN_STAGE)]
     senders = [roles.name_of(node) for node in config.nodes if node.package != PACKAGE and _names_command(node)]
     if not lost or not senders:
         return []
     return ["{} may place robots by cmd_pose, in Stage's world; for {} nothing says where the map's frame lies there, "
-            "so that places are taken in the map's frame: --param {}/stage_offset_x=X, and stage_offset_y, say it (0 "
+            "so that places are taken in the map's frame: --param {}/stage_offset_x=X, and stage_offset_y, set it (0 "
             'if both frames are the same; the original package adds -162 and -110)'.format(
                 ' and '.join(senders), ' and '.join(lost), lost[0])]
 

@@ -15,7 +15,7 @@ from . import request
 _CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '
          'become = main({}, {!r}, {}); become and become()')
 _SPACE = ' ' * 4000  # room on the command line, in which each fork shows its own command line
-_ANSWER_S = 30.0  # wall; a process that does not answer for so long was stopped
+_ANSWER_S = 30.0  # wall; a process that has not answered by then counts as ended
 
 
 class WarmClient:
@@ -53,7 +53,7 @@ class WarmClient:
             self.close()
 
     def popen(self, words, **how):
-        """Start a process as subprocess.Popen does, with the arguments that roslaunch gives. Return it or its like."""
+        """Start a process as subprocess.Popen does, with the arguments of roslaunch. Return a Popen or a Forked."""
         if self._socket is not None and self._is_fit(words, how):
             outputs = [number if stream is None else stream.fileno()
                        for number, stream in ((1, how['stdout']), (2, how['stderr']))]

@@ -52,7 +52,7 @@ def run(kind, path, arguments, options):
 
 
 def _watch(options, name, before_node):
-    """Have the program see the time and the chance of the run. Where it sees others, the run is labelled."""
+    """Make the program see the time and the chance of the run. Where it sees others, the run is labelled."""
     seen = clocks.install(options.seed, options.sleep == 'simulated', native.slept_ns())
     sleep = watchdog.install(options.sleep, before_node.take_part, seen)
     start = '{}:{}'.format(options.seed, name)

@@ -62,7 +62,7 @@ class MapListener:
                 follower(*self._latest)
 
     def leave(self, follower):
-        """Call ``follower`` no more."""
+        """Stop calling ``follower``."""
         with self._lock:
             self._followers.remove(follower)
 

@@ -88,7 +88,7 @@ class RobotMap:
         return ''
 
     def close(self):
-        """Follow the map no more."""
+        """Stop following the map."""
         for follower in self._followers:
             self._listener.leave(follower)
         self._followers = []

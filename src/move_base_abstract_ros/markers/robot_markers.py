@@ -73,11 +73,11 @@ class RobotMarkers:
         board.add(self)
 
     def changed(self, _event):
-        """Have the robot drawn soon. This returns at once."""
+        """Ask the board to draw the robot soon. This returns at once."""
         self._board.change(self)
 
     def close(self):
-        """Have the robot's markers deleted."""
+        """Ask the board to delete the robot's markers."""
         self._board.remove(self)
 
     def draw(self, view):
@@ -134,7 +134,7 @@ class _Board(rospy.SubscribeListener):
                 self._condition.notify()
 
     def remove(self, robot):
-        """Draw ``robot`` no more."""
+        """Stop drawing ``robot``, and delete its markers."""
         with self._condition:
             self._robots.pop(robot.look.name, None)
             self._changed.discard(robot)

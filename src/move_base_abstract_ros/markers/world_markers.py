@@ -65,7 +65,7 @@ class AreaMarkers:
         board.add(self)
 
     def changed(self):
-        """Have the area drawn soon. This returns at once."""
+        """Ask the board to draw the area soon. This returns at once."""
         self._board.change(self)
 
     def draw(self, view):

@@ -69,7 +69,7 @@ def difference(kind, one, other):
                                           for values in (first, second))) for name in names[:MOST]]
     more = len(names) - MOST
     return lines + (['... and {} more fields'.format(more)] if more > 0 else []) or [
-        'all fields are equal; the bytes are not (NaN, or the lengths of what is empty)']
+        'all fields are equal; the bytes are not (NaN, or the lengths of empty fields)']
 
 
 def _fields(name, value):

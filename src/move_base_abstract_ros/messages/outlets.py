@@ -33,7 +33,7 @@ _listeners = _Listeners()
 
 
 def follow_listeners(came, left):
-    """Have ``came()`` called whenever a node begins to hear a robot's topic, and ``left()`` whenever one stops."""
+    """Call ``came()`` from now on when a node begins to hear a robot's topic, and ``left()`` when one stops."""
     _listeners.came = came
     _listeners.left = left
 
@@ -158,7 +158,7 @@ class Outlet(rospy.SubscribeListener):
             impl.release()
 
     def latch(self, pack):
-        """Have rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
+        """Make rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
         self._impl.latch = Packed(pack)
 
     def unregister(self):

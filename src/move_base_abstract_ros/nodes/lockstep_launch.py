@@ -154,13 +154,13 @@ def files_of(parser, words):
     arguments = [word for word in words if ':=' in word]
     names = [word for word in words if ':=' not in word]
     if not 1 <= len(names) <= 2:
-        parser.error('a launch file is wanted: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
+        parser.error('a launch file must be given: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
     try:
         found = rlutil.resolve_launch_arguments(names)
     except RLException as error:
         parser.error(str(error))
     if len(found) != 1 or found[0] == '-':
-        parser.error('one launch file is wanted, got {}'.format(shown(' '.join(names))))
+        parser.error('one launch file must be given, got {}'.format(shown(' '.join(names))))
     return [(os.path.abspath(found[0]), arguments)]
 
 

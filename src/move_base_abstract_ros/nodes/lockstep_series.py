@@ -51,7 +51,7 @@ def _parse(words):
     rest = lockstep_launch.read_words(words)[1].command
     options = words[:len(words) - len(rest)]
     if not rest or not os.path.isfile(rest[0]):
-        raise SimulatorError('a Python script is wanted behind the options, got {}'.format(' '.join(rest) or 'nothing'))
+        raise SimulatorError('a Python script must follow the options, got {}'.format(' '.join(rest) or 'nothing'))
     return os.path.abspath(folder), options, rest
 
 
@@ -73,7 +73,7 @@ def _run(folder, options, words):
     series = Series(find_executable('lockstep_launch'), options, folder, _name(words[0]))
 
     def refuse(*_args, **_kwds):
-        raise RLException('roslaunch.scriptapi.ROSLaunch starts nodes one by one, which is no run in lockstep; '
+        raise RLException('roslaunch.scriptapi.ROSLaunch starts nodes one by one, which is not a run in lockstep; '
                           'allowed: ROSLaunchParent')
     replace('roslaunch.parent.ROSLaunchParent', lambda _original: series.parent)
     replace('roslaunch.scriptapi.ROSLaunch', lambda _original: refuse)

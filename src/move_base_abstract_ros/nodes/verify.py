@@ -51,7 +51,7 @@ def main(words=None):
 def _verify(options, launch_words):
     """Verify, and return the exit code.
 
-    Without --output the folder is temporary. It is removed if all runs are identical, or the file cannot be run.
+    Without --output the folder is temporary. It is removed if all runs are identical, and none is labelled.
     """
     folder = options.output
     if folder is None:

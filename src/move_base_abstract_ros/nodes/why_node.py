@@ -42,7 +42,7 @@ NEXT = {
                        'FILE',
     'ended': 'the run as a replay: rosrun move_base_abstract replay RUN.jsonl, its --event-log',
 }
-SHOWN = 10  # how many nodes of a kind are named
+SHOWN = 10  # the number of nodes of a kind that are named
 
 PHASES = {
     'waiting_for_participants': 'stands still: the run has not started',

@@ -1,4 +1,4 @@
-"""An error that names the missing node if simulated time stands still for good, as after a time master was killed."""
+"""Log which node is missing if simulated time stands still for good, for example after a time master was killed."""
 import threading
 import time
 

@@ -27,7 +27,7 @@ class RosMasterWatch:
         self.has_lost = False
 
     def start(self):
-        """Ask once, then start the thread. So a ROS master that is there now is missed, however soon it goes."""
+        """Ask once, then start the thread. So a ROS master that is there now cannot end unnoticed."""
         self._is_known = is_answering(self._uri, self._name, _TIMEOUT_S)
         threading.Thread(target=self._watch, name='ros_master_watch', daemon=True).start()
 

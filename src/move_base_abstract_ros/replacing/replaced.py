@@ -47,21 +47,21 @@ class Row(NamedTuple):
 
 
 _WAIT = 'gives the turn away and ends at its instant'
-_LOOK = 'is counted, so that a loop that waits by looking goes on'
+_LOOK = 'is counted, so that time goes on in a loop that waits by looking'
 _MASTER = ('makes parameters take effect with their rounds, and names nodes and topics in one order, after the other '
            'participants have done their work of this instant')
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
-_SORTED = 'sorts what the file system has in any order'
-_ROUNDS = 'turns on, or off, that garbage is collected after a number of rounds'
+_SORTED = 'sorts the entries, which the file system gives in any order'
+_ROUNDS = 'switches the collection of garbage, which comes after a number of rounds, on or off'
 _TOLD = 'labels the run if the program calls it'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
 _UNCAUGHT = 'writes an exception that nothing catches into the event log'
 _UNASKED = 'writes an exception of a job into the event log, if the program never asks for its outcome'
-_CORES = 'says four on every computer'
-_OWN_CORES = 'knows the cores that the program itself may use, on whatever core the time master keeps it'
+_CORES = 'returns 4 on every computer'
+_OWN_CORES = 'works with the cores that the program itself may use, even if the time master keeps it on one of them'
 _SQLITE = "makes the database's random numbers and dates those of the run"
 _LOCK = 'gives the turn away if another thread of the program holds it'
 
@@ -113,7 +113,7 @@ _ROWS = (
     Row('xmlrpc.client.ServerProxy._ServerProxy__request', LOCKSTEP, _MASTER),
     Row('rospy.core._LockedServerProxy._ServerProxy__request', LOCKSTEP, _MASTER, ('0167df407a53',)),
     Row('rospy.msproxy.MasterProxy.get_param_cached', LOCKSTEP,
-        'asks the ROS master each time, because its own updates come by the wall clock', ('e537fa3e8378',)),
+        'asks the ROS master each time, because updates from the ROS master come by the wall clock', ('e537fa3e8378',)),
     Row('rospy.impl.simtime._set_rostime', LOCKSTEP,
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
     Row('rospy.core.signal_shutdown', LOCKSTEP,
@@ -149,7 +149,7 @@ _ROWS = (
     Row('_thread.start_new_thread', THREADS, "starts one of Python's threads for the program, which is followed"),
     Row('_thread.start_new', THREADS, "starts one of Python's threads for the program, which is followed"),
     Row('threading.Thread.join', THREADS, _WAIT),
-    Row('threading.Thread.is_alive', THREADS, "says no as soon as the thread's last turn is over"),
+    Row('threading.Thread.is_alive', THREADS, "returns False as soon as the thread's last turn is over"),
     Row('rospy.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
     Row('rospy.client.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
     Row('time.sleep', LAUNCHER, 'names once the place where the program sleeps, and is simulated if --sleep says so'),
@@ -214,12 +214,12 @@ _ROWS = (
         'labels the run if the program asks for a value that roslaunch makes anew for each run'),
     Row('rosgraph.masterapi.Master.getParam', LAUNCHER,
         'labels the run if the program asks for a value that roslaunch makes anew for each run'),
-    Row('os.sched_yield', LAUNCHER, 'is a sleep of no length'),
+    Row('os.sched_yield', LAUNCHER, 'is a sleep of 0 s'),
     Row('os.getrandom', LAUNCHER, _CHANCE),
     Row('os.cpu_count', LAUNCHER, _CORES),
     Row('os.process_cpu_count', NEW_LAUNCHER, _CORES),
     Row('threading._newname', LAUNCHER, 'counts the threads that the program makes, without those of rospy'),
-    Row('logging._logRecordFactory', LAUNCHER, "dates records of the program's log by simulated time"),
+    Row('logging._logRecordFactory', LAUNCHER, "gives records of the program's log simulated time"),
     Row('sqlite3.connect', SQLITE, _SQLITE),
     Row('sqlite3.dbapi2.connect', SQLITE, _SQLITE),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
@@ -227,7 +227,8 @@ _ROWS = (
     Row('asyncio.base_events.BaseEventLoop.time', LOOPS, _CLOCK),
     Row('asyncio.selector_events.BaseSelectorEventLoop.__init__', LOOPS,
         'makes the loop wait in a selector that gives the turn away'),
-    Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS, 'wakes a loop that waits in it'),
+    Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS,
+        'wakes a loop that waits in such a selector'),
     Row('asyncio.unix_events._UnixSelectorEventLoop._handle_signal', LOOPS, 'labels the run'),
     Row('asyncio.events.TimerHandle.__init__', LOOPS, 'puts equal timers in the order in which they were made'),
     Row('asyncio.tasks.Task', LOOPS, _NUMBERED + '; ' + _UNASKED),
@@ -237,11 +238,12 @@ _ROWS = (
     Row('asyncio.tasks.__sleep0', LOOPS, _LOOK),
     Row('asyncio.tasks.as_completed', LOOPS, _TASKS),
     Row('asyncio.tasks.wait', OLD_LOOPS, _TASKS),
-    Row('asyncio.unix_events.can_use_pidfd', NEW_LOOPS, 'says no, so that a thread waits for a child'),
+    Row('asyncio.unix_events.can_use_pidfd', NEW_LOOPS, 'returns False, so that a thread waits for a child'),
     Row('roslib.packages.find_node', WARM, 'begins with the programs that were found before', ('11281a34f8c5',)),
     Row('multiprocessing.pool.Pool._wait_for_updates', POOLS, _WAIT),
     Row('roslaunch.parent.ROSLaunchParent', SERIES, 'is a run in lockstep on a ROS master of its own'),
-    Row('roslaunch.scriptapi.ROSLaunch', SERIES, 'is refused: its nodes come one by one, without a launch file'),
+    Row('roslaunch.scriptapi.ROSLaunch', SERIES,
+        'is refused, because it starts nodes one by one, without a launch file'),
     Row('threading.Thread.isAlive', ALWAYS,
         'exists again in Python 3.9 and later, which have removed it: rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),
@@ -250,12 +252,12 @@ _ROWS = (
     Row('rospy.impl.init.time', NODES,
         'sleeps 1 ms between two checks whether the node is registered'),
     Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,
-        'makes one connection to a publisher; rospy may make two and lose what came on the first', ('6b2504f73639',)),
+        'makes one connection to a publisher; rospy may make two and lose messages on the first', ('6b2504f73639',)),
     Row('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled', START,
         'asks the ROS master once, not for each topic', ('15476f9da7bc',)),
     Row('rospy.topics.Poller', START,
         'opens a file for a topic when its first connection comes'),
-    Row('rospy.topics._TopicManager.check_all', START, 'passes over topics without connections', ('0b251c450202',)),
+    Row('rospy.topics._TopicManager.check_all', START, 'skips topics without connections', ('0b251c450202',)),
 )
 ROWS = {row.name: row for row in _ROWS}
 _done = []
@@ -324,8 +326,8 @@ def unknown():
         found.append('Python {}.{}'.format(*sys.version_info[:2]))
     if not found:
         return ''
-    return ('{} {} not known to this version of move_base_abstract, which stands in for them: what was tested may not '
-            'hold. Known: {}; Python {}.{} to {}.{}'.format(
+    return ('{} {} not known to this version of move_base_abstract, which replaces them: the results of our tests '
+            'may not hold. Known: {}; Python {}.{} to {}.{}'.format(
                 ', '.join(found), 'is' if len(found) == 1 else 'are', SOURCES, *PYTHON[0], *PYTHON[1]))
 
 

@@ -63,7 +63,7 @@ class GoalServer:
         arrived = time.monotonic()
         try:
             self._prefetch(goal)
-        except Exception as error:  # the navigator decides on the goal without what is missing, and so the goal ends
+        except Exception as error:  # the navigator gets the goal all the same, so that the goal has an end
             self._clock.simulation.report_fault(self._shell.ns, error)
         with self._clock.lock:
             now_ns = self._clock.now_ns()

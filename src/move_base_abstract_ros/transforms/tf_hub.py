@@ -111,7 +111,7 @@ def tell_newcomers():
 
 
 def forget(key):
-    """Send the transforms of ``key`` to new listeners no more."""
+    """Stop sending the transforms of ``key`` to new listeners."""
     _HUB.forget(key)
 
 

@@ -119,7 +119,7 @@ class TfLookup:
         return conversions.from_transform(transform.transform)
 
     def close(self):
-        """Listen no more. Frames that tf knows already can still be found."""
+        """Stop listening. Frames that tf knows already can still be found."""
         listener, self._listener = self._listener, None
         if listener is not None:
             listener.unregister()

@@ -94,5 +94,5 @@ def claim(robot, frames):
 
 
 def release(frames):
-    """Watch ``frames`` no more."""
+    """Stop watching ``frames``."""
     _WATCH.release(frames)

@@ -118,7 +118,7 @@ class Parent:
         self._has_run = True
 
     def spin_once(self):
-        """Do nothing: the run needs no help of the script."""
+        """Do nothing: the run needs no help from the script."""
 
     def spin(self):
         """Wait for the end of the run, in which the script does nothing any more."""

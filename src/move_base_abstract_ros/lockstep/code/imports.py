@@ -1,4 +1,4 @@
-"""A call at the moment at which a program first imports a module."""
+"""Call a function when a program first imports a module."""
 import sys
 from importlib.machinery import PathFinder
 

@@ -16,7 +16,7 @@ _SHOWN = 3  # number of classes that a warning names
 
 
 def install():
-    """Have the program's classes and sets call this module, before its first line runs. Return the Order."""
+    """Make the program's classes and loops call this module, before its first line runs. Return the Order."""
     order = Order()
     setattr(builtins, BASES, bases_of)
     setattr(builtins, ORDER, order.see)

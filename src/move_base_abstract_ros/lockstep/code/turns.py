@@ -22,7 +22,7 @@ LONG_PATIENCE = 10000000
 
 
 def install():
-    """Have the program's loops call this module, before its first line runs. Return the Turns."""
+    """Make the program's loops call this module, before its first line runs. Return the Turns."""
     turns = Turns()
     setattr(builtins, LOOK, turns.look)
     setattr(builtins, ACT, turns.act)

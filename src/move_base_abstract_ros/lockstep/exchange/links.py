@@ -87,7 +87,7 @@ class MemberLinks:
         self.members = self.members + [member]
 
     def remove(self, member):
-        """Remove a participant that listens no more."""
+        """Remove a participant that stops listening."""
         self.members = [other for other in self.members if other != member]
         self._hearing.pop(member, None)
 

@@ -159,8 +159,8 @@ class Services:
     def call_outside(self, name, call):
         """Return what ``call()`` returns, which calls a service of a node that does not take part; label the run.
 
-        Simulated time stands still until the answer comes, but for 5 s of wall time at most. (Calls of the time
-        master's own services are not labelled.)
+        Simulated time stands still until the answer comes, at most for 5 s of wall time; then it goes on. (Calls of the
+        time master's own services are not labelled.)
 
         :raises rospy.ROSInterruptException: if the run ends meanwhile.
         """
@@ -217,7 +217,7 @@ class _Asked:
             then()
 
     def when_over(self, then):
-        """Have ``then()`` called in the call's thread when the call is over; not if it is over already."""
+        """Call ``then()`` in the call's thread when the call is over, unless it is over already."""
         self._then.append(then)
 
     def result(self):

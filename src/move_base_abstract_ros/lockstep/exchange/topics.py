@@ -106,7 +106,7 @@ class Topics:
                 impl.connections = impl.connections + [link]
 
     def on_no_publisher(self, number, member):
-        """Disconnect from a participant that publishes the topic no more."""
+        """Disconnect from a participant that stops publishing the topic."""
         return lambda: self._disconnect_publisher(number, member)
 
     def _disconnect_publisher(self, number, member):
@@ -139,7 +139,7 @@ class Topics:
                 impl.publish(impl.latch, connection_override=one)
 
     def on_no_subscriber(self, number, member):
-        """Disconnect a participant that listens to the topic no more."""
+        """Disconnect a participant that stops listening to the topic."""
         return lambda: self._disconnect_subscriber(number, member)
 
     def _disconnect_subscriber(self, number, member):

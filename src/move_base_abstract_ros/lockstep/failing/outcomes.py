@@ -51,7 +51,7 @@ class _OfTask(_Outcome):
 
 
 def install(participant):
-    """Have the event log say from now on which outcomes the program does not ask for."""
+    """Log from now on the outcomes of failed jobs that the program does not ask for."""
     _state.participant = participant
     participant.last_words.append(_tell)
     when_imported('concurrent.futures._base', _follow_futures)
@@ -187,7 +187,7 @@ def _handling(handle):
 
 
 def _setting_of_many(set_exception):
-    """Return ``set_exception`` of gather()'s future: it has asked its tasks, and must be asked instead of them."""
+    """Return a new ``set_exception`` of gather()'s future. It has asked its tasks, and is asked in their place."""
     def _set_exception(self, exception):
         set_exception(self, exception)
         _ended(self)

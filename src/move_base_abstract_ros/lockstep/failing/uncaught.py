@@ -19,7 +19,7 @@ _state = SimpleNamespace(participant=None)
 
 
 def install(participant):
-    """Have uncaught exceptions of this process in the event log from now on."""
+    """Write uncaught exceptions of this process into the event log from now on."""
     _state.participant = participant
     replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
     replace('rospy.impl.tcpros_service.ServiceImpl.error_handler', _handling)

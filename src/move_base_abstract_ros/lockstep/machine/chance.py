@@ -19,11 +19,11 @@ from ..code.labels import told
 
 _STRAY = 'draws in a thread that lockstep does not order'
 _BITS = 32  # number of bytes that seed a generator
-_MULTICAST = 1 << 40  # in the node of uuid.uuid1: says that it is not an address of hardware
+_MULTICAST = 1 << 40  # bit in the node of uuid.uuid1: the node is not an address of hardware
 
 
 def install(text, present_ns):
-    """Seed the global generators, and have the program draw from the run's chance.
+    """Seed the global generators, and make the program draw from the run's chance.
 
     :param text: the seed and the node's name.
     :param present_ns: function of a frame that returns the date [ns] that its code sees; None for the machine's.

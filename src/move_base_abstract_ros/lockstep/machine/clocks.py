@@ -19,7 +19,7 @@ _SPLIT = ('localtime', 'gmtime', 'ctime')  # without an argument they are about 
 
 
 def install(seed, is_simulated, slept_ns):
-    """Have the program see the run's clocks, from before its first line. Return these clocks.
+    """Make the program see the run's clocks, from before its first line. Return these clocks.
 
     ``seed`` is the run's; ``is_simulated`` says whether time.sleep takes simulated time; ``slept_ns`` is that of
     :class:`.SeenClocks`.

@@ -34,7 +34,7 @@ from .files import files
 from .native import native
 
 _PROCESS = 'starts another process, which does not take part in lockstep by itself'
-_CONNECTION = 'opens a connection of its own: what comes over it comes when it comes'
+_CONNECTION = 'opens a connection of its own: data comes over it at moments of the wall clock'
 #: {event of sys.audit: label}
 EVENTS = {
     'socket.connect': _CONNECTION,
@@ -42,7 +42,7 @@ EVENTS = {
     'subprocess.Popen': _PROCESS,
     'os.system': _PROCESS,
     'os.posix_spawn': _PROCESS,
-    'os.exec': 'becomes another program, which takes part no more',
+    'os.exec': 'becomes another program, which does not take part any more',
     'os.fork': 'forks: the child does not take part in lockstep',
     'os.forkpty': 'forks: the child does not take part in lockstep',
     'builtins.input': 'waits until a person types',
@@ -104,7 +104,10 @@ def install():
 
 
 def hand_on(clocks):
-    """Have names of C functions in the program's own code come here; ``clocks`` are those that the program sees."""
+    """Replace functions made in C, such as ``id``, where the program's own code names them.
+
+    ``clocks`` are the clocks that the program sees.
+    """
     setattr(builtins, ASK, _Asking(clocks).ask)
     setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)

@@ -65,7 +65,7 @@ class Native:
         return memoryview((ctypes.c_int64 * _CELLS).from_address(find())).cast('B').cast('q')
 
     def install(self, text, clocks, sleep):
-        """Have libraries see the run's time and chance from now on. Call this in the main thread.
+        """Make libraries see the run's time and chance from now on. Call this in the main thread.
 
         :param text: the seed and the node's name.
         :param clocks: the clocks that the program sees.
@@ -167,7 +167,7 @@ def _look_away(step_ns):
 
 
 def _thread_interrupt():
-    """Have KeyboardInterrupt raised again when the library returns to Python."""
+    """Make Python raise KeyboardInterrupt again when the library returns to it."""
     import _thread
     _thread.interrupt_main()
 

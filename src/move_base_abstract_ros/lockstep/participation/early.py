@@ -23,7 +23,7 @@ from ..exchange.connection import Closed, Connection
 from ..waiting.waits import replaced_within
 
 _PORT_ARGUMENT = 8  # number of arguments of init_node up to and with xmlrpc_port
-#: a program that reads one parameter more often than this waits for it in a loop
+#: a program that reads one parameter more often than this counts as a loop that waits for it
 _LOOKS = 20
 
 

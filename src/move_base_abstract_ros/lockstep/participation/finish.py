@@ -35,7 +35,7 @@ _INTERRUPTS = ('signal-', 'keyboard interrupt')
 
 
 def install(participant):
-    """Have the process leave the run in an orderly way when its main thread has ended."""
+    """Make the process leave the run in an orderly way when its main thread has ended."""
     def shutdown(original):
         def _shutdown():
             """Wait for the application's threads. Python calls this when the main thread has ended."""
@@ -113,7 +113,7 @@ def exit_code():
 
 @atexit.register
 def _leave_with_code():
-    """End the process with the exit code of :func:`exit_code`, which Python cannot change any more at this point."""
+    """End the process with :func:`exit_code`, if there is one. Python itself cannot change its code at this point."""
     code = exit_code()
     if code is not None:
         logging.shutdown()

@@ -1,8 +1,8 @@
 """A process that a participant forks (multiprocessing, os.fork) does not take part, and must not speak for its parent.
 
-SIGTERM ends it, like any process that handles no signals. The child would inherit rospy's handler, which does not end a
-process. ``with multiprocessing.Pool()`` ends its workers by SIGTERM. It would sometimes wait for them for ever (without
-lockstep, too), and the run with it.
+SIGTERM ends it, like any process that handles no signals. Otherwise it would inherit rospy's handler, which ends no
+process. ``with multiprocessing.Pool()`` ends its workers by SIGTERM: with rospy's handler it would sometimes wait for
+them for ever (without lockstep, too), and the run with it.
 """
 import os
 import signal
@@ -12,7 +12,7 @@ import rospy.core
 
 
 def install(participant):
-    """Have a forked child drop the connection and rospy's signal handler; the parent keeps both."""
+    """Make a forked child drop the connection and rospy's signal handler; the parent keeps both."""
     before = threading.local()
 
     def hold():

@@ -55,7 +55,7 @@ class Rounds:
         self.await_grant()
 
     def set_source(self, source, foresees):
-        """Have a source's events driven by the grants, see :meth:`.Participant.set_source`.
+        """Drive the events of ``source`` by the grants, see :meth:`.Participant.set_source`.
 
         ``foresees()`` returns whether foreseen turns are reported; it is called if the source can foresee.
         """

@@ -63,7 +63,7 @@ class Participant:
         self.add(wire.note(wire.NoteKind.NOT_REPEATABLE, text))
 
     def be_strict(self):
-        """Have the run end with an error at the first label of any participant."""
+        """Make the run end with an error at the first label of any participant."""
         self.add(wire.note(wire.NoteKind.STRICT, ''))
 
     def constant(self, topic):
@@ -93,7 +93,7 @@ class Participant:
             raise rospy.ROSInterruptException('lockstep has ended') from None
 
     def set_source(self, source):
-        """Have a source's events driven by the grants.
+        """Drive the events of ``source`` by the grants.
 
         ``source.next_due_ns()`` returns the next instant [ns] or None, and ``source.run(now_ns)`` runs what is due. A
         source that can foresee some of its events also has the methods that :class:`.Foresight` asks for.

@@ -60,7 +60,7 @@ def prepare(path, rank, sleep, environment):
         raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}. If it starts one, give that program "
                          'instead'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
-        raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
+        raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system does not "
                          'preload a library into it'.format(path))
     result = dict(environment)
     result[_PRELOAD] = _preloaded(SHIM, environment)

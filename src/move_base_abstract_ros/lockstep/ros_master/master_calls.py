@@ -75,7 +75,7 @@ class MasterCalls:
         return _in_order(method, ask()) if answer is None else answer(ask, *arguments)
 
     def _multicall(self, ask, calls):
-        """Answer the calls that change parameters here, and have the ROS master answer all others in one request."""
+        """Answer the calls that change parameters here, and let the ROS master answer all others in one request."""
         others = [call for call in calls if call['methodName'] not in CHANGES]
         answers = iter(ask(others) if others else ())
         return [[self._answers[call['methodName']](None, *call['params'])] if call['methodName'] in CHANGES

@@ -46,9 +46,9 @@ class Parameters:
         self._kept.clear()
 
     def settle(self):
-        """Have the ROS master know the values set in this turn, since a node that takes no part may now read them.
+        """Tell the ROS master the values set in this turn, since a node that takes no part may now read them.
 
-        That node may also set parameters, of which the time master hears only later. So answers are kept no more.
+        That node may also set parameters, of which the time master hears only later. So answers are not kept any more.
         """
         self._keeps = False
         scheduler = self._participant.scheduler

@@ -20,7 +20,7 @@ ASKED = 100
 
 
 class _Asked:
-    """Counts questions in a row: those with no more simulated time between them than a loop that asks lets pass."""
+    """Counts questions in a row. Between them at most as much simulated time passes as in a loop that asks."""
 
     def __init__(self, scheduler):
         self._scheduler = scheduler

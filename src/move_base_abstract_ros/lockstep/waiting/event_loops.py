@@ -28,16 +28,16 @@ from ..failing import outcomes
 from .waits import replace_within, until_shutdown
 
 _WAITS_FOR = 'a callback of its event loop'
-_OUTSIDE = 'gets something over a connection or a pipe: it comes when it comes'
+_OUTSIDE = 'gets data over a connection or a pipe, at some moment of the wall clock'
 _BY_ADDRESS = 'goes through a set of coroutines, which Python hashes by their address: its order differs from run to ' \
               'run'
 _ENDS = (signal.SIGINT, signal.SIGTERM)  # signals that end the run
-_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; new connections are watched within the first; the second is as for locks
+_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; within the first, new connections are watched; the second is as for locks
 _numbers = itertools.count()
 
 
 def install(clocks, take_part):
-    """Have event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
+    """Make event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
 
     ``take_part(what)`` is called if a program that is not a node yet waits, as in :mod:`watchdog`.
     """

@@ -82,7 +82,7 @@ def _wait_by_the_wall(scheduler, longest, condition):
 
 
 def follow(thread, scheduler):
-    """Have a thread that manages a pool of threads wait for them like any other thread."""
+    """Make a thread that manages a pool of threads wait for them like any other thread."""
     target = getattr(thread, '_target', None)
     if getattr(target, '__module__', None) == _POOL and not _state:
         _state.append(True)

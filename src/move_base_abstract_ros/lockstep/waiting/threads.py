@@ -30,7 +30,7 @@ _numbers = itertools.count(1)  # of threads without a name, in the names that Py
 
 
 def install(participant, own_threads):
-    """Have locks use the scheduler of ``participant``; with ``own_threads``, replace locks and follow threads."""
+    """Make locks use the scheduler of ``participant``; with ``own_threads``, replace locks and follow threads."""
     Process.scheduler = participant.scheduler
     if own_threads:
         replace_locks()
@@ -38,7 +38,7 @@ def install(participant, own_threads):
 
 
 def replace_locks():
-    """Have locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
+    """Make locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
     now = clock(time.monotonic)
     for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
                            ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),
@@ -47,7 +47,7 @@ def replace_locks():
 
 
 def watch_start(take_part):
-    """If a program starts a thread before it is a node, have it take part from there on, by ``take_part(what)``.
+    """If a program starts a thread before it is a node, make it take part from there on, by ``take_part(what)``.
 
     If that is not possible, lockstep does not order the thread, and the run is labelled.
     """

@@ -43,7 +43,7 @@ def _install_actionlib(waits, scheduler):
 
 
 def replace(function, hook, is_foreign):
-    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
+    """Make ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
     def make(original):
         def call(*args, **kwds):
             return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
@@ -52,7 +52,7 @@ def replace(function, hook, is_foreign):
 
 
 def replace_within(function, make):
-    """Have ``function`` do what ``make(original)`` does. It stays the same object for all modules that have it."""
+    """Make ``function`` do what ``make(original)`` does. It stays the same object for all modules that have it."""
     replaced.note(replaced.name_of(function), function)
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__

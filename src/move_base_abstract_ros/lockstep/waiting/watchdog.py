@@ -107,7 +107,7 @@ class _Sleep:
                           '(--sleep simulated turns this into simulated time)', rospy.get_name(), *place)
 
     def _give_in(self, participant, seconds):
-        """If the program sleeps for long at one instant, it waits for simulated time: let sleeps take that instead."""
+        """Let sleeps take simulated time if the program sleeps for long at one instant: it seems to wait for that."""
         if participant.now_ns != self._at_ns:
             self._at_ns, self._slept = participant.now_ns, 0.0
         self._slept += seconds
