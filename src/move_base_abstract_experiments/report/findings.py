@@ -150,7 +150,7 @@ _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none':
            'negligible': 'At most a negligible difference separates it from',
            'part': 'In the combinations that can be compared it is ahead of',
            'survivors': 'Among complete trials it is ahead of', 'worse': 'It is behind',
-           'average': 'On average it is ahead of', 'always': 'In all pairs it is ahead of',
+           'average': 'On average it is ahead of', 'always': 'In too few pairs for a test it is ahead of',
            'small': 'A difference that may be negligible separates it from'}
 
 
