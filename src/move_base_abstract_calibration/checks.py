@@ -55,7 +55,7 @@ def examine(legs):
 
 
 def shown_twice(times):
-    """Return [(low, high)]: the spans of time that a clock showed twice; ``times`` [s] in the order of their coming."""
+    """Return [(low, high)]: the spans of time that a clock showed twice; ``times`` [s]: in the order as they came."""
     found, highest = [], -math.inf
     for time in times:
         if time < highest - _BACK:

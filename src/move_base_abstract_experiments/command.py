@@ -80,7 +80,7 @@ def _run(options):
         except SimulatorError as error:  # the trials are complete nevertheless
             print(f'experiment: no report: {error}', file=sys.stderr)
     except KeyboardInterrupt:
-        print('experiment: interrupted; what is complete stays, and the same command goes on', file=sys.stderr)
+        print('experiment: interrupted; complete trials stay, and the same command goes on', file=sys.stderr)
         return INTERRUPTED
     return BAD if bad else GOOD
 

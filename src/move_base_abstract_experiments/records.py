@@ -139,7 +139,7 @@ def _planned(content: Any, where: str) -> Planned:
 
 
 def read_planned(folder: str, planned: Planned) -> Optional[Result]:
-    """Return trial.json of a planned trial, or None if it is missing, or depends on other files than the planned one.
+    """Return trial.json of a planned trial, or None if it is missing, or its ``made_of`` is not the planned one.
 
     A trial that is kept although it is of an old program has a label that says so. :raises: as read_trial().
     """

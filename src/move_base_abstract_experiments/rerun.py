@@ -24,19 +24,19 @@ from .trials import execution
 from .trials.run_folders import LOG
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
-CHANGED = 3  # the trial is different, and so are the files on which it depends
+CHANGED = 3  # the trial is different or failed, and something on which it depends has changed
 
 
 def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: bool = False,
           logs: Optional[str] = None, stream: TextIO = sys.stdout) -> int:
     """Run a trial of an experiment's folder again; return the exit code.
 
-    It is 0 if the trial is the same, 1 if it is different or failed, and 3 if it is different and something on which it
-    depends has changed, too. Such a change is printed first.
+    It is 0 if the trial is the same, and 1 if it is different or failed; then it is 3 instead if something on which the
+    trial depends has changed. Such a change is printed first.
 
     output: the experiment's folder. name: the trial's ID, or the number at its beginning. until: simulated s from the
-    start; 0: to the trial's own end. speed: the largest number of times real time; 0: no limit. rviz: whether RViz
-    shows it. logs: a new folder for the logs of this run.
+    start; 0: to the trial's own end. speed: the largest number of times real time; 0: no limit, or 1 with rviz. rviz:
+    whether RViz shows it. logs: a new folder for the logs of this run, or None.
     :raises SimulatorError: if the trial cannot be run again.
     """
     folder = _folder_of(records.read_plan(output), output)

@@ -29,7 +29,9 @@ from .trials import execution
 
 def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: TextIO = sys.stdout,
         folder: Optional[str] = None, keep_old: bool = False, has_dashboard: bool = False) -> int:
-    """Run the missing trials of the experiment in a file; return the number that are not complete or not repeatable.
+    """Run the missing trials of the experiment in a file; return the number of bad trials of all.
+
+    Bad are trials that are not complete, or that were different when they ran a second time.
 
     output: the folder of the experiment. workers: the number of processes on this computer. scheduler: the address of a
     running Dask scheduler instead, or None. folder: where relative paths in the file start; None: in its own folder.
@@ -207,7 +209,7 @@ def again(content: Optional[bytes], job: Job) -> Optional[Job]:
 
 
 def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) -> int:
-    """Print the results in a few lines; return the number of trials that are not complete or not repeatable."""
+    """Print the results in a few lines; return the number of trials that are not complete, or different run twice."""
     total = told.complete + told.failed_count + told.missing
     print(f'experiment: {told.complete} of {total} trials are complete'
           + (f'; run twice: {told.identical} identical, {told.different_count} different'

@@ -45,7 +45,7 @@ def check_starts(plan: Plan, site: Site) -> None:
     """
     robots = site.scenario.robots
     if len(robots) != len(plan.paths):
-        raise ConfigurationError('the plan has {} agents, the scenario {} robots; allowed: as many'.format(
+        raise ConfigurationError('the plan has {} agents, the scenario {} robots; allowed: equal numbers'.format(
             len(plan.paths), len(robots)))
     for spec, path in zip(robots, plan.paths):
         start, (x, y) = spec.settings.start, site.grid.place(path[0])

@@ -23,7 +23,8 @@ AS_TIMED, ORDER_KEPT, CELL_LEFT = POLICIES
 class Wanted(NamedTuple):
     """A move of the plan: at ``step`` from ``start`` to ``goal``.
 
-    ``after``: the move by which the robot before leaves the goal; None if there is no such robot.
+    ``after``: the move by which the robot that was in the goal's cell before leaves it; None if no robot was there
+    before, or this one itself.
     """
 
     step: int
@@ -33,7 +34,7 @@ class Wanted(NamedTuple):
 
 
 class Execution:
-    """Begins the moves of robots; look() calls ``send(robot, cell, from cell)`` for each.
+    """Begins the moves of robots; look() calls ``send(robot, goal, start)`` for each, with two cells.
 
     ``begin_ns``: the instant of step 0 [ns]; ``step_ns``: the duration of a step [ns].
     """

@@ -95,7 +95,7 @@ class _Meter:
             self._take(self._power * ((time_ns - self.since_ns) / NS_PER_S), time_ns)
 
     def drive(self, leg, end_ns):
-        """Subtract the energy of a leg up to ``end_ns``, from its departure or the latest row with the charge on."""
+        """Subtract the energy of a leg up to ``end_ns``, from its departure, or from a later row with the charge."""
         if end_ns <= leg.depart_ns:
             return
         energy = LegEnergy(leg, self._settings.mechanics)

@@ -71,4 +71,4 @@ def _new_file(path):
 
 def _check_free(path):
     if os.path.lexists(path):
-        raise ConfigurationError('{}: is there already; it stays: name another file, or move it away'.format(path))
+        raise ConfigurationError('{}: is there already; name another file, or move it away'.format(path))

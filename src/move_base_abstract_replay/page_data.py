@@ -51,11 +51,11 @@ class Run:
         recording, motions = self.recording, self.motions
         notes = ['The run: {}.'.format(remark) for remark in recording.remarks]
         if motions.even:
-            notes.append('{} whose limits of motion the log does not say: drawn straight and at an even speed, from '
-                         'start to end (with log_motion: true robots log them).'.format(_count(motions.even, 'leg')))
+            notes.append('{} whose limits of motion the log does not say: drawn straight or along the corners, at an '
+                         'even speed (with log_motion: true robots log them).'.format(_count(motions.even, 'leg')))
         if motions.astray:
-            notes.append('{} elsewhere than the limits in the log say: drawn straight and at an even speed.'.format(
-                _count(motions.astray, 'leg') + (' ends' if motions.astray == 1 else ' end')))
+            notes.append('{} elsewhere than the limits in the log say: drawn straight or along the corners, at an even '
+                         'speed.'.format(_count(motions.astray, 'leg') + (' ends' if motions.astray == 1 else ' end')))
         if motions.startless:
             notes.append('{} before which the log does not say where the robot stood: the robot is shown from its '
                          'arrival on.'.format(_count(motions.startless, 'leg')))

@@ -1,6 +1,7 @@
 """The states of robots between the events of a log. One table says which events begin a state, and which end it.
 
-If X is a state of the table, a row ``X_began`` of any participant begins it, and a row ``X_ended`` ends it.
+A row ``X_began`` of any participant begins the state X, and a row ``X_ended`` ends it; X is one of failed, charging,
+task and waiting.
 """
 import json
 import re

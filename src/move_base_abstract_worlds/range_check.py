@@ -6,7 +6,7 @@ from .ways import MOST_WAYS, leg_between
 
 
 def check_range(world):
-    """Yield a :class:`.Finding` for each target to which legs from starts or other targets are beyond that."""
+    """Yield a :class:`.Finding` for each target to which some legs from starts or other targets are beyond."""
     for drivers in world.drivers:
         recorded = getattr(drivers.settings.durations, 'recorded', None)
         if recorded is None or drivers.planner is None:

@@ -124,7 +124,7 @@ def test_what_it_leaves_running_ends_with_it(tmp_path):
 
 @pytest.mark.parametrize('n, problem', [
     (3, 'ValueError: three is too many'), (4, "ValueError: 'seed' is not a name for a metric"),
-    (5, 'its process has told nothing of its end: exit code 3'), (11, 'of its end: ended by SIGSEGV'),
+    (5, 'its process ended without a result: exit code 3'), (11, 'without a result: ended by SIGSEGV'),
     (12, 'it was not over after 2 s of wall time'), (7, 'simulated_seconds must be a finite number >= 0, got nan'),
     (9, 'large must lie within what a float holds, got a whole number of about 401 digits')])
 def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):

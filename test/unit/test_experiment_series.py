@@ -105,7 +105,7 @@ def test_a_trial_that_fails_costs_no_other(tmp_path):
     first, raises, second, exits, third, hangs, fourth = run(
         tmp_path, 'plain', 'raises', 'plain', 'exits', 'plain', 'hangs', 'plain')
     assert [one['problem'] for one in (raises, exits, hangs)] == [
-        'ValueError: no', 'its process has told nothing of its end: exit code 3',
+        'ValueError: no', 'its process ended without a result: exit code 3',
         'it was not over after 1 s of wall time']
     assert [one['code'] for one in (raises, exits, hangs)] == [None, 3, None]
     assert len({one['pid'] for one in (first, second, third, fourth)}) == 4

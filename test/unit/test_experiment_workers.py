@@ -123,5 +123,5 @@ def test_a_signal_that_ends_programs_ends_it_as_ctrl_c_does(monkeypatch, capsys,
         signal.pause()
     monkeypatch.setattr(sweep, 'run', run)
     assert command.main(['run', 'x.yaml', '-o', 'out']) == command.INTERRUPTED
-    assert 'interrupted; what is complete stays' in capsys.readouterr().err
+    assert 'interrupted; complete trials stay' in capsys.readouterr().err
     assert signal.getsignal(number) == signal.SIG_DFL

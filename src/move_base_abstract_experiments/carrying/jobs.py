@@ -159,8 +159,8 @@ def carry_out(job: Job, target: Optional[str] = None) -> Tuple[str, Optional[byt
     """Run a job on this worker; return (the worker's name, the outputs as bytes or None, the error or None).
 
     target: the path to which the outputs are moved, or None; with a path they are not returned.
-    The warm process stays for the next job. If that needs another preparation, or other texts of modules, the process
-    is replaced, because modules stay imported.
+    The warm process stays for the next job. If that needs another preparation, other texts of the prepared modules, or
+    other imports, the process is replaced, because modules stay imported.
     """
     wanted = job.prepared, job.common.warm
     if getattr(_state, 'warm', None) is not None and _state.wanted != wanted:

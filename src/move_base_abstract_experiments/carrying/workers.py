@@ -79,8 +79,8 @@ class Workers:
         heard = [address for address in known if self._silent[address][1] < _SILENT_S]
         self._without_s = 0.0 if heard else self._without_s + passed + asked
         if self._without_s >= _NONE_S:
-            raise NoWorkerError(f'no worker has been heard for {_NONE_S:g} s ({len(known)} are known); what is '
-                                'complete stays, and the same command goes on')
+            raise NoWorkerError(f'no worker has been heard for {_NONE_S:g} s ({len(known)} are known); complete '
+                                'trials stay, and the same command goes on')
         if self._cluster is not None:
             self._replace([address for address in known if address not in heard], len(known))
         return sum(known[address].get('nthreads', 1) for address in heard)

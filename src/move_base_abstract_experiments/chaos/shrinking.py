@@ -1,4 +1,4 @@
-"""Find a smallest set of decisions that still fails: delta debugging, ddmin.
+"""Find a set of decisions that still fails, but not without any one of them: delta debugging, ddmin.
 
 Zeller, Hildebrandt: Simplifying and isolating failure-inducing input. IEEE Trans. on Software Engineering 28, 2002.
 """

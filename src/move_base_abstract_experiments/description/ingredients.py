@@ -123,7 +123,7 @@ def _split(text: Optional[str]) -> List[str]:
     from roslaunch.substitution_args import resolve_args
     try:
         return shlex.split(resolve_args(text or '', resolve_anon=False))
-    except Exception:  # roslaunch reports it when it starts the node
+    except Exception:  # the start of the node reports it
         return []
 
 
@@ -132,7 +132,7 @@ def _of_node(package: str, kind: str) -> FrozenSet[str]:
     from roslib import packages
     try:
         found = packages.find_node(package, kind)
-    except Exception:  # roslaunch reports it when it starts the node
+    except Exception:  # the start of the node reports it
         return frozenset()
     return frozenset(one for path in found[:1] for one in program_files.files_of(path))
 
@@ -174,7 +174,7 @@ def _named(words: List[str], folder: str) -> Set[str]:
 
 @lru_cache(maxsize=None)
 def _own() -> str:
-    """Return a digest of this package: its Python modules except the report, the time master, and the shim."""
+    """Return a digest of this package: the time master, the shim, and all Python modules but those of the report."""
     root, paths = Path(__file__).resolve().parents[2], []
     for name in program_files.OWN_FOLDERS:
         paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)

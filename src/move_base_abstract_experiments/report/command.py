@@ -1,6 +1,6 @@
 """Write the report of an experiment's folder: report.html, tables/*.csv, and replays of the trials worth a look.
 
-Exit codes: 0 it is written; 1 it cannot be written; 2 wrong arguments, or no experiment's folder.
+Exit codes: 0 the report is written; 1 it cannot be written; 2 wrong arguments, or the folder is not of an experiment.
 """
 
 import argparse

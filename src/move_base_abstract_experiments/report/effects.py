@@ -43,11 +43,11 @@ class Difference(NamedTuple):
     at: tuple  # the levels that are held fixed: pairs (place of a factor, place of a level)
     estimate: Estimate
     p: float
-    p_holm: float  # Holm's, among all comparisons of this kind
+    p_holm: float  # Holm's, among all comparisons of its family, see _adjusted
     reference: float  # the mean of the first one in the same trials
     groups: tuple  # the configurations compared, as tuples of places; one for each combination of the other factors
-    counts: tuple  # per group: the number of replications with values on all sides; 0 if values are only bounds
-    cut: tuple  # per group: whether the limit of time ended trials, so that values are only bounds
+    counts: tuple  # per group: the number of replications with values on all sides; 0 if values are cut off
+    cut: tuple  # per group: whether the limit of time cut values off, so that they are at best bounds
     median: object  # the Estimate of the median difference if the differences are skewed, otherwise None
     sides: tuple = ()  # the Sides, first and second
     against: tuple = ()  # (group, Estimate) of the groups in which the difference has the opposite sign
@@ -85,7 +85,7 @@ class Difference(NamedTuple):
 
     @property
     def is_shown(self):
-        """Whether a difference is shown, with all comparisons of its kind counted."""
+        """Whether a difference is shown, with all comparisons of its family counted."""
         return self.p_holm < intervals.ALPHA and self.leaves_out_0
 
     @property
@@ -102,7 +102,7 @@ class Level(NamedTuple):
 
 
 def summary(experiment, metric):
-    """Return the Estimate of the mean or share of each configuration; method 'cut' if values are only bounds."""
+    """Return the Estimate of the mean or share of each configuration; method 'cut' if values are cut off."""
     estimate = intervals.share_estimate if metric.is_share else intervals.mean_estimate
     return [NOTHING._replace(n=len(intervals.known(row)), method='cut') if cut.any() else estimate(row)
             for row, cut in zip(experiment.values(metric), experiment.cut(metric))]

@@ -33,7 +33,7 @@ class Finding(NamedTuple):
 
     @property
     def is_result(self):
-        """Whether it says that something differs."""
+        """Whether it says that something differs, or gives a mean without any comparison."""
         return is_result(self.verdict)
 
 
@@ -146,11 +146,12 @@ def _not_compared(experiment, own, found, scale):
 
 
 _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none': 'It is not told apart from',
-           'weak': 'The difference is too weak to count against', 'same': 'It is the same as',
-           'negligible': 'The difference is negligible against', 'part': 'In part it is ahead of',
+           'weak': 'A difference that is too weak to count separates it from', 'same': 'It is the same as',
+           'negligible': 'At most a negligible difference separates it from',
+           'part': 'In the combinations that can be compared it is ahead of',
            'survivors': 'Among complete trials it is ahead of', 'worse': 'It is behind',
-           'average': 'On average it is ahead of', 'always': 'In all pairs it is ahead of',
-           'small': 'The difference may be negligible against'}
+           'average': 'On average it is ahead of', 'always': 'In too few pairs for a test it is ahead of',
+           'small': 'A difference that may be negligible separates it from'}
 
 
 def _others(experiment, verdict, leads, scale):

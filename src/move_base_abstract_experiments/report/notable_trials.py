@@ -105,7 +105,7 @@ def write_replays(experiment, found, write_page):
                 write_page([experiment.folder / event_log(experiment, trial)], folder / f'{trial.id}.html')
                 experiment.replays.add(trial.id)
             except Exception as error:  # if one log cannot be shown, the report still shows the rest
-                text = str(error).replace(str(experiment.folder) + os.sep, '')  # so that the page names no folder
+                text = str(error).replace(str(experiment.folder) + os.sep, '')  # the page is the same anywhere
                 problems.append(f'{trial.id}: no replay: {text}')
     finally:
         os.close(marker)

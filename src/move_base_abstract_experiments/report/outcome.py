@@ -86,7 +86,7 @@ class Experiment:
 
     @property
     def outcomes(self):
-        """The ways in which trials ended, other than by themselves, as Metrics that are 1 or 0 in each trial."""
+        """Those of design.FAILED_TRIALS and LIMITED_TRIALS that occur; not the latter if all end so by design."""
         has_failed = any(trial.status == FAILED for trial in self.trials)
         return (design.FAILED_TRIALS,) * has_failed + (design.LIMITED_TRIALS,) * endings.has_limited(self)
 
@@ -102,7 +102,7 @@ class Experiment:
             trial.metrics.get(metric.name, math.nan))), math.nan)
 
     def cut(self, metric):
-        """Return which of values() are only bounds because the limit of time ended the trial: booleans, same shape."""
+        """Return which of values() the limit of time cut off, so that they are at best bounds: booleans, same shape."""
         return self._table(('cut', metric.name, metric.outcome),
                            lambda trial: endings.is_cut(self, metric, trial), 0.0) > 0.0
 

@@ -149,8 +149,8 @@ def _warnings(experiment):
     if endings.has_limited(experiment):
         texts.append(f'{counted(limited, "trials")} of {whole(len(experiment.complete))} complete ones '
                      f'{"was" if limited == 1 else "were"} ended by the limit of time. Their values are cut off: '
-                     'they have no mean and are compared by order at most, except for metrics that the experiment '
-                     'declares to be values (at_limit).')
+                     'they have no mean and are compared by order at most, except for metrics whose at_limit says that '
+                     'the value is complete.')
     texts += filter(None, (properties.warning(experiment), validity.warning(experiment)))
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
@@ -170,11 +170,11 @@ def _findings_notes(analysis):
     which = f'all {whole(len(found))} comparisons of levels and metrics' if not primary else \
         f'all {whole(primary)} comparisons of levels by the primary metric counted, and separately ' \
         f'{whole(len(found) - primary)} by the other metrics'
-    return [f'Differences are taken within replications (same seed),{averaged} and are reported only if a test at the '
-            f'5 % level shows them with {which}{"" if primary else " counted"} (Holm). Each interval holds by itself, '
-            'not all of them together. Each little picture shows a difference and its interval, with a dashed line at '
-            '0; the pictures of one metric and factor have the same scale. Not told apart does not mean equal: the '
-            'interval says which differences are still possible.']
+    return [f'Differences are taken within replications (same seed),{averaged} and count as shown only if a test at '
+            f'the 5 % level shows them with {which}{"" if primary else " counted"} (Holm). Each interval holds by '
+            'itself, not all of them together. Each little picture shows a difference and its interval, with a dashed '
+            'line at 0; the pictures of one metric and factor have the same scale. Not told apart does not mean equal: '
+            'the interval says which differences are still possible.']
 
 
 def _metrics_notes(experiment):
@@ -325,7 +325,7 @@ def _repeatable(experiment):
     if again:
         same = sum(trial.verified == 'identical' for trial in again)
         low = intervals.share_estimate([trial.verified == 'identical' for trial in again]).low
-        parts.append('Trials that were run again under other conditions, with the event logs compared byte by byte: '
+        parts.append('Trials were run again under other conditions, and the event logs compared byte by byte: '
                      f'identical: {whole(same)} of {whole(len(again))}. So at least '
                      f'{digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials repeat (Wilson, 95 % interval).')
     else:
@@ -349,16 +349,17 @@ def _method(analysis):
         'than two pairs, or with trials that the limit of time ended, is left out, and the sentence says so. Shares '
         "are compared by Newcombe's interval and an exact test (McNemar's). If all differences are the same, the test "
         'is the test of signs.',
-        'p is the probability for one comparison by itself. Holm p takes all comparisons of the same kind on this page '
-        'into account: if nothing differed, any of them would be below 5 % in at most 5 % of experiments. These kinds '
-        'are counted separately: between levels; between configurations; how a difference depends on another factor; '
-        'the primary metric, if one is named; each way in which trials ended.',
+        'p is the probability of a difference at least as large if nothing differed, for one comparison by itself. '
+        'Holm p takes all comparisons of the same kind on this page into account: if nothing differed, at least one of '
+        'them would be below 5 % in at most 5 % of experiments. These kinds are counted separately: between levels; '
+        'between configurations; how a difference depends on another factor; the primary metric, if one is named; '
+        'each way in which trials ended.',
         'Values that are not whole numbers and differ by less than 1e-11 of their size count as the same: sums in '
         'another order differ by as much.',
         'Values or differences are called skewed if there are fewer of them than 25 times their squared skewness '
         '(Cochran), and the skewness is not by chance (p < 1 %). Then their median is given, too.',
         'Figures are rounded to one or two digits of the half width of their interval; figures without an interval '
-        "have four digits. The files in tables/ have ten digits, in the metrics' own units."]
+        "usually have four digits. The files in tables/ have ten digits, in the metrics' own units."]
     return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
 
 

@@ -207,7 +207,7 @@ def _other_factors(experiment, difference):
 
 
 def _rest(experiment, difference, scale, verdict):
-    """Return the sentences that must follow a difference: what is left out, lost, opposite to it, or too small."""
+    """Return the sentences that must follow a difference: what is left out, opposite, too small, lost, or skewed."""
     return ''.join((_left_out(experiment, difference), _against(experiment, difference, scale),
                     _perhaps_small(difference, scale, verdict), _lost(experiment, difference, verdict),
                     _skewed(difference, scale, verdict)))

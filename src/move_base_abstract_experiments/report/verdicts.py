@@ -14,7 +14,7 @@ _LAST_RESULT = 1
 
 
 def is_result(verdict):
-    """Return whether a verdict says that something differs."""
+    """Return whether a verdict says that something differs, or is a mean without any comparison."""
     return ORDER[verdict] <= _LAST_RESULT
 
 
@@ -31,7 +31,7 @@ def verdict_of(difference):
         return 'negligible'
     if difference.is_shown:
         return _of_shown(difference)
-    if estimate.method in ('constant', 'fixed'):  # every pair shows the same, but the test of signs needs more pairs
+    if estimate.method in ('constant', 'fixed'):  # the same in each replication; the test of signs needs more of them
         return 'average' if difference.against else 'always'
     return 'weak' if difference.is_hint else 'none'
 

@@ -60,7 +60,7 @@ class DeathError(FunctionError):
     def __init__(self, seconds: float, code: Optional[int], is_late: bool) -> None:
         how = '' if code is None else f': {ends.described(code)}'
         super().__init__(f'it was not over after {seconds:g} s of wall time' if is_late
-                         else f'its process has told nothing of its end{how}')
+                         else f'its process ended without a result{how}')
         self.code, self.ended_by = code, termination.TIME_LIMIT if is_late else None
 
 
@@ -135,7 +135,7 @@ def place(job: Job, folder: str) -> Job:
     for path, text in texts.items():
         target = os.path.join(own, path)
         if not os.path.abspath(target).startswith(own + os.sep):
-            raise ConfigurationError(f'a module by the path {path}; allowed: beside the experiment')
+            raise ConfigurationError(f"a module has the path {path}; allowed: a path in the experiment's folder")
         if not os.path.exists(target):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             with open(target, 'x', encoding='utf-8') as stream:

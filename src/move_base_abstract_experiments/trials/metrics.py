@@ -135,7 +135,7 @@ class _Tally:
 
     def __init__(self, starts: Starts, start_ns: int) -> None:
         self._starts = starts
-        self._start_ns = self._last_ns = start_ns  # ... when the last goal ended
+        self._start_ns = self._last_ns = start_ns  # the latter: when the last goal ended
         self._robots: Dict[str, _Robot] = {}
         self._validity = Validity()
         self.fleet = FleetAccount(start_ns)

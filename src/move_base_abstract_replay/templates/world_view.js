@@ -1,5 +1,5 @@
 // Draws the world. Things that are full, or for which robots wait, stand out.
-const NAMED_FROM = 26; // px/m; from this scale on all places and zones show their names, below it only those in use
+const NAMED_FROM = 26; // px/m; from this scale on, places and zones without a capacity show their names, too
 
 class WorldView {
   constructor(world, view) {
@@ -105,8 +105,9 @@ class WorldView {
     context.strokeRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
   }
 
-  // Return a function that writes the names of one rank: 0 for things with waiting robots, 1 for things with counts, 2
-  // for others. Lanes and things without a capacity have names only from a certain scale on.
+  // Return a function that writes the signs of one rank: 0 for the chosen thing and those with waiting robots, 1 for
+  // others in use with a capacity, 2 for the rest. Lanes are in rank 0 only; in rank 2, things without a capacity have
+  // names only from a certain scale on.
   write(labels, chosen) {
     const {things} = this.world, isNear = this.view.camera.scale >= NAMED_FROM, order = [[], [], []];
     things.forEach((thing, k) => {

@@ -5,9 +5,9 @@ writes the gaussian variogram in the same way.
 
 The fit is well-posed for any samples. It takes the most likely entry of a fixed table of ranges and shares of the
 nugget, by restricted likelihood (H. D. Patterson and R. Thompson, Biometrika 58, 1971; for kriging: N. Cressie,
-Statistics for Spatial Data, 1993, section 2.6). A prior decides if there are too few samples. The sill follows in
-closed form. Scores are compared to the sixth decimal, and no BLAS is used, so the same samples have the same variogram
-on every computer.
+Statistics for Spatial Data, 1993, section 2.6), with a prior, which matters most if there are few samples. The sill
+follows in closed form. Scores are compared to the sixth decimal, and no BLAS is used, so the same samples have the same
+variogram on every computer.
 """
 
 from typing import NamedTuple
@@ -43,7 +43,7 @@ class Variogram(NamedTuple):
 
 
 def fit(points, values, extent):
-    """Return the Variogram of values at points, shape (n, 2), n >= 2; extent: the diagonal of the grid.
+    """Return the Variogram of values at points, shape (n, 2), n >= 2; extent: the diagonal of the area around them.
 
     Equal values give a variogram of zeros, and so do values whose squared differences are too small for a float.
     """

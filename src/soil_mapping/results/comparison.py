@@ -55,9 +55,11 @@ def metric_cosines(first, second):
 def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
     """Return (lower, upper) of the range in which the cosine similarity of two runs of one study lies.
 
-    Both runs are drawn from the study's own trials, with replacement, trials for each configuration (percentile
-    bootstrap: B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13). The share level of all
-    pairs of runs that differ by chance only scores within this range.
+    Both runs are drawn from the study's own trials, with replacement (percentile bootstrap: B. Efron and R. Tibshirani,
+    An Introduction to the Bootstrap, 1993, chapter 13). If two runs differ by chance only, their score lies in this
+    range with the probability ``level``.
+
+    :param trials: the number of trials of each run per configuration.
     """
     chance = generator(seed, Purpose.BOOTSTRAP)
     scores = [np.mean(_cosines(_redrawn_means(study, trials, chance), _redrawn_means(study, trials, chance)))

@@ -73,7 +73,7 @@ def _run(began):
 
 
 def _names(raw, count):
-    """Return the robots' namespaces. :raises ConfigurationError: if the names are not allowed, or not count many."""
+    """Return the robots' namespaces. :raises ConfigurationError: if names are not allowed, or not ``count`` of them."""
     names = raw or [f'robot_{index}' for index in range(count)]
     if not isinstance(names, list) or not all(is_namespace(name) for name in names) or len(
             {name.strip('/') for name in names}) < len(names):

@@ -47,7 +47,7 @@ def _code_of(run, arguments):
         print(f'study: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print('\nstudy: interrupted; what is complete stays', file=sys.stderr)
+        print('\nstudy: interrupted; complete trials stay', file=sys.stderr)
         return 130
 
 

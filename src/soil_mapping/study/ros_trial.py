@@ -84,10 +84,11 @@ def _clock(spec, event_log):
 
 
 def end_nodes(nodes, recorder, event_log):
-    """Wait until bag and event log are complete, and kill all other nodes, which saves a second.
+    """Wait until bag and event log are complete, then kill all nodes, which saves a second.
 
     The time master comes first in ``nodes``. It ends by itself when the coordinator has left. A signal could overtake
-    the coordinator's last report, and would cut the run, so the time master gets one only if it does not end.
+    the coordinator's last report, and would cut the run. So before the log is complete, the time master gets one only
+    if it does not end.
     """
     if recorder is not None:
         recorder.close()

@@ -43,8 +43,9 @@ SCALE_NOTE = (
 COSINE_NOTE = (
     'Mean over six metrics of the cosine between vectors of configuration means, of pairs of trials with the same '
     'seeds. The pairs of the published table come first. Interval: by bootstrap of the pairs. Noise '
-    'floor: the range of two runs of the first study that differ by chance only, by bootstrap of its trials; a score '
-    'within it shows neither a difference nor that there is none. A metric that is 0 in one study only scores 0. '
+    'floor: the range of the scores of two runs of the first study that differ by chance only, by bootstrap of its '
+    'trials; a score within it shows neither a difference nor that there is none. A metric that is 0 in one study only '
+    'scores 0. '
     'Standardised difference: that of the means, in standard deviations of the trials (sd); it depends on scale.')
 
 

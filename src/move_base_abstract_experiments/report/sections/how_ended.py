@@ -9,7 +9,7 @@ from ..ranking import turned
 from ..sentences import difference_scale, over_text, pairs_text, sentence_case, spoken
 from ..wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
 
-MOST_TOLD = 6  # the number of differences in sentences; all are in tables/endings.csv
+MOST_TOLD = 6  # the most shown differences per way of ending that have sentences; all are in tables/endings.csv
 MOST_ROWS = 200
 MOST_OPEN = 16  # a table with more rows is folded
 SCALE = Scale(100.0, '%')
@@ -85,7 +85,7 @@ def _counted(experiment, difference, side):
 
 
 def table(experiment):
-    """Return the table of how the trials of each configuration ended, or None if all ended by themselves."""
+    """Return the table of how the trials of each configuration ended, or None if experiment.outcomes is empty."""
     outcomes = experiment.outcomes
     if not outcomes:
         return None
