@@ -55,6 +55,8 @@ class Publisher {
   /**
    * @brief Publish @p message. Participants get it after this node's report, in the stated order;
    * other nodes get it at once.
+   * @throws Error if this Publisher is empty or has outlived its Participant, or if @p M is not the
+   * type that was advertised.
    */
   template <class M>
   void publish(const M& message) const {
@@ -130,12 +132,18 @@ class Timer {
 struct Options {
   /**
    * The node's place among the participants that act at one instant, smallest first. Without it the
-   * node's parameter ~lockstep_rank counts; nodes of one rank come in the order of their names.
+   * node's parameter ~lockstep_rank counts; without both, the node comes after the robots, which
+   * have 0. Nodes of one rank come in the order of their names (node_2 before node_10).
    */
   std::optional<std::int32_t> rank;
 };
 
-/** @brief The part of one roscpp node in lockstep. A process has at most one. */
+/**
+ * @brief The part of one roscpp node in lockstep. A process has at most one.
+ *
+ * Functions that act throw Error if another thread calls them, or after leave(). spin(), spinOnce()
+ * and spinUntil() also throw it in a callback.
+ */
 class Participant {
  public:
   /**
@@ -144,7 +152,8 @@ class Participant {
    * other participants that the run needs.
    *
    * @throws NotLockstep if the time master runs but is not in lockstep.
-   * @throws Error if the time master refuses this node, or if ROS shuts down meanwhile.
+   * @throws Error if ros::init was not called, if the process has a Participant already, if a
+   * parameter is wrong, if the time master refuses this node, or if ROS shuts down meanwhile.
    */
   explicit Participant(const Options& options = Options());
   ~Participant();
@@ -152,8 +161,10 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   /**
+   * @brief Publish on @p topic.
    * @param outside_queue_size the number of messages that are kept for each slow node that does not
    * take part.
+   * @throws Error if this node publishes on the topic with another type already.
    */
   template <class M>
   Publisher advertise(const std::string& topic, bool latch = false,
@@ -165,8 +176,10 @@ class Participant {
   }
 
   /**
+   * @brief Listen to @p topic.
    * @param callback takes const M&, M::ConstPtr or const ros::MessageEvent<M const>&.
    * @param queue_size the number of messages that are kept at one instant, the newest ones; 0: all.
+   * @throws Error if this node listens to the topic with another type already.
    */
   template <class M, class Callback>
   Subscriber subscribe(const std::string& topic, Callback callback, std::uint32_t queue_size = 0) {
@@ -191,6 +204,7 @@ class Participant {
   /**
    * @brief Answer the calls of a service, from participants and from outside.
    * @param callback bool(S::Request&, S::Response&)
+   * @throws Error if this node offers the service already.
    */
   template <class S, class Callback>
   ServiceServer advertiseService(const std::string& service, Callback callback) {
@@ -227,6 +241,7 @@ class Participant {
 
   /** @brief The simulated time of the present grant. ros::Time::now() gives the same. */
   ros::Time now() const;
+  /** @brief The number of the present round at this instant, from 0 on. */
   std::uint32_t microstep() const;
 
   /**
@@ -237,9 +252,7 @@ class Participant {
   bool sleep(const ros::Duration& duration);
   bool sleepUntil(const ros::Time& time);
 
-  /**
-   * @brief Run callbacks until ROS shuts down, the time master ends, or a callback calls leave().
-   */
+  /** @brief Run callbacks until ROS shuts down, the run ends, or a callback calls leave(). */
   void spin();
 
   /**
@@ -260,8 +273,8 @@ class Participant {
                  const std::string& what = "a condition");
 
   /**
-   * @brief Make a timer that calls @p callback every @p period, on an exact grid. The period must
-   * be more than 0; that of a oneshot timer may be 0.
+   * @brief Make a timer that calls @p callback every @p period of simulated time, on an exact grid.
+   * @throws Error unless the period is more than 0; that of a oneshot timer may be 0.
    */
   Timer createTimer(const ros::Duration& period,
                     std::function<void(const ros::TimerEvent&)> callback, bool oneshot = false,
@@ -280,7 +293,8 @@ class Participant {
    * @brief Set a ROS parameter. It changes when the round is over; all nodes that read it
    * afterwards, this one included, get the value that the rounds have given it.
    * @throws ros::InvalidNameException if @p key is not a valid name.
-   * @throws Error if XML-RPC cannot express the value: it has no type, or a text is not UTF-8.
+   * @throws Error if XML-RPC cannot express the value: it has no type, or a text in it is
+   * not UTF-8 or has control characters.
    */
   void setParam(const std::string& key, const XmlRpc::XmlRpcValue& value);
   /**
@@ -314,7 +328,7 @@ class Participant {
 
   /**
    * @brief End this node's part in the run with a last report. The messages that it has published
-   * still go out.
+   * still go out. @param reason is logged, if it is not empty.
    */
   void leave(const std::string& reason = "");
 
@@ -331,11 +345,13 @@ class Participant {
 /** @brief The counterpart of ros::Rate in a participant. */
 class Rate {
  public:
+  /** @param frequency [Hz, simulated]. @throws Error unless the cycle is more than 0 s. */
   Rate(Participant& participant, double frequency);
   Rate(Participant& participant, const ros::Duration& cycle);
 
   /**
-   * @brief Sleep until the end of the cycle. @return false if the cycle or the run is already over.
+   * @brief Sleep until the end of the cycle. @return false if the cycle is over already, or if the
+   * run or the node ends before.
    */
   bool sleep();
   void reset();

@@ -128,7 +128,7 @@ class Statements {
   static void check(Kind kind, const std::string& text) {
     if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
       throw std::invalid_argument(std::string(nameOf(kind)) +
-                                  " wants a text that says what it is about, got none");
+                                  " needs a text that says what it is about, got none");
     }
   }
 
@@ -147,7 +147,7 @@ class Statements {
       return {};
     }
     return {{"always",
-             "a node states at most 1000 things; what differs each time belongs into the details",
+             "a node states at most 1000 things; what differs each time belongs in the details",
              "broken", "text=" + shortened(text)}};
   }
 

@@ -42,7 +42,7 @@ struct SessionMember {
   std::deque<PendingTurn> foreseen;  // from its latest report, still to come
   std::deque<WalkedTurn> walked;     // turns that must wait, as others may act before them
   bool departing = false;            // is removed when the round is over
-  bool dead = false;                 // ... because its process died
+  bool dead = false;                 // ... as its connection was lost or dropped
   std::string how;
   std::string granted;        // the items of its latest grant, if they are few
   std::string where;          // its own words, in the latest grant: what its thread does

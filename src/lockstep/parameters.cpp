@@ -37,8 +37,7 @@ std::string faultOf(std::string_view by, const wire::Parameter& item) {
   if (!item.name.empty() && item.name.front() == '/' && item.is_set != item.value.empty()) {
     return "";
   }
-  return quote(by) +
-         ": PARAMETER must have an absolute name, and a value where it is set, got name " +
+  return quote(by) + ": PARAMETER must have an absolute name, and a value if it is set, got name " +
          quote(item.name) + " and a value of " + std::to_string(item.value.size()) + " bytes";
 }
 

@@ -48,7 +48,7 @@ class RadioTraffic : public Carrier {
   using Say = std::function<void(const std::string&)>;
   struct Voices {
     Tell tell;  // the lines, for each message between hosts
-    Say label;  // the label why something is not simulated as it is
+    Say label;  // a label: why the radio is not simulated as described
     Say warn;   // what the user may have meant otherwise
     Say inform;
   };

@@ -1,4 +1,5 @@
-// The end of a run: by itself, when a participant leaves or dies, or from the time master.
+// How a run ends: by itself, because a participant leaves or dies, or because the time master ends
+// it.
 #include "run_end.h"
 
 #include <algorithm>

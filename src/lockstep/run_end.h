@@ -1,4 +1,4 @@
-// The end of a run.
+// How a run ends.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
 
@@ -9,7 +9,10 @@
 
 namespace move_base_abstract {
 
-/** @brief Ends a run: by itself, when a participant leaves or dies, or from the time master. */
+/**
+ * @brief Ends a run: when there is nothing left to do, when a participant leaves or dies, or when
+ * the time master is told to.
+ */
 class RunEnd {
  public:
   explicit RunEnd(LockstepRun& run) : run_(run), is_strict_(run.settings.strict) {}

@@ -28,7 +28,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
   keepEnd();
 }
 
-// ---- inputs ----------------------------------------------------------------------------
+// ---- inputs ----------------------------------------------------------------------------------
 
 void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
   run_.wall = std::max(run_.wall, wall);
@@ -263,7 +263,7 @@ Nanoseconds LockstepSession::nextWake() const {
                                          run_.connections.helloDue(), run_.interruption.due()});
 }
 
-// ---- parameters ---------------------------------------------------------------------------
+// ---- parameters ------------------------------------------------------------------------------
 
 /**
  * @brief Label the run, if a participant depends on the parameter. A change before the first round
@@ -297,7 +297,7 @@ void LockstepSession::labelIf(const std::string& why) {
   }
 }
 
-// ---- the gate ----------------------------------------------------------
+// ---- the gate --------------------------------------------------------------------------------
 
 void LockstepSession::pause() {
   run_.rounds.gate().pause();
@@ -337,7 +337,7 @@ void LockstepSession::keepEnd() {
   }
 }
 
-// ---- status -------------------------------------------------------------------------------
+// ---- status ----------------------------------------------------------------------------------
 
 LockstepStatus LockstepSession::status() const {
   LockstepStatus status;

@@ -1,6 +1,6 @@
 // Files that participants have opened. If two participants use one file, and at least one writes
-// it, data can pass between them outside the order of simulated time. Here is decided which files
-// do not matter, for all programs.
+// it, data can pass between them outside the order of simulated time. For programs of all kinds,
+// shared_files.cpp decides which files do not matter.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
 

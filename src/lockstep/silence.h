@@ -12,7 +12,10 @@ class Silence {
  public:
   Silence(LockstepRun& run, Departures& departures) : run_(run), departures_(departures) {}
 
-  /** @brief Report that a participant is silent, which may drop it, or has answered at last. */
+  /**
+   * @brief Report that a participant is silent, and drop it if on_silence says so, or report that
+   * it has answered at last.
+   */
   void handle(const LockstepRounds::Event& event);
   /** @brief Take a participant's text about what its thread does. */
   void takeBusy(MemberId id, const wire::Busy& busy);

@@ -26,7 +26,7 @@ namespace move_base_abstract::lockstep::internal {
  */
 class Copies {
  public:
-  using Connection = boost::shared_ptr<ros::M_string>;  // by its header, which is its own
+  using Connection = boost::shared_ptr<ros::M_string>;  // by its header: roscpp has one for each
 
   /**
    * @return a number that is equal for a message and its copy. @param has_header whether the

@@ -52,8 +52,8 @@ class TopicTable {
   std::map<std::uint32_t, Topic> topics_;
 };
 
-// The time master is told once, however many publishers and subscribers the node has; of excluded
-// topics it is not told.
+// These tell the time master once, however many publishers and subscribers the node has. They do
+// nothing for excluded topics.
 void advertise(Membership& membership, SharedTopic& topic, const ros::AdvertiseOptions& options);
 void unadvertise(Membership& membership, SharedTopic& topic);
 void subscribe(Membership& membership, SharedTopic& topic, const ros::SubscribeOptions& options);

@@ -99,7 +99,7 @@ Link::Event Link::wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* fram
   if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
     return Event::kNothing;
   }
-  // The socket comes first, because the members decide what the bell means.
+  // The socket comes first: it brings the news of members, which decide what the bell means.
   if (polled[0].revents == 0) {
     return Event::kBell;
   }

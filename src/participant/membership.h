@@ -56,8 +56,8 @@ class Program {
   /** @brief The time master has ended this node's part. */
   virtual void onEnd() = 0;
   /**
-   * @return the id, as of gettid(), of the thread that works on the present grant; 0: the thread
-   * that has read it.
+   * @return the id, as gettid() gives it, of the thread that works on the present grant; 0: the
+   * thread that has read it.
    */
   virtual int busyThread() { return 0; }
 };
@@ -101,7 +101,8 @@ class Membership {
   /** @brief Present the node and wait for its first grant. @throws Error */
   void join();
   /**
-   * @brief Leave the run, with a last report of what was done. Any thread may call this.
+   * @brief Leave the run. If the node has its turn, it sends a last report of what was done. Any
+   * thread may call this.
    * @param is_asked_to whether another program has asked for it, at some instant of the wall clock.
    * @return false if there was nothing to leave. Otherwise the thread that reads from the
    * connection must finish() it.
@@ -134,8 +135,8 @@ class Membership {
   Nanoseconds came() const { return came_; }
   std::uint32_t microstep() const { return microstep_; }
   /**
-   * @return the number of the present turn: the number of its round, if each turn has its own
-   * round.
+   * @return the number of the present turn, from 1 on. With a lookahead, several turns may belong
+   * to one round.
    */
   std::uint64_t round() const { return turns_; }
   /** @return the time [ns] that everything takes from one participant to another; 0: no time. */
@@ -211,7 +212,7 @@ class Membership {
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   wire::FrameBuffer frames_;
 
-  // Under the program's lock: changes of the state, and the members below.
+  // Under the program's lock: changes of the state, and the fields below.
   std::atomic<State> state_{State::kNew};
   std::string items_;  // of the next report
   std::set<std::string> labels_;
@@ -226,7 +227,7 @@ class Membership {
   int leave_limit_ms_ = 0;  // wall
 
   std::string end_reason_;
-  std::atomic<int> reader_{0};  // thread that has read the latest grant, as of gettid()
+  std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() gives it
   std::uint64_t round_ = 0;
   std::uint64_t turns_ = 0;
   Window window_;

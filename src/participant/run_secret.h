@@ -1,4 +1,4 @@
-// The secret of a run, which keeps other programs on the computer out. No ROS.
+// The secret of a run, without which a program cannot take part in it. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_RUN_SECRET_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_RUN_SECRET_H
 
@@ -17,9 +17,9 @@ constexpr std::size_t kLongestSecret = 1024;  // bytes
  * @param text the parameter lockstep_secret; '' if it is not set.
  * @param file the parameter lockstep_secret_file; '' if it is not set.
  * @return the secret, without white space around it; '' if there is none.
- * @throws std::invalid_argument if both are set, if the file is missing, empty or too long, or if
- * anybody except this process's user may read it. The text begins with the name of a parameter,
- * without its namespace.
+ * @throws std::invalid_argument if both are set, if the secret is empty or longer than
+ * kLongestSecret, or if the file is missing, belongs to another user, or can be used by others. The
+ * text begins with the name of a parameter, without its namespace.
  */
 std::string runSecret(const std::string& text, const std::string& file);
 

@@ -14,7 +14,7 @@ namespace move_base_abstract::lockstep::internal {
  * The thread is asked by a signal. If it waits in a system call that a signal would end early, it
  * is not asked, and the text has no functions. Do not call this for the calling thread.
  *
- * @param id as of gettid(); for a thread that has ended, the text says that it has gone.
+ * @param id as gettid() gives it; for a thread that has ended, the text says that it has gone.
  */
 std::string describeThread(int id);
 

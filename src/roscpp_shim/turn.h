@@ -36,12 +36,12 @@ struct Wait {
   bool next_round = false;           // until the next grant, which it requests at this instant
   bool at_rest = false;              // until no participant has anything left to do at this instant
   bool activity = false;             // until another thread has run,
-  Nanoseconds activity_from = 0;     // and this instant has come; at once if a thread waits for one
+  Nanoseconds activity_from = 0;     // and this instant has come; at once if any waits for another
   Nanoseconds activity_by = kNever;  // if one has run: then at the latest
   bool for_thread = false;           // another thread must do something
   std::function<void()> unlock;      // called when a signal can no longer be missed
   const char* what = nullptr;        // shown for a wait without end for another thread
-  bool is_on_descriptors = false;    // other processes may end it, which labels the run
+  bool is_on_descriptors = false;    // may be ended from outside, which labels the run
   bool is_owed = false;              // that thread must do it; false: work that may come
   const struct Task* end_of = nullptr;  // it waits for the end of this thread
 };
@@ -56,7 +56,7 @@ struct Task {
   Wait wait;
   bool is_waiting = false;
   bool is_signalled = false;
-  bool is_loose = false;     // it runs beside the others, since it blocks where this cannot be seen
+  bool is_loose = false;     // it runs beside the others, as it blocks unseen or computes for long
   bool is_blocking = false;  // it blocks in a known way, with time standing still
   bool has_spun = false;     // it has computed for so long that the others went on
   std::atomic<bool> is_done{false};

@@ -11,7 +11,7 @@ namespace move_base_abstract::shim {
 
 /**
  * @return whether the loop at @p caller, which waits for callbacks, only stores the messages of its
- * queue. No other thread has access to that queue, and whoever ends the loop then joins its thread.
+ * queue. No other thread has access to that queue, and the thread that ends the loop then joins it.
  */
 using StoringLoops = bool (*)(const void* caller);
 

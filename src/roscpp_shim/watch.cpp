@@ -58,7 +58,7 @@ void Turn::letOthersOn(const std::string& why) {
   node().label(why);
 }
 
-/** @return a thread whose descriptors are ready though none had the turn. @pre The lock is held. */
+/** @return a waiting thread whose descriptors are ready; null: none. @pre The lock is held. */
 Task* Turn::findWoken() {
   const auto at = std::find_if(waiting_.begin(), waiting_.end(), [](const Task* task) {
     return task->wait.is_on_descriptors && !task->is_signalled && task->wait.is_over();

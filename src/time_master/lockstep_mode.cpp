@@ -20,7 +20,7 @@ constexpr const char* kAddressParameter = "/time_master/lockstep_address";
 constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
 constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
 constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
-// The kinds of events that say how nodes ended.
+// The kinds of events about uncaught exceptions of nodes, by which a run is judged.
 constexpr std::array<std::string_view, 3> kOfEnds = {"uncaught", "unasked", "asked"};
 constexpr int kSightings = 2;  // so that a node that joins has time to do so
 

@@ -156,10 +156,7 @@ bool LockstepServer::isReadable(const Descriptor& socket) const {
   return ::poll(polled.data(), polled.size(), kRoundPatience) > 0 && polled[0].revents != 0;
 }
 
-/**
- * @brief Ask for a wake-up. An earlier wake-up that was asked for before stays; it costs only a
- * look.
- */
+/** @brief Ask for a wake-up. If an earlier one is set already, it stays: it costs only a look. */
 void LockstepServer::arm(Nanoseconds due) {
   if (!closing_.empty()) {
     due = std::min(due, connections_.at(closing_.front()).close_due);

@@ -147,7 +147,7 @@ class LockstepServer {
   std::unordered_map<ConnectionId, Connection> connections_;
   std::vector<ConnectionId> closing_;
   ConnectionId last_awaited_ = 0;  // likely to report last; 0: no report is owed
-  Nanoseconds look_due_ = 0;       // wall; the latest look at everything else
+  Nanoseconds look_due_ = 0;       // wall; when to look at everything else, at the latest
   ConnectionId last_id_;
   std::vector<char> buffer_;
   std::vector<LockstepMessage> messages_;

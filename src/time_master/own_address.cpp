@@ -61,7 +61,7 @@ extern "C" __attribute__((visibility("default"))) int bind(int fd, const sockadd
       }
       if (errno != EADDRNOTAVAIL) {
         return -1;
-      }  // else it belongs to a computer in front of this one that forwards connections
+      }  // otherwise it belongs to a computer in front of this one that forwards connections
     }
   }
   return really(address);

@@ -90,7 +90,7 @@ class WhoIsThereTest(unittest.TestCase):
         self.assertEqual(services, '[]')
         self.assertEqual(nodes, "[['/offers']]")
         self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)
-        self.assertIn("'/asker': it has asked the ROS master who is there: /offers",
+        self.assertIn("'/asker': it has asked the ROS master for nodes, topics or services: /offers",
                       run.state.not_repeatable_because[0])
 
 

@@ -205,7 +205,7 @@ TEST(Chaos, TellsWhatHappened) {
     kinds.insert(decision.what);
     EXPECT_NE(decision.says.find(decision.what == "order"   ? " before "
                                  : decision.what == "delay" ? " was under way to "
-                                                            : " came about before "),
+                                                            : " took effect before "),
               std::string::npos);
   }
   EXPECT_GE(kinds.size(), 2U);

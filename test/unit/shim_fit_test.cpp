@@ -75,10 +75,10 @@ TEST(ShimFit, namesFunctionsThatAreMissing) {
 TEST(ShimFit, refusesLocksAndConditionsThatKeepToThemselves) {
   Surroundings found = good();
   found.has_owners = false;
-  expectRefusal(found, "the locks of glibc 2.36 do not say who holds them;");
+  expectRefusal(found, "the locks of glibc 2.36 do not name their holder;");
   found.has_owners = true;
   found.has_clocks = false;
-  expectRefusal(found, "the conditions of glibc 2.36 do not say which clock is theirs;");
+  expectRefusal(found, "the conditions of glibc 2.36 do not name their clock;");
 }
 
 TEST(ShimFit, looksAroundInThisProgramWhichHasNoRos) {

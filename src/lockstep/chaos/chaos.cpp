@@ -89,8 +89,8 @@ void Order::arrangeTurns(std::vector<MemberId>& ids, const std::function<bool(Me
       are_turns_moved_ = true;
       const MemberId other = *at;
       decisions_.note(rounds_.now(), "turns", [&] {
-        return "what " + names_.node(id) + " did came about before what " + names_.node(other) +
-               " did";
+        return "the turn of " + names_.node(id) + " took effect before that of " +
+               names_.node(other);
       });
     }
     placed.insert(at, id);

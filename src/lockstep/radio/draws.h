@@ -1,5 +1,5 @@
-// Random numbers that follow from a key alone: they are the same on every computer and in any
-// order.
+// Random numbers that follow from a key alone: they are the same on every computer, in whichever
+// order they are drawn.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
 

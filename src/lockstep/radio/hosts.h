@@ -49,7 +49,7 @@ class Hosts {
   struct Reach {
     bool is_up;      // a message may get through
     double loss;     // the probability that it does not
-    bool is_placed;  // else both places matter, and one is not known
+    bool is_placed;  // false: both places matter, and one is not known
   };
   /** @return whether the host's place matters for a link, but is not known. */
   bool lacksPlace(HostId id) const;

@@ -41,7 +41,7 @@ struct LinkRule {
   double range = std::numeric_limits<double>::infinity();  // m
   double wall = 0.0;  // cost of a wall; with a path loss dB, else m
   OnLoss lost = OnLoss::kDrop;
-  Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; from a loss to the next attempt
+  Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; between the first two attempts
   std::uint32_t attempts = 8;                     // for kRetry; then the message is lost
 
   /** @return whether the places of the hosts matter. */

@@ -63,8 +63,8 @@ class Radio {
    */
   void moved(HostId host, Nanoseconds now);
   /**
-   * @return the instant at which to look() at the waiting messages; kNever: not before another
-   * call.
+   * @return the instant at which to look() at the waiting messages; kNever: not before send() or
+   * moved() changes that.
    */
   Nanoseconds nextLook() const { return looks_.empty() ? kNever : looks_.begin()->first; }
   /** @return the waiting messages that are decided at @p now, with their outcomes. */

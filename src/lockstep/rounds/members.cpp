@@ -50,7 +50,7 @@ std::vector<std::string> RoundMembers::missing(const std::vector<std::string>& n
   return missing;
 }
 
-// ---- when members are granted -------------------------------------------------------------------
+// ---- when members are granted ----------------------------------------------------------------
 
 void RoundMembers::setNext(MemberId id, MemberState& member, Nanoseconds next) {
   if (member.next != kNever) {
@@ -147,8 +147,7 @@ bool RoundMembers::areStuck(bool is_owed) const {
   });
 }
 
-// ---- the order of members
-// -----------------------------------------------------------------------------
+// ---- the order of members --------------------------------------------------------------------
 
 MailOrder RoundMembers::order(MemberId id, std::uint32_t sub, std::uint64_t number) const {
   const MemberState* member = find(id);

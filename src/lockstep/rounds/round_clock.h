@@ -32,7 +32,7 @@ struct RoundClock {
   }
 };
 
-/** @brief Mail under way, which arrives at known instants, without a round of a sender. */
+/** @brief Mail under way, which arrives at known instants, and not from an action of a round. */
 struct OutsideArrivals {
   std::function<Nanoseconds()> next_due;  // kNever: nothing; called when a round is over
   std::function<void()> arrive;           // posts all mail that is due by now()

@@ -339,7 +339,7 @@ Nanoseconds LockstepRounds::nextTime() const {
                              : members_.nextTime(outside_.next());
 }
 
-// ---- state ------------------------------------------------------------------------------
+// ---- state -----------------------------------------------------------------------------------
 
 bool LockstepRounds::atRest() const {
   return started_ && settled() && (idle_ || zero_delay_loop_ || gate_.stands());

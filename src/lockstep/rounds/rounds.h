@@ -103,7 +103,7 @@ class LockstepRounds {
    * @brief Take a member's report on its latest grant. @pre owes
    *
    * @param next the member's wake-up [ns, simulated], or kNever.
-   * @param open the number of its threads that wait without a timeout.
+   * @param open the number of its threads that wait without a timeout for something owed to them.
    * @param foreseen the instants, ascending, after the present and before @p next, of turns whose
    * actions it has reported beforehand. They count like granted turns, unless another grant comes
    * first.

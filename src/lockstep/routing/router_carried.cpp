@@ -144,8 +144,7 @@ void MessageRouter::fail(const Held& held, std::uint32_t call, Nanoseconds due) 
   }
 }
 
-// ---- mail that waits until its carrier decides
-// ---------------------------------------------------
+// ---- mail that waits until its carrier decides -----------------------------------------------
 
 void MessageRouter::decide(std::uint64_t ticket, const Carried& carried) {
   std::optional<Held> held = carriage_->held.takeWaiting(ticket);
@@ -216,8 +215,7 @@ void MessageRouter::traceHeld(const Held& held, std::string_view lost) {
   }
 }
 
-// ---- mail that does not arrive
-// --------------------------------------------------------------------
+// ---- mail that does not arrive ---------------------------------------------------------------
 
 void MessageRouter::drop(const std::function<bool(const Held&)>& is_meant, std::string_view why) {
   if (carriage_ == nullptr || carriage_->held.empty()) {

@@ -252,6 +252,7 @@ void readInto(Reader& reader, Structure& one) {
 
 /**
  * @brief Read the HELLO of another version: only its protocol and name, since the rest may differ.
+ * @return nothing if it is of this version.
  */
 std::optional<Hello> readForeignHello(std::string_view body) {
   Hello hello;

@@ -20,7 +20,7 @@ STATED, BROKEN, HELD = 'stated', 'broken', 'held'
 LONGEST_TEXT = 200
 MOST_DETAILS = 16
 MOST_STATEMENTS = 1000  # of one node, with different kinds or texts
-TOO_MANY = 'a node states at most {} things; what differs each time belongs into the details'.format(MOST_STATEMENTS)
+TOO_MANY = 'a node states at most {} things; what differs each time belongs in the details'.format(MOST_STATEMENTS)
 
 
 class StatementError(SimulatorError):

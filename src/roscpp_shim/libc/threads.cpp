@@ -106,7 +106,7 @@ void (*kindOfNew(const void* caller))() {
   return isWorkerPool(caller) ? &becomeWorker : nullptr;
 }
 
-/** @return how long a wait until @p deadline lasts; any value if the thread has not the turn. */
+/** @return how long a wait until @p deadline lasts; any value without the turn. */
 Nanoseconds lasting(clockid_t clock, const timespec* deadline) {
   return deadline == nullptr ? kNever : remaining(clock, *deadline);
 }

@@ -1,4 +1,5 @@
-// Files of the system and devices, whose content differs from run to run. Both libraries use it.
+// Files of the system and devices, whose content differs from run to run. Both preloaded libraries
+// use this.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
 

@@ -155,10 +155,10 @@ std::string misfit(const Surroundings& found) {
     return "the program's libraries have no " + joined(found.missing) + fits;
   }
   if (!found.has_owners) {
-    return "the locks of glibc " + found.glibc + " do not say who holds them" + fits;
+    return "the locks of glibc " + found.glibc + " do not name their holder" + fits;
   }
   if (!found.has_clocks) {
-    return "the conditions of glibc " + found.glibc + " do not say which clock is theirs" + fits;
+    return "the conditions of glibc " + found.glibc + " do not name their clock" + fits;
   }
   return "";
 }

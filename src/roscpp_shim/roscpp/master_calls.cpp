@@ -117,8 +117,9 @@ class Question {
 
   static void tell(const std::set<std::string>& strangers) {
     for (const std::string& node : strangers) {
-      shim::node().label("it has asked the ROS master who is there: " + node +
-                         " does not take part, and is there or not by the wall clock");
+      shim::node().label(
+          "it has asked the ROS master for nodes, topics or services: " + node +
+          " does not take part, so it depends on the wall clock whether it is there");
     }
   }
 

@@ -29,7 +29,7 @@ namespace move_base_abstract {
 
 /** @brief The largest rate of /clock in lockstep [Hz, wall]. Only onlookers listen to it there. */
 constexpr double kLockstepClockRate = 200.0;
-constexpr const char* kAddress = "lockstep_address";  // no parameter; a killed run leaves it
+constexpr const char* kAddress = "lockstep_address";  // not a setting; a killed run leaves it
 constexpr double kUsualGap = 0.25;                    // wall s; the node's loop takes up to 0.1
 
 /** @brief Typed look-ups of the parameters in the table, below one namespace. */
@@ -216,7 +216,7 @@ struct NodeParameters {
   int lockstep_port = 0;  // 0: any free one
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
-  bool event_log_of_ends = false;  // it has only the end, and how nodes ended
+  bool event_log_of_ends = false;  // it has only its end and uncaught exceptions
   // Paths of new files; '': none.
   std::string message_bytes, note_of_start, note_of_end, chaos_decisions;
 };

@@ -119,5 +119,5 @@ class Queries:
         for node in strangers:
             if node not in self._told:
                 self._told.add(node)
-                self._participant.label('it has asked the ROS master who is there: {} does not take part, and is there '
-                                        'or not by the wall clock'.format(node))
+                self._participant.label('it has asked the ROS master for nodes, topics or services: {} does not take '
+                                        'part, so it depends on the wall clock whether it is there'.format(node))
