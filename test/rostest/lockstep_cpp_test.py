@@ -209,8 +209,8 @@ class LockstepCppTest(unittest.TestCase):
             hand.setParam('/not_asked_for', 1)
             hand.setParam('/by_hand', 1)
             self.assertEqual(other.process.wait(GUARD), 1, output(other))
-            self.assertIn('strict, and the run is not repeatable: parameter /by_hand was set or deleted by somebody '
-                          'who does not take part, and /other asks for it', output(other))
+            self.assertIn('strict, and the run is not repeatable: parameter /by_hand was set or deleted by a program '
+                          'that does not take part, and /other asks for it', output(other))
             self.assertNotIn('/not_asked_for', output(master))
 
     @staticmethod
