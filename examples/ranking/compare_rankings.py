@@ -96,7 +96,8 @@ def difference(rows, first, second, chance):
 def distributions(real, simulated):
     """Return (share of real makespans within 90 % of the simulated ones, share of cells that a KS test rejects).
 
-    The 90 % are the middle ones. A cell is a configuration with one task set. The level of the Kolmogorov-Smirnov test is 5 %.
+    The 90 % are the middle ones. A cell is a configuration with one task set. The KS test is Kolmogorov and Smirnov's,
+    at 5 %.
     """
     inside, told_apart = [], []
     for key, own in real.groupby(KEYS + ['tasks']):
