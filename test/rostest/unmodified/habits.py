@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Everything that a script had better not do in simulated time."""
+"""A script with all the habits that do not suit simulated time."""
 import datetime
 import multiprocessing
 import os
@@ -22,7 +22,7 @@ rospy.init_node('habits')
 pub = rospy.Publisher('said', String, queue_size=10)
 heard = []
 rospy.Subscriber('said', String, heard.append)
-time.sleep(0.3)  # let them connect
+time.sleep(0.3)  # let publisher and subscriber connect
 pub.publish('hello')
 for i in range(3):
     sleep(0.1)
