@@ -12,7 +12,7 @@ import rostest
 from move_base_abstract.runs.event_log import EventLog, labels_of
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 100.0  # s, wall; only ends what would never end
+GUARD = 100.0  # s, wall; only ends a run that would never end
 MANIFEST = """<package format="2">
   <name>shim_nodelets</name><version>0.0.1</version><description>Nodelets of a test</description>
   <maintainer email="nobody@localhost">nobody</maintainer><license>BSD</license>

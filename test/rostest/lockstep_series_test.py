@@ -13,7 +13,7 @@ import rostest
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@b.c">a</maintainer><license>BSD</license></package>
 """

@@ -23,7 +23,7 @@ from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 STUDY = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'study')
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class Run:

@@ -18,7 +18,7 @@ from move_base_abstract_ros.loopback import Loopback, find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
-GUARD = 240.0  # s, wall; only ends what would never end
+GUARD = 240.0  # s, wall; only ends a run that would never end
 NS, AHEAD = 1000000000, 50000000
 PACKAGE = """<package format="2"><name>study_of_windows</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""

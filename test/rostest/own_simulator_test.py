@@ -13,7 +13,7 @@ from busy_cores import busy
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 
 
 class OwnSimulatorTest(unittest.TestCase):

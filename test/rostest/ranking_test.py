@@ -28,7 +28,7 @@ occupancy, places = plain.map_of('farm_yard')
 print(json.dumps({policy: plain.run_mission('encounters', policy, 3, missions.make_mission(places, 7), occupancy, seed)
                   for seed, policy in enumerate(POLICIES)}))
 """
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class RankingTest(unittest.TestCase):

@@ -13,7 +13,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'

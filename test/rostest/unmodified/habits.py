@@ -22,7 +22,7 @@ rospy.init_node('habits')
 pub = rospy.Publisher('said', String, queue_size=10)
 heard = []
 rospy.Subscriber('said', String, heard.append)
-time.sleep(0.3)  # let publisher and subscriber connect
+time.sleep(0.3)  # let them connect
 pub.publish('hello')
 for i in range(3):
     sleep(0.1)
