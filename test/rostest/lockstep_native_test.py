@@ -30,7 +30,7 @@ def run_native(path, *topics, options=(), load=0, name='native'):
 
 
 def said(run, topic, name='native'):
-    """Return the output about a topic, [[word, ...], ...]; the last words are the program's clock and simulated time."""
+    """Return the output about a topic, [[word, ...], ...]; last come the program's clock and simulated time."""
     return [line.split()[1:] for line in run.printed(name) if line.startswith(topic + ' ')]
 
 

@@ -39,7 +39,7 @@ class RankingTest(unittest.TestCase):
         missions.main(os.path.join(SHARE, 'maps', 'farm_yard.yaml'), 7, 3, cls.mission)
 
     def in_lockstep(self, policy, seed):
-        """Return the row that the coordinator has written."""
+        """Run a mission in lockstep; return the row that the coordinator has written."""
         path = os.path.join(self.folder, policy + '.jsonl')
         words = [find_executable('lockstep_launch'), 'move_base_abstract', 'ranking.launch', 'mission:=' + self.mission,
                  'policy:=' + policy, 'output:=' + path, 'seed:={}'.format(seed), 'encounters:=calibrated']
