@@ -1,4 +1,4 @@
-"""Charging policy: which pair of thresholds is best, if a robot charges below the first one, up to the second.
+"""Charging policy: a robot charges when its battery is below one threshold, up to another; three pairs compared.
 
 below 20% to 100%: 2 rounds, then it is empty
 below 50% to 100%: 180 rounds
