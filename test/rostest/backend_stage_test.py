@@ -153,7 +153,7 @@ class StageBackend(unittest.TestCase):
         self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
 
     def test_7_a_second_clock_is_warned_about_by_name(self):
-        """The node does this before it reacts to any other test, at Stage's first message."""
+        """The node warns at Stage's first message, so before the other tests act on it."""
         found = [entry.msg for entry in self.log.messages if '/clock is published by' in entry.msg]
         self.assertTrue(found, 'no warning')
         for text in found:

@@ -99,7 +99,7 @@ class InterruptTest(unittest.TestCase):
 
     @staticmethod
     def _terminate(system):
-        """Send SIGTERM to all. The program in C++ dies of it at once, so it gets it after the others are told."""
+        """Send SIGTERM to all. The C++ program dies of it at once, so it gets it after the others."""
         system.signal(*ROLES, number=TERM)
         system.wait_for_output(MASTER, 'is told to end')
         system.signal(CPP, MASTER, number=TERM)

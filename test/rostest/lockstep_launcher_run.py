@@ -95,7 +95,7 @@ def _spawn(ros, programs, commands):
 
 
 def _spawn_ahead(ros, ahead, programs, commands):
-    """Start the programs now and wait for ``ahead`` [s, wall], unless it is 0."""
+    """Start the programs and wait for ``ahead`` [s, wall]; return them. With 0, start nothing."""
     if not ahead:
         return {}
     ros.set_param('/time_master/mode', 'lockstep')

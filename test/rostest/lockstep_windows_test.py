@@ -157,7 +157,7 @@ class WindowsTest(unittest.TestCase):
                                    (3 * NS + 2 * AHEAD, '{} found'.format(3 * NS + AHEAD))] + [
             (called + 170000000, '{} at {}'.format(called + 120000000, called + 70000000))
             for called in range(3 * NS + AHEAD, 9 * NS, NS)])
-        # A value is not seen before it is set, and it is seen one lookahead later.
+        # A value is not seen before it is set, and it is seen one lookahead later at the latest.
         for line in runs[0][3]:
             now, told, _ = line.split(' ', 2)
             since = int(now) - 3 * NS // 2

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Verify: runs that are the same, a program whose runs differ, a run without an end, and remains."""
+"""Verify: runs that are the same, a program whose runs differ, a run without an end, and refused arguments."""
 import os
 import shutil
 import subprocess
