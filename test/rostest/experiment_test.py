@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, left processes."""
+"""Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, leftovers."""
 import csv
 import dataclasses
 import io
