@@ -1,4 +1,4 @@
-"""Clock figures and the reference round trip, by means of the companion process."""
+"""Figures of the clock, and the reference round trip, both measured with the companion process."""
 
 import json
 import os
@@ -25,12 +25,12 @@ class Companion:
             raise RuntimeError('bench/companion.py did not start')
 
     def close(self):
-        """End the process: it ends with its input."""
+        """End the process, by closing its input."""
         self._process.stdin.close()
         self._process.wait(GUARD)
 
     def watch_clock(self, seconds):
-        """Return what /clock did for some seconds of wall time (see ClockRecord.summary)."""
+        """Watch /clock for ``seconds`` of wall time, and return the summary (see ClockRecord.summary)."""
         self._command('start')
         time.sleep(seconds)
         self._command('stop')
@@ -42,7 +42,7 @@ class Companion:
 
 
 def clock_figures(companion, time_master, factors, runs, seconds):
-    """Yield one record per factor: medians of the runs."""
+    """Yield one record per factor, with the medians of its runs of ``seconds`` of wall time each."""
     for factor in factors:
         time_master.set_factor(factor)
         time.sleep(0.2)

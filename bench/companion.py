@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A process beside the benchmark: records every /clock message and answers pings (stock rospy).
 
-Commands on standard input, one a line: `start` forgets what was recorded, `stop` prints a JSON line about it. Ends
-with its input. It starts while /use_sim_time is false: rospy's own subscription to /clock has a queue of one and would
-hide messages from any other subscriber of the process.
+It reads commands from standard input, one per line: `start` clears the record, and `stop` prints its summary as a JSON
+line. It ends with its input. It must start while /use_sim_time is false: otherwise rospy itself subscribes to /clock
+with a queue of one, which would hide messages from any other subscriber of the process.
 """
 
 import json
@@ -17,7 +17,7 @@ from std_msgs.msg import Empty
 
 
 class ClockRecord:
-    """Counts /clock messages and keeps the first, the last and the largest step between two."""
+    """Counts /clock messages, and keeps the first one, the last one, and the largest step between two of them."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -25,14 +25,17 @@ class ClockRecord:
         rospy.Subscriber('/clock', Clock, self._add, queue_size=None, tcp_nodelay=True)
 
     def restart(self):
-        """Forget all."""
+        """Clear the record."""
         with self._lock:
             self._first = self._last = None
             self._count = 0
             self._largest_ns = 0
 
     def summary(self):
-        """Return the achieved factor, the largest step [s, simulated] and the rate [Hz, wall]; None if too little."""
+        """Return the achieved factor, the largest step [simulated s], the rate [Hz] and the wall time [s].
+
+        None if there were fewer than two messages.
+        """
         with self._lock:
             if self._count < 2:
                 return None

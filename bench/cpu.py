@@ -7,7 +7,7 @@ import psutil
 
 
 class CpuWatch:
-    """CPU share of groups of processes, 100 % being one core; {group: [pid, ...]}."""
+    """The CPU share of groups of processes, {group: [pid, ...]}; 100 % is one core."""
 
     def __init__(self, groups):
         self._groups = {name: [psutil.Process(pid) for pid in pids] for name, pids in groups.items()}
@@ -18,7 +18,7 @@ class CpuWatch:
                                   for name, processes in self._groups.items()}
 
     def percent(self):
-        """Return {group: median CPU of its processes since the last call or the start [%]}."""
+        """Return {group: median CPU share of its processes [%]} since the last call, or since the start."""
         (begin, before), (now, after) = self._begin, self._read()
         self._begin = now, after
         return {name: statistics.median(100.0 * (b - a) / (now - begin) for a, b in zip(before[name], after[name]))

@@ -1,5 +1,5 @@
-// A user's node of a dense system, unaware of any simulator: one robot's agent among several, as
-// patrolling programs are written. usage: bench_dense_agent ROBOT INDEX AGENTS
+// A user's node of a dense system, which knows nothing of a simulator: the agent of one robot among
+// several, written as patrolling programs are. usage: bench_dense_agent ROBOT INDEX
 #include <actionlib/client/simple_action_client.h>
 #include <geometry_msgs/PointStamped.h>
 #include <move_base_msgs/MoveBaseAction.h>
@@ -52,7 +52,7 @@ class Agent {
         [this](const auto&) { sendPosition(); });
   }
 
-  /** To and fro, 5 to 25 m each time [m]. */
+  /** Return the next x [m]: to and fro, 5 to 25 m each time. */
   double nextPlace() {
     random_ = random_ * 1664525U + 1013904223U;
     const double length = 5.0 + 20.0 * (random_ >> 8) / static_cast<double>(1U << 24);
@@ -65,7 +65,7 @@ class Agent {
     is_idle_ = true;
   }
 
-  /** Tell the others where this robot is, as tf knows it. */
+  /** Publish the position of this robot, from tf, for the other agents. */
   void sendPosition() {
     geometry_msgs::PointStamped position;
     try {

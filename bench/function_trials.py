@@ -1,6 +1,6 @@
-"""Many trials that are functions, to their table and report: what each costs of client and workers, time and memory.
+"""Measures the cost of trials that are functions, up to their table and report: time and memory of client and workers.
 
-Slopes are between an experiment and one with ten times as many trials, so that what only happens once is left out.
+Slopes compare an experiment with one that has ten times as many trials, so that the cost of a single start drops out.
 """
 import json
 import os
@@ -12,8 +12,8 @@ import psutil
 
 from move_base_abstract_ros.loopback import find_executable
 
-FACTOR = 10  # trials of the large experiment for each of the small one
-PARTS = tuple(tenth / 10 for tenth in range(1, 11))  # of the trials, when memory is looked at
+FACTOR = 10  # trials of the large experiment for each trial of the small one
+PARTS = tuple(tenth / 10 for tenth in range(1, 11))  # parts of the trials after which memory is read
 _MODULE = """import random
 
 
@@ -29,15 +29,15 @@ _MB = 2 ** 20
 
 
 def measure(folder, count, workers, isolation):
-    """Run ``count`` trials in a folder on so many workers; return a record, times in wall s and CPU s.
+    """Run ``count`` trials in a folder on ``workers`` workers; return a record with times in wall s and CPU s.
 
-    isolation: of the experiment.
+    :param isolation: the experiment's isolation, ``trial`` or ``batch``.
     """
     with open(os.path.join(folder, 'many.py'), 'w', encoding='utf-8') as stream:
         stream.write(_MODULE)
     file, out = os.path.join(folder, f'many_{count}.yaml'), os.path.join(folder, f'many_{count}')
     with open(file, 'w', encoding='utf-8') as stream:
-        json.dump({**_SPEC, 'replications': max(1, count // 10), 'isolation': isolation}, stream)  # which is YAML
+        json.dump({**_SPEC, 'replications': max(1, count // 10), 'isolation': isolation}, stream)  # JSON is YAML
     words = [find_executable('experiment'), 'run', file, '-o', out, '--workers', str(workers)]
     begin = time.monotonic()
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
@@ -50,16 +50,16 @@ def measure(folder, count, workers, isolation):
 
 
 class _Seen:
-    """What is seen of an experiment while it runs."""
+    """Watches an experiment while it runs: its times, CPU times and memory."""
 
     def __init__(self, pid, begin):
         self._client = psutil.Process(pid)
         self._begin = begin
-        self._marks = {}  # what: (wall s, CPU s of the client, CPU s of the workers)
-        self._memory = {}  # part: (MB of the client, of the largest worker with what it has started)
+        self._marks = {}  # {mark: (wall s, CPU s of the client, CPU s of the workers)}
+        self._memory = {}  # {part: (MB of the client, MB of the largest worker with its child processes)}
 
     def take(self, line):
-        """Take a line of what the command says."""
+        """Read a line of the command's output, and note the times and sizes that belong to it."""
         if line.startswith('experiment: Dask scheduler'):
             self._mark('begun')
         counted = _COUNTED.search(line)
@@ -90,7 +90,7 @@ class _Seen:
         return round(_mb(self._client)), round(max(workers, default=0.0))
 
     def record(self, count, workers):
-        """Return what was seen of so many trials."""
+        """Return the record of ``count`` trials."""
         begun, ended, table, report = (self._marks[name] for name in ('begun', 'ended', 'table', 'report'))
         return {'trials': count, 'workers': workers, 'plan_s': round(begun[0], 1), 'plan_cpu_s': round(begun[1], 1),
                 'trials_s': round(ended[0] - begun[0], 1), 'client_cpu_s': round(ended[1] - begun[1], 1),
@@ -102,7 +102,7 @@ class _Seen:
 
 
 def _cpu_s(process, with_children=False):
-    """Return the CPU s of a process, with all below it that are or were."""
+    """Return the CPU time of a process [s]; with_children: and of all processes below it, also of ended ones."""
     try:
         used = process.cpu_times()
         own = used.user + used.system
@@ -122,7 +122,7 @@ def _mb(process):
 
 
 def slopes(small, large):
-    """Return what each trial more costs [ms, kB], and what a million would cost."""
+    """Return the cost of each additional trial [ms, kB], and the CPU time of a million trials [h]."""
     more = large['trials'] - small['trials']
     each = {key: (large[key] - small[key]) / more for key in (
         'plan_cpu_s', 'client_cpu_s', 'workers_cpu_s', 'table_cpu_s', 'report_cpu_s', 'trials_s')}

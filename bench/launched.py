@@ -1,7 +1,7 @@
-"""A run of lockstep_launch, timed from outside: from the prompt to the first event, to the last one, to the prompt.
+"""Runs lockstep_launch and times it from outside: to the first event, to the last event, and to the prompt.
 
-The first event is the clock's start, of which the time master leaves a note; the last one is the last byte of the event
-log. Processor time is that of all processes of the run, whoever started them.
+The first event is the start of the clock, for which the time master writes a note file. The last event is the last
+byte of the event log. Processor time is that of all processes of the run.
 """
 
 import collections
@@ -18,22 +18,23 @@ import psutil
 
 from move_base_abstract_ros.loopback import find_executable
 
-LINES = 30  # of the output, shown where a run has failed
+LINES = 30  # last lines of the output that are shown if a run fails
 LOOK_S = 0.005  # wall
-GRACE_S = 20.0  # wall, from the polite signal to SIGKILL
+GRACE_S = 20.0  # wall, from SIGINT to SIGKILL
 
-#: start_s, run_s, end_s: wall; cpu_s: of all; run_cpu_s: between the first and the last event; digest: of the event log
+#: start_s, run_s, end_s: wall time; cpu_s: whole run; run_cpu_s: from first to last event; digest: of the event log
 Run = collections.namedtuple('Run', 'start_s run_s end_s cpu_s run_cpu_s simulated_s rounds messages end digest')
 
 
 class Failed(RuntimeError):
-    """lockstep_launch has ended with an error, too late, or without a note of the clock; its last lines are told."""
+    """lockstep_launch ended with an error, too late, or without a note of the clock; the message has its last lines."""
 
 
 def launch(words, timeout):
     """Run lockstep_launch with these words and an event log of our own; return a Run.
 
-    timeout: s, wall, after which the run is ended. Raises Failed.
+    :param timeout: wall time after which the run is ended [s].
+    :raises Failed: if the run did not end well.
     """
     with tempfile.TemporaryDirectory() as folder:
         log = os.path.join(folder, 'events.jsonl')
@@ -69,7 +70,7 @@ def _follow(command, folder, timeout):
     if process.returncode:
         raise Failed(f'lockstep_launch has ended with {process.returncode}:\n' + _tail(path))
     if len(used) < 2:
-        raise Failed('the time master has left no note of its start, or of its end\n' + _tail(path))
+        raise Failed('the time master has written no note of its start or of its end:\n' + _tail(path))
     return used['end'] - used['start']
 
 
@@ -79,7 +80,7 @@ def _tail(path):
 
 
 def cpu_of(pid):
-    """Return the processor time [s] of a process, of what it has started, and of what has ended and was waited for."""
+    """Return the processor time [s] of a process and all processes below it, also of ended ones."""
     try:
         one = psutil.Process(pid)
         family = [*one.children(recursive=True), one]
@@ -88,14 +89,14 @@ def cpu_of(pid):
     used = 0.0
     for member in family:
         try:
-            used += sum(member.cpu_times()[:4])  # user, system, and those of its children
+            used += sum(member.cpu_times()[:4])  # user and system time, of the process and of its ended children
         except psutil.NoSuchProcess:
-            pass  # whoever waited for it has its time
+            pass  # its time counts for the process that waited for it
     return used
 
 
 def _read(log):
-    """Return the instant [ns] at which an event log begins, its end record, and the SHA-256 of its bytes."""
+    """Return the first instant of an event log [ns], its end record, and the SHA-256 of its bytes."""
     with open(log, 'rb') as stream:
         text = stream.read()
     lines = text.splitlines()
@@ -108,7 +109,7 @@ def _cpu_of_children():
 
 
 def _end(process):
-    """End lockstep_launch if it still runs; it ends what it has started."""
+    """End lockstep_launch if it still runs; it then ends the processes that it has started."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
         try:

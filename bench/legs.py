@@ -1,4 +1,4 @@
-"""How long legs take in simulated time, as a stock action client sees it, against the ideal."""
+"""The simulated time that legs take, as a stock action client sees it, compared with the ideal duration."""
 
 import math
 import queue
@@ -16,12 +16,12 @@ from move_base_abstract_ros.nodes.demo_run.mission import make_goal
 SPEED = 2.0  # m/s
 # The original package on a 2-core machine: {(length [m], factor): excess of the leg's duration [%]}.
 PUBLISHED = {(20.0, 10): 4.5, (20.0, 15): 6.6, (20.0, 100): 40.0}
-WANTED_SHARE = 0.2  # of the published excess, at most
+WANTED_SHARE = 0.2  # largest wanted share of the published excess
 GUARD = 60.0  # s, wall, beyond three times the ideal duration
 
 
 class Leg:
-    """One leg: when it was sent, acknowledged, ended; simulated times in ns, wall times in s."""
+    """One leg: the times when it was sent, acknowledged and ended; simulated times in ns, wall times in s."""
 
     def __init__(self, start_x, goal_x):
         self.start_x = start_x  # m, map
@@ -32,10 +32,10 @@ class Leg:
         self.acknowledged_wall = None
         self.done_ns = None
         self.arrival_ns = None  # the result's own stamp
-        self.departure_ns = None  # the stamp of the first pose, where it was looked for
+        self.departure_ns = None  # the stamp of the first pose of the leg, if it was seen
 
     def note(self, handle):
-        """Note a transition of the client's state; return True at the end."""
+        """Note a transition of the client's state; return whether the goal has ended."""
         state = handle.get_comm_state()
         if state == CommState.ACTIVE and self.acknowledged_wall is None:
             self.acknowledged_wall = time.monotonic()
@@ -60,7 +60,7 @@ class BenchRobot:
             raise RuntimeError(f'no action server /{name}/move_base')
 
     def send(self, length_m, y, ended):
-        """Send one leg; the robot and its goal handle are put on the queue when it ends."""
+        """Send one leg of ``length_m`` at ``y`` [m]; at its end, (robot, goal handle) is put on the queue ``ended``."""
         start_x = self.x
         out = start_x <= 0.0
         self.x += length_m if out else -length_m
@@ -72,7 +72,7 @@ class BenchRobot:
 
 
 def run_legs(robots, length_m, count, factor):
-    """Let each robot travel count legs, all at once; return the Leg objects."""
+    """Let all robots travel ``count`` legs each at the same time; return the Leg objects."""
     ended = queue.Queue()
     limit = GUARD + 3.0 * count * length_m / SPEED / factor
     for i, robot in enumerate(robots):
@@ -91,10 +91,11 @@ def run_legs(robots, length_m, count, factor):
 
 
 def summarize(runs, length_m, factor, robot_count):
-    """Return the record of one case: runs is a list of lists of legs; the figures are medians of the runs' medians.
+    """Return the record of one case; its figures are medians of the medians of the runs, each a list of legs.
 
-    The excess has three parts: `out` from the client's sending to the server's departure, `travel` (exactly the ideal:
-    see the record 'stamps') and `back` from the arrival to the client's callback.
+    The excess over the ideal duration has two parts: `out` from the client's sending to the server's departure, and
+    `back` from the arrival to the client's callback. The travel between them takes exactly the ideal duration; see the
+    record 'stamps'.
     """
     ideal_s = length_m / SPEED
 
@@ -120,18 +121,18 @@ def summarize(runs, length_m, factor, robot_count):
 
 
 def stamp_error(robots, length_m, count, factor):
-    """Return the record of the server's own exactness, in ns: whatever a client's hops add is not in it.
+    """Return the record of the errors of the server's own stamps [ns], without what the messages to the client add.
 
-    travel: arrival stamp - departure stamp - ideal duration, for the legs whose departure was seen; poses: for every
-    pose on base_pose_ground_truth, its stamp against arrival stamp - way left / speed.
+    The travel error is arrival stamp - departure stamp - ideal duration, for the legs whose departure was seen. The
+    pose error, for every pose on base_pose_ground_truth, is its stamp - (arrival stamp - way left / speed).
     """
     poses = {robot.name: [] for robot in robots}
     subscribers = [rospy.Subscriber(f'/{name}/base_pose_ground_truth', Odometry, kept.append, tcp_nodelay=True)
                    for name, kept in poses.items()]
-    while not all(poses.values()):  # latched: each connection brings one
+    while not all(poses.values()):  # the topic is latched, so each connection brings one pose
         time.sleep(0.01)
     run_legs(robots, length_m, count, factor)
-    time.sleep(0.5)  # the last poses
+    time.sleep(0.5)  # so that the last poses arrive
     for subscriber in subscribers:
         subscriber.unregister()
     travel, on_the_way = [], []
@@ -147,7 +148,7 @@ def stamp_error(robots, length_m, count, factor):
 
 
 def _pose_errors(leg, poses):
-    """Return the stamp errors [ns] of the poses with a speed during the leg; note the leg's departure."""
+    """Return the stamp errors [ns] of the moving poses of a leg, and note the departure of the leg."""
     errors = []
     for pose in poses:
         stamp_ns = pose.header.stamp.to_nsec()

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A coordinator in lockstep that sends each robot its next goal when one has ended, and counts.
+"""A coordinator in lockstep that sends each robot its next goal when a goal has ended, and counts the goals.
 
     lockstep_client.py stock|lean ROBOTS EVENTS [STATIONS.json SHARE]
 
-One event is a goal that has ended and the robot's next goal that was sent. Prints a JSON line: events and simulated
-seconds per second of wall time, from the first goal's end to the last. stock: actionlib.ActionClient. Goals lie along
-x, or are drawn of a list of [x, y]; SHARE of the events (0.1) is not measured.
+One event is the end of a goal and the sending of the robot's next goal. It prints a JSON line with the events and the
+simulated seconds per second of wall time. `stock` is actionlib.ActionClient, `lean` is this package's client. Goals lie
+along x, or are drawn from the list of [x, y] in STATIONS.json. The first SHARE of the events (0.1) is not measured.
 """
 
 import json
@@ -22,7 +22,7 @@ from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.goal_client import GoalClient
 from move_base_abstract_ros.nodes.demo_run.mission import make_goal
 
-WARM_UP = 0.1  # the share of the events that is not measured, unless another one is given
+WARM_UP = 0.1  # share of the events that is not measured, by default
 
 
 class Robot:
@@ -36,7 +36,7 @@ class Robot:
         self._x, self._y = 0.0, 2.0 * index
 
     def next_place(self):
-        """Return the next place."""
+        """Return the pose of the next goal."""
         if self._stations:
             return Pose2D(*self._random.choice(self._stations), 0.0)
         length = self._random.uniform(20.0, 100.0)
@@ -45,7 +45,7 @@ class Robot:
 
 
 class StockRobot(Robot):
-    """Driven by actionlib's client."""
+    """A robot that gets its goals from actionlib's client."""
 
     def __init__(self, *args):
         super().__init__(*args)
@@ -66,7 +66,7 @@ class StockRobot(Robot):
 
 
 class LeanRobot(Robot):
-    """Driven by the package's own client."""
+    """A robot that gets its goals from this package's client."""
 
     def __init__(self, *args):
         super().__init__(*args)
@@ -83,7 +83,7 @@ class LeanRobot(Robot):
 
 
 class Run:
-    """Counts events, and takes the time of those that are measured."""
+    """Counts events, and times those that are measured."""
 
     def __init__(self, events, warm_up=WARM_UP):
         self._events = events
@@ -92,7 +92,7 @@ class Run:
         self.began = self.over = None
 
     def ended(self, robot):
-        """A robot's goal has ended."""
+        """Count the end of a robot's goal, and send its next goal unless all events are counted."""
         self.count += 1
         if self.count == self._warm_up:
             self.began = time.perf_counter(), rospy.get_time()
@@ -109,7 +109,7 @@ class Run:
 
 
 def main():
-    """Join, drive, print."""
+    """Join the run, send goals, and print the figures."""
     kind, count, events = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     rospy.init_node('coordinator', disable_signals=True)
     participant = lockstep.join()

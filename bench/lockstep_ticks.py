@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A participant with one timer and nothing else, to see how often it can tick: lockstep_ticks.py TICKS."""
+"""A participant with only a timer, which measures ticks per second of wall time: lockstep_ticks.py TICKS."""
 
 import json
 import sys
@@ -11,7 +11,7 @@ from move_base_abstract_ros import lockstep
 
 
 def main():
-    """Join, tick, print a JSON line."""
+    """Join the run, count ticks, and print a JSON line."""
     count = int(sys.argv[1])
     rospy.init_node('ticker', disable_signals=True)
     participant = lockstep.join()

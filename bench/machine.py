@@ -1,4 +1,4 @@
-"""Which machine, and which versions, the figures come from."""
+"""Describes the machine and the versions from which the figures come."""
 
 import os
 import platform

@@ -1,5 +1,5 @@
-// The practical limit of topics on this machine: two roscpp nodes that send one small message to
-// and fro. usage: bench_ping_pong pong | bench_ping_pong ping COUNT (prints round trips/s)
+// Measures the practical limit of topics on this machine: two roscpp nodes send one small message
+// to and fro. usage: bench_ping_pong pong | bench_ping_pong ping COUNT (prints round trips/s)
 #include <ros/ros.h>
 #include <std_msgs/UInt64.h>
 

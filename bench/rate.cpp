@@ -1,4 +1,4 @@
-// A user's node: a loop at 1 Hz, unaware of any simulator. usage: bench_rate TICKS
+// A user's node that knows nothing of a simulator: a loop at 1 Hz. usage: bench_rate TICKS
 #include <ros/ros.h>
 
 #include <cstdio>

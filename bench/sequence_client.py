@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Sends each robot the same chain of goals on any clock, and tells when each ended: sequence_client.py ROBOTS GOALS.
+"""Sends each robot the same chain of goals on any clock, and prints when each ended: sequence_client.py ROBOTS GOALS.
 
-Prints a JSON list of [robot, number, end after the first goal's sending [ns]], in the order in which the results came;
-the ends are the results' own stamps, simulated.
+It prints a JSON list of [robot, number, time from the sending of the first goal to the end of this one [ns]], in the
+order in which the results came. The ends are the stamps of the results, in simulated time.
 """
 
 import json
@@ -21,7 +21,7 @@ TIMEOUT = 300.0  # s, wall; only ends a run that would never end
 
 
 class Robot:
-    """Goes to and fro along x; some of the legs of different robots are equally long, so that they end together."""
+    """A robot that goes to and fro along x; some robots have legs of equal length, which end at the same time."""
 
     def __init__(self, index, goals, ended):
         self.index = index
@@ -49,7 +49,7 @@ class Robot:
 
 
 def wait_until(participant, condition):
-    """Wait on whatever clock there is."""
+    """Wait until ``condition()`` is true: in simulated time for a participant, otherwise in wall time."""
     if participant is not None:
         participant.wait_until(condition, what='the robots')
         return
@@ -59,7 +59,7 @@ def wait_until(participant, condition):
 
 
 def main():
-    """Join if there is something to join, drive, print."""
+    """Join if the run is in lockstep, send the goals, and print the list."""
     count, goals = int(sys.argv[1]), int(sys.argv[2])
     rospy.init_node('coordinator', disable_signals=True)
     participant = lockstep.join()

@@ -1,4 +1,4 @@
-"""The records as a table for people."""
+"""Prints the records as tables for people."""
 
 COLUMNS = {
     'reference': ('what', 'median_us', 'p90_us'),
@@ -32,7 +32,7 @@ COLUMNS = {
 
 
 def render(records):
-    """Return one text table per kind of record."""
+    """Return the text of the tables, one for each kind of record."""
     return '\n\n'.join(_table(kind, [record for record in records if record['kind'] == kind])
                        for kind in COLUMNS if any(record['kind'] == kind for record in records))
 

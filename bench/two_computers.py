@@ -1,6 +1,6 @@
-"""Two computers on one: network namespaces with a cable between them that takes its time. It needs the rights of root.
+"""Emulates two computers on one: network namespaces, and a cable with a delay between them. It needs root.
 
-The cable is a process that hands packets from one TUN device to the other, each a stated time after it came.
+The cable is a process that passes packets from one TUN device to the other, each after a fixed delay.
 """
 
 import contextlib
@@ -20,7 +20,7 @@ from move_base_abstract_ros.loopback import Loopback
 HOME, AWAY = '10.213.8.1', '10.213.8.2'
 MARK = 'MOVE_BASE_ABSTRACT_BENCH_AWAY'  # environment: the namespace of the other computer
 _TUNSETIFF, _IFF_TUN, _IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
-_MOST_BYTES = 65536  # of a packet
+_MOST_BYTES = 65536  # size of a packet, at most
 
 
 def _ip(*words):
@@ -28,10 +28,10 @@ def _ip(*words):
 
 
 class TwoComputers:
-    """Two namespaces and the cable between them, as long as the context lasts.
+    """Two namespaces and the cable between them, for as long as the context lasts.
 
-    :param delay_s: wall s that a packet takes each way.
-    :raises OSError, subprocess.CalledProcessError: where they cannot be made.
+    :param delay_s: wall time that a packet takes each way [s].
+    :raises OSError, subprocess.CalledProcessError: if they cannot be made.
     """
 
     def __init__(self, delay_s):
@@ -65,12 +65,12 @@ class TwoComputers:
             subprocess.run(['ip', 'netns', 'delete', name], check=False, stderr=subprocess.DEVNULL)
 
     def command(self, command):
-        """Return a command so that it runs at home, and knows where the other computer is."""
+        """Return ``command`` wrapped so that it runs at home and knows the namespace of the other computer."""
         return ['env', f'{MARK}={self.away}', 'ip', 'netns', 'exec', self.home, *command]
 
 
 class Home(Loopback):
-    """A ROS master at home that nodes on the other computer can talk to. To be used by what runs at home."""
+    """A ROS master at home, which nodes on the other computer can reach. Use it in a process that runs at home."""
 
     @property
     def environment(self):
@@ -83,7 +83,7 @@ class Home(Loopback):
 
 
 def _tun_in(namespace, libc):
-    """Return a descriptor of the namespace's device ``cable``; this process is in the namespace then."""
+    """Enter the namespace, and return a descriptor of its device ``cable``."""
     with open(f'/run/netns/{namespace}', encoding='ascii') as handle:
         if libc.setns(handle.fileno(), 0):
             raise OSError(ctypes.get_errno(), f'cannot enter {namespace}')
@@ -93,7 +93,7 @@ def _tun_in(namespace, libc):
 
 
 def _carry(ends, delay_s):
-    """Hand each packet over to the other end, that much later, for ever."""
+    """Pass each packet to the other end after ``delay_s`` [s], for ever."""
     under_way, count = [], 0
     while True:
         wait = max(0.0, under_way[0][0] - time.monotonic()) if under_way else None
@@ -103,15 +103,15 @@ def _carry(ends, delay_s):
             heapq.heappush(under_way, (time.monotonic() + delay_s, count, ends[end == ends[0]], packet))
         while under_way and under_way[0][0] <= time.monotonic():
             _, _, end, packet = heapq.heappop(under_way)
-            with contextlib.suppress(OSError):  # of a device that is not up yet, or no more: lost, as on any cable
+            with contextlib.suppress(OSError):  # the device is not up; the packet is lost, as on any cable
                 os.write(end, packet)
 
 
 def main():
-    """Be the cable. Arguments: both namespaces, wall s each way."""
+    """Run as the cable. Arguments: both namespaces, and the delay each way [wall s]."""
     home, away, delay_s = sys.argv[1:]
     libc = ctypes.CDLL(None, use_errno=True)
-    libc.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: it ends with who made it
+    libc.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: the cable ends with its parent process
     ends = [_tun_in(name, libc) for name in (home, away)]
     print('ready', flush=True)
     _carry(ends, float(delay_s))

@@ -1,4 +1,4 @@
-"""The world that bench/world measures: a map of blocks, stations in its streets, scenarios with one part on, or all."""
+"""The world that bench/world measures: a map of blocks, stations in its streets, scenarios with one part or all."""
 import os
 import random
 
@@ -8,7 +8,7 @@ from move_base_abstract.config.robot_table import OWN_NAMES
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.geometry import Pose2D
 
-CELLS, RESOLUTION = 1000, 0.1  # of a side, m
+CELLS, RESOLUTION = 1000, 0.1  # number of cells of a side; m
 RADIUS = 0.4  # m, of the robots
 _BLOCK, _STREET = 60, 40  # cells
 _STATIONS = 40
@@ -22,7 +22,7 @@ _SETTINGS = {
     'failures': {'failure_kind': 'stall', 'failures_per_hour': 6.0, 'repair_time': 20.0},
     'battery': {'battery_capacity': 1000.0, 'battery_thresholds': [0.5, 0.2]},
 }
-#: keys of the world; a robot that waits for others in a circle gives up its goal
+#: keys of the world; of robots that wait for each other in a circle, one gives up its goal
 _WORLD = {
     'zones': {'deadlock': 'abort', 'zones': [
         {'name': f'crossing_{number}', 'rectangle': [x, y, x + _STREET * RESOLUTION, y + _STREET * RESOLUTION],
@@ -30,12 +30,12 @@ _WORLD = {
     'places': {'places': [{'name': 'anywhere', 'duration': 5.0, 'reach': 1000.0}]},
 }
 PARTS = ('none', *(part for part, keys in _SETTINGS.items() if set(keys) <= set(OWN_NAMES)), *_WORLD, 'all')
-#: robots as recorded, by themselves and with encounters; their motion is another one, so they are no part of "all"
+#: calibrated robots, without and with encounters; their motion differs, so they are not in "all"
 CALIBRATED = ('calibrated', 'encounters')
 
 
 def make_map(cells=CELLS):
-    """Return a square map with blocks of 6 m and streets of 4 m."""
+    """Return a square map of ``cells`` x ``cells`` cells, with blocks of 6 m and streets of 4 m."""
     grid = np.zeros((cells, cells), np.int8)
     period = _BLOCK + _STREET
     for south in range(_STREET, cells - _BLOCK, period):
@@ -45,7 +45,7 @@ def make_map(cells=CELLS):
 
 
 def free_places(occupancy, count, chance):
-    """Return ``count`` places in the streets, a metre from all blocks, and not on a crossing that is a zone."""
+    """Return ``count`` places [m] in the streets, 1 m from all blocks, and not on a crossing that is a zone."""
     reach, found = round(1.0 / RESOLUTION), []
     cells = occupancy.cells
     while len(found) < count:
@@ -58,12 +58,12 @@ def free_places(occupancy, count, chance):
 
 
 _MAP = make_map()
-#: where robots start and go to [m]
+#: the places [m] where robots start and to which they go
 STATIONS = free_places(_MAP, _STATIONS, random.Random(7))
 
 
 def make(robots, part):
-    """Return the scenario of ``robots`` robots with the part on, and the map, or None where no part needs it."""
+    """Return (scenario of ``robots`` robots with the part, map); the map is None if the part does not need it."""
     chosen = PARTS[1:-1] if part == 'all' else (part,)
     scenario = {'seed': 1, 'defaults': {'max_speed': 2.0, 'acceleration': 1.0}, 'robots': [
         {'name': f'robot_{index}', 'start_x': x, 'start_y': y}
@@ -78,7 +78,7 @@ def make(robots, part):
 
 
 def write_map(occupancy, folder):
-    """Write a map's files into ``folder``; return the path of its description."""
+    """Write the files of a map into ``folder``; return the path of its description."""
     rows = np.where(occupancy.cells[::-1] == 0, 254, 0).astype(np.uint8)
     with open(os.path.join(folder, 'world.pgm'), 'wb') as stream:
         stream.write('P5\n{} {}\n255\n'.format(*occupancy.cells.shape[::-1]).encode() + rows.tobytes())

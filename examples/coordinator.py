@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Gives each task, in the order of arrival, to the nearest robot that is idle: stock actionlib, and nothing else."""
+"""Gives each task, in the order of arrival, to the nearest idle robot. It uses stock actionlib and nothing else."""
 import threading
 from math import hypot
 
@@ -15,7 +15,7 @@ lock, tasks, idle = threading.RLock(), [], []
 
 
 class Robot:
-    """One robot: drives to a task, and works there."""
+    """One robot, which drives to a task and works there."""
 
     def __init__(self, name):
         self.name = name
@@ -26,7 +26,7 @@ class Robot:
         self.at = rospy.wait_for_message('/{}/base_pose_ground_truth'.format(name), Odometry).pose.pose.position
 
     def do(self, task):
-        """Begin with a task."""
+        """Begin a task; :func:`done` is called when it has ended."""
         def arrived(state, _):
             if state != GoalStatus.SUCCEEDED:
                 return done(self, task, state)
@@ -38,7 +38,7 @@ class Robot:
 
 
 def assign(new_tasks=(), new_idle=()):
-    """Have something to do done by somebody who has nothing to do."""
+    """Note new tasks and new idle robots, then give each waiting task, oldest first, to the nearest idle robot."""
     with lock:
         tasks.extend(new_tasks)
         idle.extend(new_idle)
@@ -51,14 +51,14 @@ def assign(new_tasks=(), new_idle=()):
 
 
 def done(robot, task, state):
-    """Tell how a task ended, and have the robot do the next one."""
+    """Log how a task ended, and give the robot its next task."""
     took = (rospy.Time.now() - task.header.stamp).to_sec()
     rospy.loginfo('%s by %s after %.3f s: %s', task.id, robot.name, took, GoalStatus.to_string(state))
     assign(new_idle=[robot])
 
 
 rospy.init_node('coordinator')
-robots = [Robot(name) for name in rospy.get_param('~robots')]  # kept: Python would forget one that is not idle
+robots = [Robot(name) for name in rospy.get_param('~robots')]  # kept, or Python would delete a robot that is not idle
 assign(new_idle=robots)
 rospy.Subscriber('/tasks', Task, lambda task: assign([task]), queue_size=1000)
 rospy.spin()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drive a robot to ~goals [[x, y], ...] (m, frame odom), by odom and cmd_vel; end when it has been at all of them."""
+"""Drives a robot to ~goals [[x, y], ...] (m, frame odom), by odom and cmd_vel; ends when all goals are reached."""
 import math
 
 import rospy
@@ -10,7 +10,7 @@ NEAR = 0.2  # m
 
 
 class Controller:
-    """Turns to the goal, and drives the faster the better it looks there."""
+    """Turns the robot towards its goal, and drives faster the better the robot faces it."""
 
     def __init__(self):
         self.goals = rospy.get_param('~goals')
@@ -18,7 +18,7 @@ class Controller:
         rospy.Subscriber('odom', Odometry, self.steer)
 
     def steer(self, odometry):
-        """Answer a pose with a command."""
+        """Publish the command for the pose in ``odometry``."""
         place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
         if math.hypot(self.goals[0][0] - place.x, self.goals[0][1] - place.y) < NEAR:
             rospy.loginfo('at %s at %.2f s', self.goals.pop(0), odometry.header.stamp.to_sec())

@@ -1,8 +1,9 @@
-"""Tests of coordinator.py, as one writes them for a coordinator of one's own.
+"""Tests of coordinator.py, a model for tests of your own coordinator.
 
     python3 -m pytest -p move_base_abstract_testing test_coordinator.py
 
-What is broken at the end of a run fails its test, too: goals that never end, robots that wait for each other, crashes.
+A test also fails if something is broken at the end of its run: goals that never end, robots that wait for each other,
+or crashes.
 """
 from collections import Counter
 
@@ -15,14 +16,14 @@ HOUR = 3600.0
 
 @pytest.mark.lockstep(launch='coordinator.launch', until='idle')
 def test_each_task_is_done_once(lockstep):
-    """Nobody does a task that somebody else has done."""
+    """No robot does a task that another robot has done."""
     done = Counter(event.values[0] for event in lockstep.log.of('task_ended'))
     assert len(done) == 20 and set(done.values()) == {1}
 
 
 @pytest.mark.lockstep(launch='coordinator.launch')
 def test_who_drives_elsewhere_meanwhile_leaves_the_task_to_the_other(lockstep):
-    """Somebody else sends a robot away, and the coordinator goes on; twice in the same way."""
+    """Another client sends a robot away, and the coordinator goes on. A second run is identical."""
     goal = lockstep.send_goal('robot_0', 30.0, 30.0)
     assert goal.wait() in ('SUCCEEDED', 'PREEMPTED')
     lockstep.assert_identical()
@@ -30,7 +31,7 @@ def test_who_drives_elsewhere_meanwhile_leaves_the_task_to_the_other(lockstep):
 
 @pytest.mark.lockstep(launch='coordinator.launch', args=FIVE, until='idle', log_messages=False)
 def test_five_robots_do_the_work_of_eight_hours(lockstep):
-    """480 tasks, in two seconds."""
+    """Five robots do 480 tasks, in a few seconds of wall time."""
     log = lockstep.log
     ends = [event.values[1] for event in log.of('task_ended')]
     assert ends == 480 * ['SUCCEEDED']

@@ -11,7 +11,7 @@ from nav_msgs.msg import Odometry
 
 @pytest.mark.lockstep(launch='own_simulator.launch')
 def test_a_controller_reaches_its_last_goal_and_twice_in_the_same_way(lockstep):
-    """The noise of the wheels follows from the seed."""
+    """The noise of the wheels follows from the seed, so a second run is identical."""
     poses = []
     rospy.Subscriber('/robot_1/odom', Odometry, lambda message: poses.append(message.pose.pose.position))
     lockstep.run_until(lambda: poses and poses[-1].x < -1.8, limit=10, what='robot_1 comes to its first goal')

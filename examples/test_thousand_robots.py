@@ -1,11 +1,11 @@
-"""A test of thousand_robots.py, with fewer: they need no ROS, and so no fixture of the plugin."""
+"""A test of thousand_robots.py with fewer robots. It needs no ROS, and so no fixture of the plugin."""
 import re
 
 import thousand_robots
 
 
 def test_each_robot_drives_one_goal_after_the_other(capsys):
-    """Twice the same goals and kilometres; how long it takes differs."""
+    """Two runs have the same number of goals and kilometres; their wall time differs."""
     said = []
     for _ in range(2):
         thousand_robots.main(20, 0.5)

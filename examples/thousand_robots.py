@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A thousand robots for an hour, in plain Python without ROS: each drives to random places, one after the other.
+"""A thousand robots drive for an hour in plain Python without ROS, each to one random place after the other.
 
     source .ws/setup.sh && python3 examples/thousand_robots.py [ROBOTS [HOURS]]
 
-It prints how many goals were reached, how far the robots went, and how much faster than real time that was.
+It prints the number of goals that ended, the distance that the robots drove, and the speed relative to real time.
 """
 import random
 import sys
@@ -17,10 +17,10 @@ SEED = 1
 
 
 def main(robots=1000, hours=1.0):
-    """Simulate ``robots`` robots for ``hours`` hours and print what happened."""
+    """Simulate ``robots`` robots for ``hours`` hours and print the numbers of the run."""
     scenario = make_scenario({'seed': SEED, 'defaults': {'max_speed': 2.0, 'acceleration': 1.0},
                               'robots': [{'name': 'robot', 'count': robots, 'step_x': FIELD / robots}]})
-    # One generator per robot: another robot more moves nobody else.
+    # One generator per robot, so that one more robot does not change what the others do.
     chance = {spec.name: random.Random('{}/{}'.format(SEED, spec.name)) for spec in scenario.robots}
 
     def send_next(name):

@@ -1,6 +1,6 @@
-"""Robots carry goods in a warehouse made by ``scenario make``, in plain Python: to a bay, to a station, and so on.
+"""Robots carry goods in a warehouse made by ``scenario make``, in plain Python: from a bay to a station, for ever.
 
-usage: warehouse.py SCENARIO.yaml [RUN.jsonl]     (the log is for ``replay``)
+usage: warehouse.py SCENARIO.yaml [RUN.jsonl]     (RUN.jsonl is a log for ``replay``)
 """
 import random
 import sys
@@ -13,7 +13,7 @@ LOADING, UNLOADING = 8.0, 12.0  # s
 
 
 def carry(env, robot, bays, stations, chance, delivered):
-    """Fetch from a random bay, bring to a random station, and begin again."""
+    """Fetch goods from a random bay, bring them to a random station, and begin again."""
     while True:
         for places, seconds in ((bays, LOADING), (stations, UNLOADING)):
             pose = chance.choice(places).pose
@@ -24,7 +24,7 @@ def carry(env, robot, bays, stations, chance, delivered):
 
 
 def main(scenario_file, log=None):
-    """Run for ten minutes of simulated time."""
+    """Run for ten minutes of simulated time, print the deliveries, and write the log if it is named."""
     scenario = read_scenario(scenario_file, {'log_motion': True})
     chart = load_map(read_description(scenario_file.replace('scenario.yaml', 'map.yaml')))
     env = Environment(scenario, start_ns=0, occupancy=chart)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A user's script: send a goal, wait for its result, again and again. usage: blocking_client.py GOALS."""
+"""A user's script that sends a goal and waits for its result, again and again. usage: blocking_client.py GOALS."""
 
 import json
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A user's node of a dense system, unaware of any simulator: one robot's agent among several.
+"""A user's node of a dense system, which knows nothing of a simulator: the agent of one robot among several.
 
-dense_agent.py ROBOT INDEX
+usage: dense_agent.py ROBOT INDEX
 """
 
 import random
@@ -19,7 +19,7 @@ SPACING = 2.0  # m, between the robots' lanes
 
 
 class Agent:
-    """Drives its robot to and fro and tells the others where it is."""
+    """Drives its robot to and fro, and publishes the robot's position for the other agents."""
 
     def __init__(self, robot, index):
         self._robot = robot
@@ -36,7 +36,7 @@ class Agent:
         rospy.Subscriber('/positions', PointStamped, self._on_position)
 
     def run(self):
-        """Loop until the end."""
+        """Send goals until the node is shut down."""
         self._client.wait_for_server()
         rate = rospy.Rate(LOOP_HZ)
         while not rospy.is_shutdown():
@@ -76,7 +76,7 @@ class Agent:
 
 
 def main():
-    """Start."""
+    """Run the agent."""
     rospy.init_node('agent')
     try:
         Agent(sys.argv[1], int(sys.argv[2])).run()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A user's script: a loop at 1 Hz. usage: poller.py TICKS."""
+"""A user's script with a loop at 1 Hz. usage: poller.py TICKS."""
 
 import json
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A user's script that does nothing but start."""
+"""A user's script that only starts a node."""
 
 import rospy
 

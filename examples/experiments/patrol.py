@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Goes round four corners and looks around at each, for a time drawn at random; tells when it has finished."""
+"""Drives round four corners and looks around at each for a random time; publishes on ``finished`` at the end."""
 import random
 
 import actionlib
@@ -12,7 +12,7 @@ CORNERS = [Point(0.0, 0.0, 0.0), Point(10.0, 0.0, 0.0), Point(10.0, 10.0, 0.0), 
 
 
 def goal_at(corner):
-    """Return the goal of a place in the map."""
+    """Return the goal at ``corner`` [m], in frame map."""
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = 'map'
     goal.target_pose.header.stamp = rospy.Time.now()
@@ -22,7 +22,7 @@ def goal_at(corner):
 
 
 def main():
-    """Patrol, and end."""
+    """Drive ~rounds rounds, publish on ``finished``, and end."""
     rospy.init_node('patrol')
     finished = rospy.Publisher('finished', String, queue_size=1, latch=True)
     client = actionlib.SimpleActionClient('move_base', MoveBaseAction)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Offers tasks to robots by radio, one auction after the other for each, until somebody says that the task is done.
+"""Offers tasks to robots by radio: for each task it holds one auction after the other until a robot has taken it.
 
-It announces a task, takes bids for a second, awards the task to the least one, and waits for the winner's word.
-Whatever gets lost on the way is offered again; after some auctions it gives up. Any of it may come twice, or late.
+It announces a task, takes bids for one second, awards the task to the lowest bid, and waits one second for the winner's
+answer. If a message is lost, it offers the task again, up to MOST_AUCTIONS times. Messages may also come twice or late.
 
-On /outcome: [tasks done, auctions, mean time from the first announcement to the word that it is done [s]].
+It publishes on /outcome: [tasks done, auctions, mean time from a task's first announcement to the report that it is
+done [s]]. The mean is -1 if no task is done.
 """
 import json
 import random
@@ -13,11 +14,11 @@ import rospy
 from std_msgs.msg import Float64MultiArray, String
 
 BIDDING = 1.0  # s
-MOST_AUCTIONS = 12  # of a task
+MOST_AUCTIONS = 12  # for one task
 
 
 class Auctioneer:
-    """Gives one task after the other."""
+    """Offers the tasks one after the other."""
 
     def __init__(self):
         chance = random.Random(rospy.get_param('~seed', 0))
@@ -34,7 +35,7 @@ class Auctioneer:
         rospy.Subscriber('/auction/done', String, self.on_done)
 
     def on_bid(self, message):
-        """Keep a bid for the auction that is open; a late one counts for nothing."""
+        """Keep a bid under its task and auction; a bid that comes after its auction is never read."""
         number, auction, robot, cost = json.loads(message.data)
         self.bids.setdefault((number, auction), []).append((cost, robot))
 
@@ -44,12 +45,12 @@ class Auctioneer:
         self.taken[number] = rospy.get_time()
 
     def on_done(self, message):
-        """Remember the first word that a task is done."""
+        """Remember the time of the first report that a task is done."""
         number, _robot = json.loads(message.data)
         self.done.setdefault(number, rospy.get_time())
 
     def offer(self, number):
-        """Hold one auction of a task; return whether somebody has taken it."""
+        """Hold one auction for a task; return whether a robot has taken the task."""
         x, y = self.tasks[number]
         self.auctions += 1
         auction = self.auctions
@@ -62,7 +63,7 @@ class Auctioneer:
         return number in self.taken or number in self.done
 
     def run(self):
-        """Offer all tasks, then those again that nobody has taken; wait until those taken are done, as far as known."""
+        """Offer each task until a robot takes it, wait up to 300 s for the taken tasks, publish the outcome."""
         rospy.sleep(1.0)
         for number in range(len(self.tasks)):
             self.begun[number] = rospy.get_time()

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Bids for tasks on behalf of one robot, drives to those that it wins, and tells when it has arrived.
+"""Bids for tasks on behalf of one robot, drives to the tasks that it wins, and reports each task that is done.
 
-A bid is how far the robot has to go, behind what it has to do already. An award that comes again is said yes to again:
-the first yes may have been lost. So may the word that a task is done, which is said three times.
+A bid is the distance [m] that the robot drives until it is at the task, after all tasks that it already has. If an
+award comes again, the bidder confirms it again, since its first answer may have been lost. For the same reason it
+reports three times that a task is done.
 """
 import collections
 import json
@@ -15,12 +16,12 @@ from std_msgs.msg import String
 
 
 class Bidder:
-    """One robot's."""
+    """The bidder of one robot."""
 
     def __init__(self):
         self.robot = rospy.get_namespace().strip('/')
-        self.place = rospy.get_param('~start_x'), rospy.get_param('~start_y')  # where its last task is
-        self.left = 0.0  # m, of its tasks that are not done
+        self.place = rospy.get_param('~start_x'), rospy.get_param('~start_y')  # m, of its last task
+        self.left = 0.0  # m: way to drive for the tasks that are not done
         self.queue, self.won = collections.deque(), set()
         self.bid = rospy.Publisher('/auction/bid', String, queue_size=100)
         self.taken = rospy.Publisher('/auction/taken', String, queue_size=100)
@@ -31,13 +32,13 @@ class Bidder:
         rospy.Subscriber('/auction/award', String, self.on_award)
 
     def on_task(self, message):
-        """Bid."""
+        """Bid for the task."""
         number, auction, x, y = json.loads(message.data)
         cost = self.left + math.dist(self.place, (x, y))
         self.bid.publish(json.dumps([number, auction, self.robot, cost]))
 
     def on_award(self, message):
-        """Take what it has won."""
+        """Confirm an award to this robot, and queue its task unless it is known."""
         number, robot, x, y = json.loads(message.data)
         if robot != self.robot:
             return
@@ -50,7 +51,7 @@ class Bidder:
             self.queue.append((number, x, y, way))
 
     def run(self):
-        """Do one task after the other."""
+        """Drive to the queued tasks, one after the other."""
         while not rospy.is_shutdown():
             if not self.queue:
                 rospy.sleep(0.5)

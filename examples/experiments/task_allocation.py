@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Gives tasks to robots as they arrive: a coordinator as anybody would write it, with the stock action client.
+"""Gives tasks to robots as the tasks arrive: an ordinary coordinator, with the stock action client.
 
 The tasks of /tasks are the same for every allocator. A robot drives to its task, works on it, and takes the next one of
-its own queue. On /response_time: how long each task took from its arrival to its end [s].
+its own queue. /response_time has the time from each task's arrival to its end [s].
 """
 import collections
 import math
@@ -20,12 +20,12 @@ SPEED = 1.0  # m/s, as in the launch file
 
 
 def distance(one, other):
-    """Return how far two points are from each other [m]."""
+    """Return the distance of two points [m]."""
     return math.hypot(one.x - other.x, one.y - other.y)
 
 
 class Robot:
-    """One robot: its action clients, its queue, and when and where it will be free as far as is known."""
+    """One robot: its action clients, its queue, and the expected time and place at which it will be free."""
 
     def __init__(self, name, done):
         self.queue = collections.deque()
@@ -36,16 +36,16 @@ class Robot:
         self._work = actionlib.SimpleActionClient('/{}/work'.format(name), PlaceTaskAction)
         self._drive.wait_for_server()
         self._work.wait_for_server()
-        #: of its last task
+        #: the place of its last task
         self.place = rospy.wait_for_message('/{}/base_pose_ground_truth'.format(name), Odometry).pose.pose.position
 
     def cost(self, task):
-        """Return when it would have finished one more task, if it came last [s]."""
+        """Return the expected time at which the robot would finish ``task``, if it came last in the queue [s]."""
         way = distance(task.pose.position, self.place)
         return max(rospy.get_time(), self.free_at) + way / SPEED + task.duration.to_sec()
 
     def take(self, task):
-        """Put a task into its queue, and begin if it has nothing to do."""
+        """Put a task into the queue, and begin it if the robot is idle."""
         self.free_at, self.place = self.cost(task), task.pose.position
         self.queue.append(task)
         if self.task is None:
@@ -73,17 +73,17 @@ class Robot:
 
 
 def round_robin(robots, _task, number):
-    """One after the other, wherever they are."""
+    """Return the robots in turn, wherever they are."""
     return robots[number % len(robots)]
 
 
 def nearest(robots, task, _number):
-    """Whose last task is nearest, however much it has to do."""
+    """Return the robot whose last task is nearest, however much it has to do."""
     return min(robots, key=lambda robot: distance(task.pose.position, robot.place))
 
 
 def auction(robots, task, _number):
-    """Who would have finished it first."""
+    """Return the robot that would finish the task first."""
     return min(robots, key=lambda robot: robot.cost(task))
 
 
@@ -91,7 +91,7 @@ ALLOCATORS = {'round_robin': round_robin, 'nearest': nearest, 'auction': auction
 
 
 class Coordinator:
-    """Allocates each task when it arrives."""
+    """Gives each task to a robot when the task arrives."""
 
     def __init__(self):
         self._allocate = ALLOCATORS[rospy.get_param('~allocator', 'nearest')]

@@ -1,4 +1,4 @@
-"""Sequential auction: each robot bids the way that a target adds to its tour; the cheapest bid gets it.
+"""Sequential auction: each robot bids the length that a target adds to its tour, and the lowest bid wins the target.
 
 robot_0: 4 targets, 13.1 m
 robot_1: 3 targets, 12.0 m
@@ -17,7 +17,7 @@ def length(start, tour):
 
 
 def best_insertion(start, tour, target):
-    """Return (added length, tour) of the cheapest place for a target in a tour."""
+    """Return (added length [m], new tour) for the cheapest position of ``target`` in ``tour``."""
     tours = [[*tour[:k], target, *tour[k:]] for k in range(len(tour) + 1)]
     return min((length(start, one) - length(start, tour), one) for one in tours)
 

@@ -1,4 +1,4 @@
-"""Charging policy: work until the battery is below a threshold, then charge to another one; which pair does most.
+"""Charging policy: a robot charges when its battery is below one threshold, up to another; three pairs compared.
 
 below 20% to 100%: 2 rounds, then it is empty
 below 50% to 100%: 180 rounds
@@ -8,7 +8,7 @@ from move_base_abstract import Environment, make_scenario
 
 
 def work(env, robot, low, high, rounds):
-    """Drive back and forth; charge at the dock from ``low`` to ``high`` (0..1)."""
+    """Drive back and forth; below a charge of ``low`` (0 to 1), charge at the dock to ``high``."""
     while True:
         for x in (20.0, 2.0):
             outcome = yield robot.go(x, 0.0)

@@ -1,4 +1,4 @@
-"""Encounter: two robots that move as recorded ones come towards each other, and it costs them time.
+"""Encounter: two calibrated robots come towards each other, and that costs them time.
 
 alone: 140.6 s
 with each other: 162.9 s, 12 encounters
@@ -7,18 +7,18 @@ import sys
 
 from move_base_abstract import Environment, make_scenario
 
-PLACES = ((26.0, 20.0), (46.0, 20.0))  # m, in the middle of the farm yard that ships
+PLACES = ((26.0, 20.0), (46.0, 20.0))  # m, in the middle of maps/farm_yard.yaml
 
 
 def there_and_back(robot, first, second, times):
-    """Drive to the one place and to the other, twice."""
+    """Drive to one place and back to the other, twice."""
     for x, y in 2 * (first, second):
         result = yield robot.go(x, y)
         times.append(result.succeeded)
 
 
 def run(encounters, log=None):
-    """Return when both have done it, and how many encounters there were."""
+    """Return the time when both robots are done [s], and the number of encounters."""
     ends = [{'start_x': x, 'start_y': y} for x, y in PLACES]
     env = Environment(make_scenario({
         'seed': 3, 'encounters': encounters, 'defaults': {'calibration': 'move_base_dwa_stage', 'log_motion': True},

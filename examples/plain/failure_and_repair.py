@@ -1,4 +1,4 @@
-"""Failure and repair: a robot stalls now and then; another one takes over what takes too long.
+"""Failure and repair: a robot stalls now and then, and a spare robot takes over a goal that takes too long.
 
 20 goals: 19 by the first robot, 1 by the spare one
 1 failures, over after 271 s
@@ -7,13 +7,13 @@ from move_base_abstract import Environment, make_scenario
 
 
 def deliver(env, main, spare, goals, done):
-    """Send the first robot; if it has not come after twice the time that it takes, the spare one goes."""
+    """Send the first robot; if it takes 1 s more than twice its usual time, send the spare one, too."""
     for x in goals:
         came = main.go(x, 0.0)
         limit = env.timeout(2 * main.distance_to(x, 0.0) + 1.0)
         if came not in (yield came | limit):
             done['spare'] += (yield spare.go(x, 1.0)).succeeded
-            yield came  # it is repaired some day
+            yield came  # the first robot arrives once it is repaired
         else:
             done['main'] += 1
 

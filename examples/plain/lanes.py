@@ -1,4 +1,4 @@
-"""Lanes: robots keep to a net of lanes; at the crossing there is place for one at a time.
+"""Lanes: robots keep to a net of lanes, and the crossing has room for one robot at a time.
 
 at 9.0 s robot_1 entered the crossing
 at 22.0 s robot_0 entered the crossing
@@ -15,7 +15,7 @@ GOALS = {'robot_0': (56.0, 36.0), 'robot_1': (30.0, 36.0), 'robot_2': (56.0, 20.
 
 
 def watch(env, robot):
-    """Tell when the robot gets its place at the crossing."""
+    """Print when the robot enters the crossing."""
     entry = yield robot.when('entered', 'zone crossing')
     print('at {:.1f} s {} entered the crossing'.format(env.now, entry.robot))
 

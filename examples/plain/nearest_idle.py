@@ -1,4 +1,4 @@
-"""Nearest idle robot: tasks arrive by chance, each goes to the robot that is idle and nearest; else it waits.
+"""Nearest idle robot: tasks arrive at random, and each goes to the nearest idle robot, or waits until one is idle.
 
 30 tasks done, the last at 783 s
 wait: mean 2 s, longest 14 s
@@ -14,7 +14,7 @@ SCENARIO = make_scenario({
 
 
 def serve(env, robot, task, idle, waits):
-    """Drive to a task, do it, and be idle again."""
+    """Have the robot drive to a task and do it, then put the robot back to the idle ones."""
     waits.append(env.now - task.arrival_ns / 1e9)
     yield robot.go(task.pose.x, task.pose.y)
     yield robot.work(task)
@@ -22,10 +22,10 @@ def serve(env, robot, task, idle, waits):
 
 
 def dispatch(env, idle, waits):
-    """Give each task, as it arrives, to the nearest idle robot."""
+    """Give each task, when it arrives, to the nearest idle robot."""
     for task in SCENARIO.tasks():
         yield env.timeout(max(0.0, task.arrival_ns / 1e9 - env.now))
-        if not idle.items:  # wait until somebody is
+        if not idle.items:  # wait until a robot is idle
             idle.put((yield idle.get()))
         nearest = min(idle.items, key=lambda robot: robot.distance_to(task.pose.x, task.pose.y))
         robot = yield idle.get(lambda one, nearest=nearest: one is nearest)

@@ -1,4 +1,4 @@
-"""Patrol: two robots go around the same four corners, one the other way, and rest at each.
+"""Patrol: two robots drive around the same four corners in opposite directions, and rest at each corner.
 
 4.0 s: <robot a: idle at (6.00, 0.00, 0.00) at 4.000 s>
 60 s: a 17 corners, b 17 corners
@@ -9,7 +9,7 @@ CORNERS = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
 
 
 def patrol(env, robot, corners, visits):
-    """Go around for ever; one second at each corner."""
+    """Drive around for ever, and rest for one second at each corner."""
     while True:
         for x, y in corners:
             yield robot.go(x, y)

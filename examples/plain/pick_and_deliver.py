@@ -1,4 +1,4 @@
-"""Pick and deliver: orders of two stops with times of service, taken by the robot that is free first.
+"""Pick and deliver: each order has two stops with service times, and goes to the robot that is free first.
 
 order 7 by cart_1 at 72.0 s
 order 9 by cart_0 at 80.7 s
@@ -14,13 +14,13 @@ LOADING, UNLOADING = 5.0, 3.0  # s
 
 
 def carry(env, robot, orders, delivered):
-    """Take orders as long as there are any: to the shelf, load, to the dock, unload."""
+    """Take orders while there are any: drive to the shelf, load, drive to the dock, unload."""
     while orders:
         number, shelf = orders.pop(0)
         yield robot.go(*shelf)
         yield env.timeout(LOADING)
         yield robot.go(*DOCK)
-        with gate.request() as place:  # one unloads at a time
+        with gate.request() as place:  # one robot unloads at a time
             yield place
             yield env.timeout(UNLOADING)
         delivered.append((number, robot.name, env.now))

@@ -1,4 +1,4 @@
-"""A sweep of 1,000 runs on all cores: how long 20 targets take with 1 to 5 robots.
+"""A sweep of 1,000 runs on all cores: the time that 1 to 5 robots need for 20 targets.
 
 1 robots: 121 s, 95 % interval of the mean +- 1.7 s
 2 robots: 75 s, 95 % interval of the mean +- 1.4 s

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Says what the ranking of coordinators in simulation is worth, held against the same missions on a real stack.
+"""Compares the ranking of coordinators in simulation with their ranking in the same missions on a real stack.
 
     .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv [PICTURE.png]
 
-PICTURE.png: the distributions beside one another, quantile by quantile.
+PICTURE.png shows the real and the simulated distributions, quantile by quantile.
 
-Both are tables of missions with the columns map, robots, policy, tasks and mission_s [s]; the real one has ended, the
-simulated one level.
+Both tables have a row for each mission, with the columns map, robots, policy, tasks and mission_s [s]. The real table
+also has the column ended, the simulated one the column level.
 A configuration is a map, a number of robots and a policy; its value is the mean makespan over its task sets.
-SRCC: Pearson's correlation of these values (Kadian and others, RA-L 2020). tau: Kendall's. The ceiling: the same
-between halves of the real missions. Intervals: 95 %, by drawing task sets anew, of a single one the real missions.
+SRCC is Pearson's correlation of these values (Kadian and others, RA-L 2020), tau is Kendall's. The ceiling is the same
+numbers for two halves of the real missions. Intervals are 95 %, by resampling the task sets; if there is only one task
+set, by resampling the real missions.
 """
 import sys
 
@@ -33,12 +34,12 @@ def agreement(one, other):
 
 
 def interval(values):
-    """Return the text of an interval of 95 %."""
+    """Return the 95 % interval of ``values`` as text."""
     return '{:.2f} to {:.2f}'.format(*np.nanquantile(np.array(values), [0.025, 0.975]))
 
 
 def with_intervals(real, simulated, chance):
-    """Return [(SRCC, its interval), (tau, its interval)]; of one task set the real missions are drawn anew instead."""
+    """Return [(SRCC, its interval), (tau, its interval)]; with only one task set the real missions are resampled."""
     one, other = (table.to_numpy() for table in means(real).align(means(simulated), join='inner'))
     sets = one.shape[1]
     if sets > 1:
@@ -53,7 +54,7 @@ def with_intervals(real, simulated, chance):
 
 
 def ceiling(real, chance):
-    """Return (SRCC, tau), medians over random halves of the real missions of each configuration and task set."""
+    """Return (SRCC, tau) between halves of the real missions: the medians over 100 random divisions into halves."""
     halves = []
     cells, size = [real[key] for key in KEYS + ['tasks']], real.groupby(KEYS + ['tasks'])['mission_s'].transform('size')
     for _ in range(100):
@@ -64,7 +65,7 @@ def ceiling(real, chance):
 
 
 def pairs(real, simulated, chance):
-    """Return (pairs of policies whose real difference is certain, those with the same sign in simulation)."""
+    """Return (pairs of policies that differ for certain in reality, those of them with the same sign here)."""
     certain = same = 0
     for _, own in real.groupby(KEYS[:2]):
         policies = sorted(own.policy.unique())
@@ -80,7 +81,10 @@ def pairs(real, simulated, chance):
 
 
 def difference(rows, first, second, chance):
-    """Return (mean paired difference over task sets [s], its 95 % interval); missions of a set are drawn anew, too."""
+    """Return (mean paired difference over task sets, and the ends of its 95 % interval) [s].
+
+    Both the task sets and the missions of each set are resampled.
+    """
     one, other = ([group.mission_s.to_numpy() for _, group in rows[rows.policy == policy].groupby('tasks')]
                   for policy in (first, second))
     gap = np.mean([a.mean() - b.mean() for a, b in zip(one, other)])
@@ -90,7 +94,11 @@ def difference(rows, first, second, chance):
 
 
 def distributions(real, simulated):
-    """Return (share of real makespans in 90 % of the seeds, share of cells that a KS test tells apart at 5 %)."""
+    """Return (share of real makespans within 90 % of the simulated ones, share of cells that a KS test rejects).
+
+    The 90 % are the middle ones. A cell is a configuration with one task set. The KS test is Kolmogorov and Smirnov's,
+    at 5 %.
+    """
     inside, told_apart = [], []
     for key, own in real.groupby(KEYS + ['tasks']):
         same = [simulated[name] == value for name, value in zip(KEYS + ['tasks'], key)]
@@ -102,7 +110,7 @@ def distributions(real, simulated):
 
 
 def quantile_plot(real, simulated, path):
-    """Draw each real makespan against the simulated one of the same rank in its configuration, a panel a level."""
+    """Plot each real makespan against the simulated one at the same quantile of its cell, a panel for each level."""
     import matplotlib
     matplotlib.use('Agg')
     from matplotlib import pyplot
@@ -125,7 +133,7 @@ def quantile_plot(real, simulated, path):
 
 
 def main(real_path, simulated_path, picture=None):
-    """Print a table in Markdown, and draw a picture if one is asked for."""
+    """Print a table in Markdown, and write a picture if ``picture`` is given."""
     real, simulated = pd.read_csv(real_path), pd.read_csv(simulated_path)
     top = ceiling(real, np.random.default_rng(1))
     print('| level | simulated / real | in 90 % of the seeds | told apart (KS, 5 %) | SRCC | tau | same sign |')

@@ -1,16 +1,17 @@
-"""Who drives to which task next: five coordinators as one pure class, used by the ROS node and in plain Python.
+"""Decides which robot drives to which task next: five coordinators in one class without ROS.
 
-Costs are straight lines at a nominal speed: a coordinator like this knows no map, and no simulator.
+The ROS node and the trials in plain Python use the same class. Costs are straight lines at a nominal speed, since these
+coordinators know neither the map nor the simulator.
 """
 from math import hypot
 
 from scipy.optimize import linear_sum_assignment
 
-ATTEMPTS = 2  # of a task, before it counts as failed
+ATTEMPTS = 2  # for a task, before it counts as failed
 
 
 class Robot:
-    """What a coordinator knows of a robot: where its last goal was [m], its task, and when it should be free [s]."""
+    """What a coordinator knows about a robot: its last goal [m], its task, when it should be free [s], and its tour."""
 
     def __init__(self, place):
         self.place = place
@@ -35,7 +36,7 @@ class Dispatcher:
         self._choose = POLICIES[policy]
 
     def begin(self, now):
-        """Return [(robot's number, task's number)] of all that begin at ``now`` [s]."""
+        """Return [(robot's number, task's number)] for all tasks that begin at ``now`` [s]."""
         idle = [number for number, robot in enumerate(self.robots) if robot.task is None]
         pairs = self._choose(self, idle, now) if idle and self.open else []
         for number, task in pairs:
@@ -46,7 +47,7 @@ class Dispatcher:
         return pairs
 
     def ended(self, number, succeeded):
-        """Say that a robot's task has ended; one that failed is tried again later, at the end of what is open."""
+        """Note that a robot's task has ended; a failed one goes to the end of the open tasks until its last attempt."""
         robot = self.robots[number]
         task, robot.task = robot.task, None
         self._attempts[task] += 1
@@ -64,13 +65,13 @@ class Dispatcher:
         return len(self.done) + len(self.failed) == len(self.tasks)
 
     def seconds(self, place, task):
-        """Return how long a robot needs from ``place`` to a task by a straight line [s]."""
+        """Return the time from ``place`` to a task in a straight line [s]."""
         x, y = self.tasks[task]
         return hypot(x - place[0], y - place[1]) / self.speed
 
 
 def fixed_order(dispatcher, idle, _now):
-    """Give the tasks out in their order."""
+    """Give the tasks out in the order of their numbers."""
     return list(zip(idle, dispatcher.open))
 
 
@@ -85,7 +86,7 @@ def farthest_first(dispatcher, idle, _now):
 
 
 def one_by_one(dispatcher, idle, sign):
-    """Give each idle robot in turn the open task of the least ``sign`` times its seconds."""
+    """Give each idle robot in turn the open task with the smallest ``sign`` times seconds."""
     left, pairs = list(dispatcher.open), []
     for number in idle[:len(left)]:
         place = dispatcher.robots[number].place
@@ -96,7 +97,7 @@ def one_by_one(dispatcher, idle, sign):
 
 
 def auction(dispatcher, idle, _now):
-    """Sell all tasks at the start, one in each round, to the robot whose tour is the shortest with it."""
+    """Sell all tasks at the start, and give each idle robot the next task of its tour."""
     if not any(robot.tour for robot in dispatcher.robots) and not dispatcher.done and not dispatcher.failed:
         sell(dispatcher)
     pairs = []
@@ -108,7 +109,7 @@ def auction(dispatcher, idle, _now):
 
 
 def sell(dispatcher):
-    """Give every open task to somebody's tour."""
+    """Put every open task into a tour: in each round, the task and robot with the shortest resulting tour."""
     left = list(dispatcher.open)
     while left:
         bids = []
@@ -123,7 +124,7 @@ def sell(dispatcher):
 
 
 def length(dispatcher, place, tour):
-    """Return how long a tour from ``place`` takes by straight lines [s]."""
+    """Return the time that a tour from ``place`` takes in straight lines [s]."""
     total = 0.0
     for task in tour:
         total += dispatcher.seconds(place, task)
@@ -132,7 +133,10 @@ def length(dispatcher, place, tour):
 
 
 def batch(dispatcher, idle, now):
-    """Assign open tasks to all robots at the least sum of seconds, busy ones counted from when they should be free."""
+    """Assign open tasks to all robots at the least sum of seconds; begin those of idle robots.
+
+    A busy robot counts from the time when it should be free.
+    """
     costs = [[max(0.0, robot.free_at - now) + dispatcher.seconds(robot.place, task) for task in dispatcher.open]
              for robot in dispatcher.robots]
     rows, columns = linear_sum_assignment(costs)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes a mission: where robots start, and tasks on free places of a map, by a seed.
+"""Writes a mission: starts of robots and tasks at free places of a map, drawn by a seed.
 
     .ws/bin/python3 examples/ranking/missions.py MAP.yaml SEED ROBOTS FOLDER
 
-FOLDER/robots.yaml is a scenario, and FOLDER/tasks.yaml what the coordinator needs beside it.
+FOLDER/robots.yaml has the robots as a scenario does, and FOLDER/tasks.yaml the tasks for the coordinator.
 """
 import os
 import random
@@ -15,13 +15,13 @@ from scipy.ndimage import distance_transform_edt, label
 
 from move_base_abstract.maps.map_files import load_map, read_description
 
-CLEARANCE = 1.0  # m, from a place to the nearest cell that is not free
-APART = 3.0  # m, between the robots' starts
+CLEARANCE = 1.0  # m, minimum from a place to the nearest cell that is not free
+APART = 3.0  # m, minimum between the starts of robots
 ROBOTS, TASKS = 3, 12
 
 
 def free_places(occupancy):
-    """Return the (x, y) [m] of all cells with clearance, of the largest part of the map that hangs together."""
+    """Return the (x, y) [m] of all cells with clearance in the largest connected part of the map."""
     clear = distance_transform_edt(occupancy.cells == 0) * occupancy.resolution > CLEARANCE
     parts, count = label(clear)
     largest = max(range(1, count + 1), key=lambda part: (parts == part).sum())
@@ -29,7 +29,7 @@ def free_places(occupancy):
 
 
 def make_mission(places, seed):
-    """Return {'starts': [[x, y, yaw]], 'tasks': [[x, y, yaw]]} of free places."""
+    """Return {'starts': [[x, y, yaw]], 'tasks': [[x, y, yaw]]} (m, m, rad) at some of ``places``."""
     chance = random.Random('mission {}'.format(seed))
 
     def place(others=()):
@@ -44,7 +44,7 @@ def make_mission(places, seed):
 
 
 def scenario_robots(starts):
-    """Return the robots of a scenario that stand at ``starts``."""
+    """Return the ``robots`` of a scenario in which they stand at ``starts``."""
     return [{'name': 'robot_{}'.format(number), 'start_x': x, 'start_y': y, 'start_yaw': yaw}
             for number, (x, y, yaw) in enumerate(starts)]
 

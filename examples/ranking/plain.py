@@ -1,4 +1,4 @@
-"""Missions on abstract robots in plain Python: a trial that is a function, see ranking.yaml."""
+"""Missions of abstract robots in plain Python, for an experiment whose trial is a function (ranking.yaml)."""
 import os
 
 from dispatching import Dispatcher
@@ -7,25 +7,25 @@ from missions import free_places, make_mission, scenario_robots
 from move_base_abstract import Environment, make_scenario
 from move_base_abstract.maps.map_files import load_map, read_description
 
-LIMIT = 900.0  # s; a mission that has not ended counts as this
+LIMIT = 900.0  # s; the time of a mission that has not ended by then
 _WAYS = {'use_map': True, 'routes': 'grid', 'robot_radius': 0.4}
-#: what a robot is, from the plainest to the fullest
+#: settings of the robots, from the simplest to the most complete
 LEVELS = {'straight': {'max_speed': 1.0},
           'routes': {'max_speed': 1.0, **_WAYS},
           'calibrated': {'calibration': 'move_base_dwa_stage', **_WAYS}}
-LEVELS['encounters'] = LEVELS['calibrated']  # and they meet
+LEVELS['encounters'] = LEVELS['calibrated']  # with encounters of robots
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 _maps = {}
 
 
 def paths_of(name):
-    """Return where the map ``name`` may lie: an absolute path, in the package's maps/, or beside the recordings."""
+    """Return the paths at which the map ``name`` may be: in maps/ and beside the recordings; an absolute path stays."""
     file = name if name.endswith('.yaml') else name + '.yaml'
     return [os.path.join(_PACKAGE, folder, file) for folder in ('maps', 'examples/reality/ranking')]
 
 
 def map_of(name):
-    """Return (map, its free places) by name; read once."""
+    """Return (map, its free places) for a name; each map is read once."""
     if name not in _maps:
         occupancy = load_map(read_description(next(filter(os.path.exists, paths_of(name)), name)))
         _maps[name] = occupancy, free_places(occupancy)
@@ -33,7 +33,7 @@ def map_of(name):
 
 
 def run_mission(level, policy, robots, mission, occupancy, seed):
-    """Return what one mission gives: makespan [s], whether it ended, tasks that failed."""
+    """Run one mission and return its makespan [s], whether it ended, and the number of tasks that failed."""
     starts = mission['starts'][:robots]
     env = Environment(make_scenario({
         'seed': seed, 'encounters': 'calibrated' if level == 'encounters' else 'none', 'defaults': LEVELS[level],
@@ -57,7 +57,7 @@ def run_mission(level, policy, robots, mission, occupancy, seed):
 
 
 def prepare(_args, factors):
-    """Load the maps before the first trial, and drive a mission on each: what its ways need is made once."""
+    """Load the maps before the first trial, and drive a mission on each, so that its tables for routes exist."""
     for name in factors['map']:
         occupancy, places = map_of(name)
         run_mission('encounters', 'auction', 2, make_mission(places, 1), occupancy, 0)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Sends robots to the tasks of a mission: stock actionlib, for real move_base and for this package.
+"""Sends robots to the tasks of a mission by stock actionlib, with the real move_base or with this package.
 
-Parameters: ~policy, ~robots (as in a scenario), ~tasks ([x, y, yaw]), ~limit [s], ~output (a line of JSON is added).
+Parameters: ~policy, ~robots (as in a scenario), ~tasks ([x, y, yaw] each; m, m, rad; frame map), ~wait [s] before the
+first goal, ~limit [s], and ~output, a file to which a line of JSON is added.
 """
 import json
 import math
@@ -19,7 +20,7 @@ from dispatching import Dispatcher  # noqa: E402
 
 
 class Coordinator:
-    """Begins what the dispatcher says, and ends when no task is left or the time is up."""
+    """Sends the goals that the dispatcher chooses; ``over_at`` [s] is set when no task is left."""
 
     def __init__(self, robots, tasks, policy):
         self._lock = threading.RLock()
@@ -28,13 +29,13 @@ class Coordinator:
                                      [tuple(task[:2]) for task in tasks])
         self._clients = [actionlib.ActionClient('/{}/move_base'.format(robot['name']), MoveBaseAction)
                          for robot in robots]
-        self._handles = {}  # kept: what nobody keeps is not told
+        self._handles = {}  # kept, since actionlib reports nothing for a handle that was deleted
         self.over_at = None  # s
         for client in self._clients:
             client.wait_for_server()
 
     def begin(self):
-        """Send every robot that gets a task."""
+        """Send each robot that gets a task now."""
         with self._lock:
             for number, task in self.dispatcher.begin(rospy.get_time()):
                 self._send(number, task)
@@ -62,7 +63,7 @@ class Coordinator:
             self.begin()
 
     def stop(self):
-        """Cancel what is under way."""
+        """Cancel all goals."""
         for client in self._clients:
             client.cancel_all_goals()
 
@@ -72,7 +73,7 @@ def main():
     rospy.init_node('coordinator')
     policy, robots = rospy.get_param('~policy'), rospy.get_param('~robots')
     coordinator = Coordinator(robots, rospy.get_param('~tasks'), policy)
-    rospy.sleep(rospy.get_param('~wait', 1.0))  # for costmaps
+    rospy.sleep(rospy.get_param('~wait', 1.0))  # until the costmaps are there
     start, limit = rospy.get_time(), rospy.get_param('~limit', 900.0)
     coordinator.begin()
     while coordinator.over_at is None and rospy.get_time() - start < limit and not rospy.is_shutdown():

@@ -1,4 +1,4 @@
-"""Pages in a real browser: Chromium without a screen, driven by Selenium. Skipped only where there is no Chromium."""
+"""Pages in a real browser: Chromium without a screen, driven by Selenium. Without them the tests are skipped."""
 import inspect
 import os
 import shutil
@@ -16,13 +16,13 @@ _FLAGS = ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-
 
 
 class Browser:
-    """A page, and what its console says."""
+    """A browser with one page and its console."""
 
     def __init__(self, driver):
         self.driver = driver
 
     def open(self, path, width=1280, height=800, dark=False, ready="document.body.classList.contains('ready')"):
-        """Open a file and wait until the page is ready: until ``ready`` is true there."""
+        """Open a file, and wait until the expression ``ready`` is true in the page."""
         self.driver.get('about:blank')
         self.console()
         self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
@@ -33,16 +33,16 @@ class Browser:
         self.wait('return ' + ready)
 
     def run(self, script, *arguments):
-        """Return what a script in the page returns."""
+        """Run a script in the page, and return its result."""
         return self.driver.execute_script(script, *arguments)
 
     def wait(self, script):
-        """Wait until a script in the page returns something true, which is returned."""
+        """Wait until a script in the page returns something true, and return that."""
         from selenium.webdriver.support.ui import WebDriverWait
         return WebDriverWait(self.driver, GUARD, 0.02).until(lambda driver: driver.execute_script(script))
 
     def frame(self):
-        """Wait until the page has drawn what was asked for."""
+        """Wait until the page has drawn its present state."""
         self.driver.execute_async_script(
             'const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()))')
 
@@ -51,12 +51,12 @@ class Browser:
         self.driver.find_element('css selector', css).click()
 
     def press(self, *keys):
-        """Press keys, wherever the focus is."""
+        """Press keys in the element that has the focus."""
         from selenium.webdriver.common.action_chains import ActionChains
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def console(self):
-        """Return what the console has said since it was asked last."""
+        """Return the messages of the console since the last call."""
         return [entry['message'] for entry in self.driver.get_log('browser')]
 
 
@@ -82,7 +82,7 @@ def _driver():
 
 @pytest.fixture
 def browser(_driver):
-    """Return the Browser; at the end of the test its console must have said nothing."""
+    """Yield the Browser; at the end of the test its console must be empty."""
     browser = Browser(_driver)
     yield browser
     assert browser.console() == []

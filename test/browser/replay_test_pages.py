@@ -11,7 +11,7 @@ LIMITS = {'max_speed': 1.5, 'acceleration': 0.4, 'turn_rate': 0.8, 'log_motion':
 
 
 def small_run(last=(4.0, 4.0)):
-    """Return the trace of three robots; ``last`` is where the first one goes in the end."""
+    """Return the trace of three robots; ``last`` is the last goal of the first robot, (x, y) [m]."""
     fleet = Fleet(make_scenario({'defaults': LIMITS, 'robots': [{'name': 'robot', 'count': 3, 'start_x': 4.0,
                                                                  'start_y': 4.0, 'step_y': 4.0}]}))
     fleet.send('robot_0', 30.0, 20.0, 1.0)
@@ -23,7 +23,7 @@ def small_run(last=(4.0, 4.0)):
 
 
 def many_legs(robots=20, legs=100_000):
-    """Return the events of so many legs, of which the log says no limits."""
+    """Return the events of ``legs`` legs, for which the log has no limits of motion."""
     draw, entries, now_ns = random.Random(5), [], S
     for name in ('robot_{}'.format(number) for number in range(robots)):
         entries.append((now_ns, name, 'stands', (0.0, 0.0, 0.0)))
@@ -37,7 +37,7 @@ def many_legs(robots=20, legs=100_000):
 
 
 def page(folder, name, *runs, map_file=None):
-    """Write a page of some runs' events; return its path."""
+    """Write a page with the events of some runs; return its path."""
     logs = []
     for number, entries in enumerate(runs):
         logs.append(folder / '{}_{}.jsonl'.format(name, number))

@@ -1,4 +1,4 @@
-"""A replay in Chromium: what a person does with it, and that its legs are the simulator's."""
+"""A replay in Chromium: the actions of a person, and that its legs are those of the simulator."""
 import math
 import random
 from pathlib import Path
@@ -12,7 +12,7 @@ from move_base_abstract_replay.motions import make_leg
 S = 1_000_000_000
 MAP = Path(__file__).resolve().parents[2] / 'maps' / 'farm_yard.yaml'
 TIME = 'return window.replay.time'
-#: (x, y, yaw) of a robot of a run as the page has it
+#: script for the (x, y, yaw) of a robot of a run in the page
 POSE = ('const p = window.replay.runs[arguments[0]].poseAt(arguments[1], window.replay.time); '
         'return [p.x, p.y, p.yaw]')
 CURRENT = "return document.querySelector('.event.current:not([hidden])').textContent"
@@ -20,13 +20,13 @@ CURRENT = "return document.querySelector('.event.current:not([hidden])').textCon
 
 @pytest.fixture(scope='module')
 def pages(tmp_path_factory):
-    """Return a folder for pages, and the page of a small run."""
+    """Return (a folder for pages, the page of a small run)."""
     folder = tmp_path_factory.mktemp('replay')
     return folder, page(folder, 'small', small_run(), map_file=MAP)
 
 
 def random_legs(count):
-    """Return (start, goal, limits, departure [ns]) of legs of all kinds: short and long, with and without limits."""
+    """Yield (start, goal, limits, departure [ns]) for legs of all kinds: short and long, with and without limits."""
     draw = random.Random(11)
 
     def pose(size):
@@ -120,7 +120,7 @@ def test_a_way_with_corners_is_one_leg_to_its_goal(browser, pages):
     motion, first, last, count = browser.run(
         'const r = window.replay.runs[0], m = r.motionAt(0, 2e9); '
         'return [m, r.firstOf(0, r.lastOf(m), 1), r.lastOf(m), r.motion_begin.length]')
-    assert first <= 1 < motion + 1 < last == count - 2  # behind it the last departure
+    assert first <= 1 < motion + 1 < last == count - 2  # the last departure comes after it
     browser.run('window.replay.seek(4e9)')
     browser.frame()
 
@@ -131,7 +131,7 @@ def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):
             (20 * S, '', 'link', ('base', 'robot_1', 'down'))]
     entries = sorted([*rows, *small_run()], key=lambda entry: entry[0])
     browser.open(page(pages[0], 'links', entries, map_file=MAP))
-    # The dotted lines that the page draws are kept, as [[x, y] of both ends] [px].
+    # Keep the dotted lines that the page draws, as [[x, y] of both ends] [px].
     browser.run("""
         window.drawn = [];
         const P = CanvasRenderingContext2D.prototype, {setLineDash, moveTo, lineTo} = P;
@@ -150,7 +150,7 @@ def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):
         base, end = drawn[0]
         scale = (end[0] - base[0]) / robots[0][0]  # px/m
         assert scale > 0
-        for number, (begin, end) in enumerate(drawn):  # each frame draws them all
+        for number, (begin, end) in enumerate(drawn):  # each frame draws all of them
             x, y = robots[number % len(robots)]
             assert begin == base
             assert (end[0] - base[0], base[1] - end[1]) == pytest.approx((x * scale, y * scale), abs=0.01)

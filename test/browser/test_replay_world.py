@@ -1,4 +1,4 @@
-"""The world in a replay, in Chromium: names that do not cover one another, who waits, pictures, many robots."""
+"""The world in a replay, in Chromium: names that do not overlap, robots that wait, pictures, many robots."""
 import json
 
 import pytest
@@ -8,7 +8,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.page import write_page
 
-#: boxes of what is written on the map: of each text the one that is filled
+#: script for the boxes of the texts on the map; each text is there twice, and the filled one counts
 BOXES = """
     const texts = [...document.querySelectorAll('.map svg text')].filter((text) => !text.getAttribute('stroke'));
     return texts.map((text) => {
@@ -21,7 +21,7 @@ HOSTILE = '</script><img src=x onerror=alert(1)>'
 
 @pytest.fixture(scope='module')
 def page(tmp_path_factory):
-    """Return the page of 50 robots, of which most wait before one gate, and one name that is no good."""
+    """Return the page of 50 robots, most of which wait at one gate, and of a name that is HTML."""
     folder = tmp_path_factory.mktemp('world')
     scenario = make_scenario({
         'defaults': {'max_speed': 2.0, 'acceleration': 1.0, 'log_motion': True, 'battery_capacity': 1.0,

@@ -1,4 +1,4 @@
-"""The report on an experiment in Chromium: it needs no more room than there is."""
+"""The report on an experiment in Chromium: it is not wider than the screen."""
 import experiment_folder
 
 from move_base_abstract_experiments.report import command

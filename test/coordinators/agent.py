@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does jobs of 5 s, one at a time, and ends the run after four. A second job while it does one is an error."""
+"""Does jobs of 5 s, one at a time, and ends the run after four jobs. It is an error if a job comes during another."""
 import rospy
 from std_msgs.msg import Empty, Int32, String
 

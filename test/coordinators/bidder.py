@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Makes a bid in each auction, after the ~time [s] that it needs to find its price."""
+"""Makes a bid in each auction, after the ~time [s] that it needs to compute its price."""
 import rospy
 from geometry_msgs.msg import Point
 from std_msgs.msg import Int32
 
 
 def main():
-    """Run until told to end."""
+    """Run until the node is shut down."""
     rospy.init_node('bidder')
     number, time = rospy.get_param('~number'), rospy.get_param('~time')
     bids = rospy.Publisher('bids', Point, queue_size=10)

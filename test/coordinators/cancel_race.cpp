@@ -1,5 +1,5 @@
-// Sends a robot to a place, and another one where the first is late. ~correct: its twin.
-// The bug: the first may have arrived when it is cancelled, and its result be under way.
+// Sends a robot to a place, and a second robot if the first is late. ~correct: without the bug.
+// The bug: when the first goal is cancelled, the robot may have arrived, with its result under way.
 #include <actionlib/client/simple_action_client.h>
 #include <move_base_msgs/MoveBaseAction.h>
 #include <ros/ros.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Orders an urgent drive after 9.97 s, and counts the drives. It ends with an error if there was one too many."""
+"""Orders an urgent drive after 9.97 s, and counts the drives. It ends with an error unless there were three."""
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseActionResult

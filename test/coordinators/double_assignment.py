@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Gives tasks to two workers, and to the other one where none answers within 0.18 s. ~correct: its twin.
+"""Offers each task to one of two workers, and to the other if it does not answer in 0.18 s. ~correct: without the bug.
 
-The bug: the first worker may have begun, and only its answer is late: both do the task.
+The bug: if the first worker has begun and only its answer is late, both workers do the task.
 """
 import rospy
 from std_msgs.msg import Int32
@@ -13,7 +13,7 @@ PATIENCE = 0.18  # s
 
 
 class Coordinator:
-    """Of two workers."""
+    """The coordinator of two workers."""
 
     def __init__(self):
         self.done = []
@@ -33,16 +33,16 @@ class Coordinator:
 
     @staticmethod
     def retry(worker):
-        """Return who is asked next."""
+        """Return the number of the worker that is asked next."""
         return 1 - worker
 
 
 class CorrectCoordinator(Coordinator):
-    """Asks the same worker once more, which knows the task by its number."""
+    """The coordinator without the bug: it asks the same worker again, which knows the task by its number."""
 
     @staticmethod
     def retry(worker):
-        """Return who is asked next."""
+        """Return the number of the worker that is asked next."""
         return worker
 
 

@@ -1,5 +1,5 @@
-// Sells eight tasks by auction, each open for 0.2 s. ~correct: its twin.
-// The bug: a bid that comes when its auction has closed is looked up among those that are open.
+// Sells eight tasks by auction; each auction is open for 0.2 s. ~correct: without the bug.
+// The bug: if a bid comes after its auction has closed, it looks it up among the open auctions.
 #include <geometry_msgs/Point.h>
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "coordinator");
   const bool correct = ros::NodeHandle("~").param("correct", false);
   lockstep::Participant participant;
-  std::map<int, std::map<double, int>> open;  // bidders by price, of each auction
+  std::map<int, std::map<double, int>> open;  // bidders by price, for each auction
   const auto auctions = participant.advertise<std_msgs::Int32>("auctions");
   const auto bids =
       participant.subscribe<geometry_msgs::Point>("bids", [&](const geometry_msgs::Point& bid) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Waits for robots to introduce themselves, on topics whose names it is told. ~correct: its twin.
+"""Waits for the hello of each robot, on topics whose names it gets by a message. ~correct: without the bug.
 
-The bug: robots say it once, when they are up, and it listens as soon as it has its names: who was first had luck.
+The bug: a robot says hello once, when it has started. If the names come later than that, the hello is lost.
 """
 import rospy
 from std_msgs.msg import String
@@ -10,23 +10,23 @@ from move_base_abstract_ros import lockstep
 
 
 class Coordinator:
-    """Of two robots."""
+    """The coordinator of two robots."""
 
     def __init__(self):
         self.robots = []
         rospy.Subscriber('team', String, self.on_team)
 
     def on_team(self, message):
-        """Listen to who belongs to the team."""
+        """Listen to each robot of the team."""
         for name in message.data.split():
             rospy.Subscriber(name + '/hello', String, lambda hello: self.robots.append(hello.data))
 
 
 class CorrectCoordinator(Coordinator):
-    """Asks those whom it has not heard."""
+    """The coordinator without the bug: it also asks the robots for their names."""
 
     def on_team(self, message):
-        """Listen, then ask."""
+        """Listen, then ask all robots."""
         super().on_team(message)
         self.ask = rospy.Publisher('who', String, queue_size=1, latch=True)
         self.ask.publish(message.data)

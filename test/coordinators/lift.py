@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Answers each question 0.87 s after it, in their order."""
+"""Answers the questions in their order; each answer takes 0.87 s."""
 import rospy
 from std_msgs.msg import Int32MultiArray
 
 
 def main():
-    """Run until told to end."""
+    """Run until the node is shut down."""
     rospy.init_node('lift')
     answers = rospy.Publisher('answers', Int32MultiArray, queue_size=10)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Sends a robot round, and to urgent places first. ~correct: its twin.
+"""Sends a robot from place to place, and to urgent places first. ~correct: without the bug.
 
-The bug: a new goal of the simple client makes it forget the last one. A result of that, if it is under way already, is
+The bug: with a new goal, the simple client forgets the last one. If the result of the last goal is under way, it is
 lost, and the robot drives to that place once more.
 """
 import actionlib
@@ -12,7 +12,7 @@ from std_msgs.msg import Empty, Float64
 
 
 def goal_at(x):
-    """Return the goal of a place on the x axis [m]."""
+    """Return the goal at ``x`` [m] on the x axis."""
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = 'map'
     goal.target_pose.pose.position.x = x
@@ -21,7 +21,7 @@ def goal_at(x):
 
 
 class Coordinator:
-    """Of one robot."""
+    """The coordinator of one robot."""
 
     def __init__(self):
         self.client = actionlib.SimpleActionClient('robot_1/move_base', MoveBaseAction)
@@ -31,7 +31,7 @@ class Coordinator:
         rospy.Subscriber('urgent', Float64, self.on_urgent)
 
     def run(self):
-        """Send the robot round until all places are visited."""
+        """Send the robot from place to place until all are visited."""
         while self.open or self.place is not None:
             if self.place is None:
                 self.send(self.open.pop(0))
@@ -43,18 +43,18 @@ class Coordinator:
         self.client.send_goal(goal_at(place), done_cb=self.on_done)
 
     def on_urgent(self, message):
-        """Go there first, and to the present place later."""
+        """Send the robot to the urgent place first, and to its present place later."""
         if self.place is not None:
             self.open.insert(0, self.place)
         self.send(message.data)
 
     def on_done(self, _state, _result):
-        """Go on."""
+        """Note that the robot has no goal any more."""
         self.place = None
 
 
 class CorrectCoordinator(Coordinator):
-    """Keeps hold of each goal, so that no result is lost."""
+    """The coordinator without the bug: it keeps a handle of each goal, so no result is lost."""
 
     def __init__(self):
         self.goals = actionlib.ActionClient('robot_1/move_base', MoveBaseAction)
@@ -67,7 +67,7 @@ class CorrectCoordinator(Coordinator):
         self.handles[place] = self.goals.send_goal(goal_at(place), transition_cb=self.on_transition)
 
     def on_transition(self, handle):
-        """Go on when the goal that is under way ends; one that has ended before need not be driven again."""
+        """Go on when the present goal ends; if an earlier goal succeeds, do not drive to its place again."""
         if handle.get_comm_state() != actionlib.CommState.DONE:
             return
         place = next(place for place, kept in self.handles.items() if kept == handle)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Books what two pickers have picked in a store that takes 10 ms to answer. ~correct: its twin.
+"""Counts the picks of two pickers in a store that takes 10 ms to answer. ~correct: without the bug.
 
-The bug: rospy calls the two subscribers in two threads, and one reads what the other is about to write.
+The bug: rospy calls the two subscribers in two threads, and one reads the total that the other is about to write.
 """
 import threading
 
@@ -10,11 +10,11 @@ from std_msgs.msg import Empty, Int32
 
 from move_base_abstract_ros import lockstep
 
-PICKS = 10  # of each picker
+PICKS = 10  # picks of each picker
 
 
 class Coordinator:
-    """Keeps the book."""
+    """The coordinator, which keeps the total."""
 
     def __init__(self):
         self.total = 0
@@ -23,7 +23,7 @@ class Coordinator:
             rospy.Subscriber('picker_{}/picked'.format(number), Int32, self.on_picked, queue_size=100)
 
     def on_picked(self, message):
-        """Add what was picked to the total in the store."""
+        """Add the picks to the total in the store."""
         self.heard += 1
         total = self.total
         rospy.sleep(0.01)
@@ -31,14 +31,14 @@ class Coordinator:
 
 
 class CorrectCoordinator(Coordinator):
-    """Lets in one at a time."""
+    """The coordinator without the bug: a lock lets in one thread at a time."""
 
     def __init__(self):
         self.lock = threading.Lock()
         super().__init__()
 
     def on_picked(self, message):
-        """Add what was picked to the total in the store."""
+        """Add the picks to the total in the store."""
         with self.lock:
             super().on_picked(message)
 

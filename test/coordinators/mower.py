@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mows rows of 10 s; tells its pose twice a second and at the end. A row that begins elsewhere is an error."""
+"""Mows rows of 10 s and publishes its pose twice a second. It is an error if a row begins somewhere else."""
 import rospy
 from geometry_msgs.msg import Point, Pose2D
 from std_msgs.msg import Int32

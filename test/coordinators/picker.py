@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Picks ten times, ~first s after the beginning and then once a second."""
+"""Picks ten times, first ~first [s] after the beginning and then once a second."""
 import rospy
 from std_msgs.msg import Empty, Int32
 
 
 def main():
-    """Run until told to end."""
+    """Run until the node is shut down."""
     rospy.init_node('picker')
     picked = rospy.Publisher('picked', Int32, queue_size=10)
     rospy.wait_for_message('/begin', Empty)

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Introduces itself when it is up, and whenever it is asked."""
+"""Publishes its name when it has started, and each time it is asked."""
 import rospy
 from std_msgs.msg import String
 
 
 def main():
-    """Run until told to end."""
+    """Run until the node is shut down."""
     rospy.init_node('robot')
     hello = rospy.Publisher('hello', String, queue_size=1)
     name = rospy.get_namespace().strip('/')
     rospy.Subscriber('/who', String, lambda _: hello.publish(name))
-    rospy.sleep(0.03)  # s, which it takes to come up
+    rospy.sleep(0.03)  # s that the robot takes to start
     hello.publish(name)
     rospy.spin()
 

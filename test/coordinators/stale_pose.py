@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Sends a mower row by row; each row is told with the place where it begins. ~correct: its twin.
+"""Sends a mower row by row; each order has the place where the row begins. ~correct: without the bug.
 
-The bug: the place is that of the pose that was heard last, and a pose may be under way when the mower says that it has
-come to the end of its row.
+The bug: it takes the place from the last pose that it has heard, but a newer pose may still be under way when the mower
+reports the end of its row.
 """
 import rospy
 from geometry_msgs.msg import Point, Pose2D
@@ -10,11 +10,11 @@ from std_msgs.msg import Int32
 
 from move_base_abstract_ros import lockstep
 
-ROWS = 4  # and the first, 0, which is none
+ROWS = 4  # without row 0, which the mower reports at the start
 
 
 class Coordinator:
-    """Of one mower."""
+    """The coordinator of one mower."""
 
     def __init__(self):
         self.x = 0.0
@@ -23,20 +23,20 @@ class Coordinator:
         rospy.Subscriber('row_done', Int32, self.on_done)
 
     def on_pose(self, pose):
-        """Remember where it is [m]."""
+        """Note the x of the mower [m]."""
         self.x = pose.x
 
     def on_done(self, message):
-        """Send the next row: from where it is, to the other side."""
+        """Order the next row, from the last known x to the other side."""
         if message.data < ROWS:
             self.rows.publish(self.x, 10.0 if self.x < 5.0 else 0.0, message.data + 1)
 
 
 class CorrectCoordinator(Coordinator):
-    """Knows where each row ends."""
+    """The coordinator without the bug: it computes where each row ends."""
 
     def on_done(self, message):
-        """Send the next row: from where the last one ends."""
+        """Order the next row, from the end of the last row."""
         self.x = 10.0 * (message.data % 2)
         super().on_done(message)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Keeps a list of jobs that a machine has begun, and takes them off it when they have ended. ~correct: its twin.
+"""Keeps a list of the jobs that a machine has begun, and removes those that have ended. ~correct: without the bug.
 
-The bug: the machine says so on two topics, and nothing says that the first is heard first.
+The bug: beginnings and ends come on two topics, and nothing ensures that the beginning of a job is heard first.
 """
 import rospy
 from std_msgs.msg import Int32
@@ -10,7 +10,7 @@ JOBS = 8
 
 
 class Coordinator:
-    """Of one machine."""
+    """The coordinator of one machine."""
 
     def __init__(self):
         self.heard = []
@@ -20,7 +20,7 @@ class Coordinator:
             rospy.Subscriber(name, Int32, lambda job, what=name: self.heard.append((what, job.data)), queue_size=10)
 
     def look(self):
-        """Take note of what was heard."""
+        """Handle the messages that have come."""
         while self.heard:
             what, job = self.heard.pop(0)
             if what == 'begun':
@@ -30,15 +30,15 @@ class Coordinator:
                 self.ended += 1
 
     def take_off(self, job):
-        """Take a job off the list."""
+        """Remove a job from the list."""
         self.running.remove(job)
 
 
 class CorrectCoordinator(Coordinator):
-    """Does not mind who is first."""
+    """The coordinator without the bug: the order of the two messages does not matter."""
 
     def take_off(self, job):
-        """Take a job off the list, also one that has yet to come onto it."""
+        """Remove a job from the list, or its beginning from the messages that are not handled yet."""
         if job in self.running:
             self.running.remove(job)
         elif ('begun', job) in self.heard:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Asks a lift for its floor, and once more where no answer has come after 1 s. ~correct: its twin.
+"""Asks a lift for a floor, and asks again if no answer has come after 1 s. ~correct: without the bug.
 
-The bug: the answer to the first question may come after it was asked again; it is then taken for that of the next.
+The bug: if the question was asked twice, the second answer is taken for the answer to the next question.
 """
 import rospy
 from std_msgs.msg import Int32MultiArray
 
 
 class Coordinator:
-    """Of one lift."""
+    """The coordinator of one lift."""
 
     def __init__(self):
         self.answers = []
@@ -17,7 +17,7 @@ class Coordinator:
         rospy.Subscriber('answers', Int32MultiArray, lambda answer: self.answers.append(list(answer.data)))
 
     def ask(self, floor):
-        """Return what the lift says to a question: [its number, the floor]."""
+        """Ask for a floor; return the answer of the lift, [number of the question, floor]."""
         self.asked += 1
         while True:
             self.questions.publish(Int32MultiArray(data=[self.asked, floor]))
@@ -28,15 +28,15 @@ class Coordinator:
                 rospy.sleep(0.1)
 
     def is_answered(self):
-        """Return whether the next answer is there."""
+        """Return whether an answer is there."""
         return bool(self.answers)
 
 
 class CorrectCoordinator(Coordinator):
-    """Leaves out answers to questions that it has asked before."""
+    """The coordinator without the bug: it drops answers to earlier questions."""
 
     def is_answered(self):
-        """Return whether the next answer is there."""
+        """Return whether an answer is there."""
         self.answers = [answer for answer in self.answers if answer[0] == self.asked]
         return bool(self.answers)
 

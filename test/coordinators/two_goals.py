@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Gives jobs to an agent that says when it is idle and when it is ready for the next. ~correct: its twin.
+"""Gives jobs to an agent that reports when it is idle and when it is ready for a job. ~correct: without the bug.
 
-The bug: a new job goes at once to an agent that is idle, while another one waits for it to be ready: both are sent.
+The bug: a new job goes to an idle agent at once, and then a waiting job goes to it when it is ready.
 """
 import rospy
 from std_msgs.msg import Empty, Int32, String
 
 
 class Coordinator:
-    """Of one agent."""
+    """The coordinator of one agent."""
 
     def __init__(self):
         self.jobs = [1, 2]
@@ -19,11 +19,11 @@ class Coordinator:
         rospy.Subscriber('jobs', Int32, self.on_job)
 
     def on_state(self, message):
-        """Remember what the agent does."""
+        """Note whether the agent is idle."""
         self.is_idle = message.data == 'idle'
 
     def on_job(self, message):
-        """Send a new job, or keep it."""
+        """Send a new job if the agent is idle; otherwise keep it."""
         if self.is_idle:
             self.send(message.data)
         else:
@@ -41,20 +41,20 @@ class Coordinator:
 
 
 class CorrectCoordinator(Coordinator):
-    """Sends jobs to who is ready only, one for each time that it was."""
+    """The coordinator without the bug: it sends exactly one job each time the agent is ready."""
 
     def __init__(self):
         self.is_ready = False
         super().__init__()
 
     def on_job(self, message):
-        """Put it behind the others."""
+        """Queue the new job, and send a job if the agent is ready."""
         self.jobs.append(message.data)
         if self.is_ready:
             self.on_ready(message)
 
     def on_ready(self, _message):
-        """Send the next job, or remember that one is wanted."""
+        """Send the next job, or note that the agent is ready."""
         self.is_ready = not self.jobs
         if self.jobs:
             self.send(self.jobs.pop(0))

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Accepts a task after 0.15 s, and needs 3 s for it; a task that it knows already it accepts again, and does once."""
+"""Accepts a task within 0.15 s and needs 3 s for it. It accepts a known task again, but does not do it again."""
 import rospy
 from std_msgs.msg import Int32
 
 
 def main():
-    """Run until told to end."""
+    """Run until the node is shut down."""
     rospy.init_node('worker')
     offers, known = [], []
     accepted = rospy.Publisher('accepted', Int32, queue_size=10)

@@ -1,5 +1,6 @@
-// Parameters of a participant. ~count: set and delete some each 0.1 s, so many times; else look at
-// them. At the end ~asks: ask for one, and wait for the end of the run.
+// Parameters of a participant. With ~count it sets and deletes some, ~count times, every 0.1 s;
+// otherwise it looks at them. At the end it asks for the parameter ~asks and waits for the run's
+// end.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 
@@ -13,7 +14,7 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-/** What everybody sees at this instant, after the rounds before. */
+/** Print what all participants see at this instant, after the earlier rounds. */
 void look(const lockstep::Participant& participant) {
   std::string text = "-";
   const int count = ros::param::param("/wall/count", 0);
@@ -50,13 +51,13 @@ void write(lockstep::Participant& participant, int count) {
     tree["odd"] = std::string("<&> \xc3\xa4");
     tree["small"] = -1e-12 * k;
     participant.setParam("wall/count", XmlRpcValue(-1));
-    participant.setParam("wall/count", XmlRpcValue(k));  // the last one counts
+    participant.setParam("wall/count", XmlRpcValue(k));  // the last value counts
     participant.setParam("/wall/tree", tree);
     if (k % 3 == 0) {
       participant.deleteParam("/wall/tree/odd");
       participant.deleteParam("/wall/never_there");
     }
-    look(participant);  // its own are not there before the round is over
+    look(participant);  // it does not see its own before the round is over
     participant.sleep(ros::Duration(0.1));
   }
 }

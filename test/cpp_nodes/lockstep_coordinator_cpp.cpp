@@ -1,33 +1,33 @@
-// A coordinator that sends goals to N robots over MoveBase's action topics, for comparing runs.
+// A coordinator that sends goals to N robots over MoveBase's action topics, to compare runs.
 //
-// Parameters: ~robots (how many), ~goals (how many in all), ~seed, ~patient (default false). Names
+// Parameters: ~robots (number), ~goals (number in all), ~seed, ~patient (default false). Names
 // are robot_0 .. robot_{N-1}. Topics of robot i: publishes /robot_i/move_base/goal and
 // /robot_i/move_base/cancel; listens to /robot_i/move_base/result and /robot_i/move_base/status.
 // Advertised and subscribed in this order, robot by robot: goal, cancel, result, status.
 //
-// The policy, exact so that a twin in another language sends the same messages in the same order:
+// The exact policy, so that a program in another language sends the same messages in order:
 //
 //  draw():     x = x * 6364136223846793005 + 1442695040888963407 mod 2^64 (at first x = seed); the
 //              value is x >> 33.
 //  send(i):    sent[i] += 1; sent_in_all += 1; out_in_all += 1; out[i] += 1;
 //              K = sent[i]
-//              x = (draw() % 9) * 5 - 20: few places, so that robots often arrive together
+//              x = (draw() % 9) * 5 - 20 (few places, so that robots often arrive together)
 //              publish a goal: header and goal_id.stamp and target_pose.header.stamp all 0,
 //              goal_id.id = 'robot_i-K', target_pose.header.frame_id = 'map',
 //              position (x, 0, 0), orientation (0, 0, 0, 1)
 //  order(i):   send(i), then c = draw() % 10
 //              c = 0: delay = (draw() % 50) / 10.0 s; a one-shot timer of that delay publishes a
-//                     cancel (stamp 0, id of the goal just sent), whatever has become of the goal
+//                     cancel (stamp 0, id of the goal just sent), in whatever state the goal is
 //              c = 1: delay = (draw() % 50) / 10.0 s; a one-shot timer of that delay calls send(i)
-//                     if sent_in_all < goals then (no draw after it: it is not followed by another)
+//                     if then sent_in_all < goals (no draw follows, so no further order does)
 //              otherwise nothing.
 //  start:      when a status message of each robot has come: order(i) for i = 0 .. N-1 while
 //              sent_in_all < goals, all at that instant, in the callback of the last one's status.
 //  result:     any status, from robot i (each goal has exactly one; a replaced goal has one too):
 //              out_in_all -= 1; out[i] -= 1; if sent_in_all < goals: order(i)
-//              With ~patient only if out[i] = 0 too. (Without, the first replaced goal of a robot
-//              sets off a chain: the result of the replaced goal makes for one more goal, which
-//              replaces the other, and so on at that instant until all goals are sent.)
+//              With ~patient only if out[i] = 0, too. (Without it, the first replaced goal of a
+//              robot starts a chain: its result leads to one more goal, which replaces the other
+//              goal, and so on at that instant until all goals are sent.)
 //  end:        sent_in_all = goals and out_in_all = 0: leave, exit code 0.
 //
 // Timers that are due at one instant fire in the order (due, made); messages come before timers.

@@ -1,4 +1,4 @@
-// Plays a fixed script alone and prints "TIME_NS MICROSTEP WHAT" for each thing that happens.
+// Plays a fixed script as the only participant and prints "TIME_NS MICROSTEP WHAT" for each event.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>

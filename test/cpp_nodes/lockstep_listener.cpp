@@ -1,5 +1,5 @@
-// Writes out what comes: "TIME_NS MICROSTEP TOPIC STAMP_NS" for each std_msgs/Time on ~topics,
-// until the simulated instant ~until [s], when it leaves.
+// Prints "TIME_NS MICROSTEP TOPIC STAMP_NS" for each std_msgs/Time on ~topics, and leaves at the
+// simulated instant ~until [s].
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_msgs/Time.h>

@@ -1,8 +1,7 @@
-// Two of these throw a number to each other: ~from and ~to are topics, who has ~begin throws first.
-//
-// A throw takes no simulated time but the ~pause [s] before it (0: none). At ~rounds the one that
-// began prints the rate, and both leave. Each catch is written out as "TIME_NS NUMBER" where
-// ~verbose is set.
+// Two of these nodes throw a number to each other on the topics ~from and ~to; the one with ~begin
+// throws first.
+// A throw takes no simulated time except the ~pause [s] before it (0: none). After ~rounds each
+// prints the rate and leaves. With ~verbose, each catch is printed as "TIME_NS NUMBER".
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_msgs/UInt32.h>

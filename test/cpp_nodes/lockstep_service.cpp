@@ -1,5 +1,6 @@
-// A service whose handler sleeps, and a client of it. ~serve: offer /wait (which takes 0.5 s and
-// refuses `false`); else call it as ~calls says, print "TIME_NS ANSWER" for each, and leave.
+// A service whose handler sleeps, and its client. With ~serve it offers /wait, which takes 0.5 s
+// and refuses `false`. Otherwise it calls /wait with each of ~calls, prints "TIME_NS ANSWER", and
+// leaves.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>

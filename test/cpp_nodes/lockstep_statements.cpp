@@ -1,4 +1,4 @@
-// Makes statements as a participant by the library.
+// A participant by the library that makes statements about properties.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 

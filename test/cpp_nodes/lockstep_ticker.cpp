@@ -1,8 +1,7 @@
-// A timer that publishes: the smallest participant, and the measure of ticks per second of wall
-// time.
+// A timer that publishes: the smallest participant, which measures ticks per second of wall time.
 //
-// ~period [s, simulated], ~ticks (0: without end), ~topic. Publishes the time of each tick; after
-// the last one it prints the rate and how many listeners it had, and leaves.
+// Parameters: ~period [s, simulated], ~ticks (0: without end), ~topic. It publishes the time of
+// each tick. After the last tick it prints the rate and the number of listeners, and leaves.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_msgs/Time.h>

@@ -1,4 +1,4 @@
-// The machine's clock for who measures: what a preloaded library stands in front of is passed by.
+// The machine's clock for measurements: a system call, which a preloaded library does not replace.
 #ifndef MOVE_BASE_ABSTRACT_TEST_MACHINE_TIME_H
 #define MOVE_BASE_ABSTRACT_TEST_MACHINE_TIME_H
 
@@ -6,7 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/** @return s of the machine's own monotonic clock. */
+/** @return the machine's own monotonic time [s]. */
 inline double machineTime() {
   timespec now{};
   ::syscall(SYS_clock_gettime, CLOCK_MONOTONIC, &now);

@@ -1,4 +1,4 @@
-// A program that writes on a board of parameters and reads it, in all ways there are.
+// A program that writes parameters and reads them, in all ways that roscpp has.
 #include <ros/ros.h>
 
 #include <cstdio>
@@ -18,7 +18,7 @@ std::string of(const ros::NodeHandle& node, const std::string& key, bool is_cach
   return value;
 }
 
-/** @brief What is set in this turn is seen by the program itself, though nobody else has it. */
+/** @brief The program sees what it has set in this turn, before other participants do. */
 void writeAndRead(ros::NodeHandle& node, int count) {
   const std::string mine = "board " + std::to_string(count);
   node.setParam("/board/latest", mine);
@@ -42,10 +42,10 @@ void writeAndRead(ros::NodeHandle& node, int count) {
   }
 }
 
-/** @brief A program that takes no part sees what was set in this turn. */
+/** @brief Check that a program that takes no part sees what was set in this turn. */
 void start(ros::NodeHandle& node) {
   node.setParam("/board/errand", 3);
-  node.setParam("/board/odd", "\x01");  // what XML cannot say is refused, as without lockstep
+  node.setParam("/board/odd", "\x01");  // text that XML cannot hold is refused, as without lockstep
   node.setParam("/board/nothing", XmlRpc::XmlRpcValue());
   std::string found;
   ros::param::search("/a", "\xff", found);

@@ -1,5 +1,6 @@
-// Services: "server" answers (after a sleep, if ~work is set), "client" calls once a second, first
-// waiting for the service with and without success. What the client sees it tells on "answers".
+// Services. The server answers, after a sleep of ~work [s] if that is set. With ~client it waits
+// for services with and without success, calls once a second, and publishes what it sees on
+// "answers".
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>

@@ -1,4 +1,4 @@
-// A program that sees who is there at the start, and asks until somebody has come late.
+// A program that lists topics and nodes at the start, and asks for topics until /late is there.
 #include <ros/ros.h>
 
 #include <algorithm>

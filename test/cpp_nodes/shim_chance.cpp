@@ -1,5 +1,6 @@
-// An agent as people write them: seeded by the time before ROS begins, an AsyncSpinner, a loop of
-// 30 Hz, dice in callbacks, durations by the clocks of the wall. ~what says what else it asks.
+// An agent as people write them: it is seeded by the time before ROS begins, and has an
+// AsyncSpinner, a loop of 30 Hz, random numbers in callbacks and durations by wall clocks. ~what
+// chooses other tests.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -53,7 +54,7 @@ void tell(const std::string& what, Values... values) {
   tell(text.str());
 }
 
-/** Computing that takes longer than a millisecond of the processor's time. */
+/** Compute for longer than a millisecond of processor time. */
 double compute() {
   double sum = 0;
   for (int k = 0; k < 3000000; ++k) {
@@ -72,7 +73,7 @@ std::string hex(const void* bytes, std::size_t size) {
 
 std::int64_t ns(const timespec& time) { return time.tv_sec * 1000000000LL + time.tv_nsec; }
 
-/** What each clock says. */
+/** @return the readings of all clocks, as text. */
 std::string clocks() {
   std::ostringstream text;
   for (const clockid_t clock :
@@ -93,7 +94,7 @@ std::string clocks() {
   return text.str();
 }
 
-/** What each source of chance says. */
+/** @return values from all sources of chance, as text. */
 std::string chance() {
   std::ostringstream text;
   text << rand() << ' ' << random() << ' ' << drand48() << ' ' << lrand48() << ' ' << mrand48();
@@ -127,11 +128,11 @@ std::string chance() {
   return text.str();
 }
 
-// Before main() even.
+// These run before main().
 const std::string first_clocks = clocks();
 const std::string first_chance = chance();
 
-/** A foreign agent. */
+/** A user's agent. */
 void agent(std::mt19937& generator, unsigned first) {
   ros::NodeHandle node;
   const auto begin = Clock::now();
@@ -154,7 +155,7 @@ void agent(std::mt19937& generator, unsigned first) {
   }
 }
 
-/** What the other thread of waits() holds, and for how long. */
+/** The locks that the other thread of waits() holds; hold() releases them one after the other. */
 struct Held {
   sem_t semaphore;
   std::shared_timed_mutex shared;
@@ -201,7 +202,7 @@ void after(const std::string& call, Result result) {
   tell(call, result, ros::Time::now().toNSec());
 }
 
-/** Waits that libc and the standard library know, with time-outs. */
+/** Waits of libc and the standard library, with time-outs. */
 void waitShortly(Held& held) {
   ros::Duration(0.3).sleep();
   pthread_spin_lock(&held.spin);
@@ -227,7 +228,7 @@ void waitShortly(Held& held) {
   after("clockwrlock", pthread_rwlock_clockwrlock(&held.written, kMonotonic, &by));
 }
 
-/** The same, and without. */
+/** Waits of libc and the standard library, with and without time-outs. */
 void waits() {
   Held held;
   sem_init(&held.semaphore, 0, 0);
@@ -249,7 +250,7 @@ void waits() {
   after("join", 0);
 }
 
-/** Sleeps without descriptors, and loops that only look at a clock. */
+/** Sleeps without descriptors, and loops that only read a clock. */
 void looks() {
   const auto begin = Clock::now();
   poll(nullptr, 0, 20);
@@ -271,7 +272,7 @@ void looks() {
   tell("looked", (Clock::now() - begin).count(), ros::Time::now().toNSec());
 }
 
-/** A file that another node has too. */
+/** Use a file that another node uses, too. */
 void file(const std::string& path, const std::string& how) {
   if (how == "reads") {
     tell("reads", std::ifstream(path).is_open());
@@ -283,7 +284,7 @@ void file(const std::string& path, const std::string& how) {
   }
 }
 
-/** What is not followed: one of them, or each. */
+/** Make one of the calls that lockstep does not follow, or all of them. */
 void untold(const std::string& what, ros::NodeHandle& own) {
   using namespace untold_sources;
   for (const auto* all : {&machine(), &descriptors(), &maskedDescriptors(), &timers(), &others(),
@@ -298,7 +299,7 @@ void untold(const std::string& what, ros::NodeHandle& own) {
        own.param<std::string>("how", ""));
 }
 
-/** Where this program lies in memory. */
+/** Tell addresses of this program in memory. */
 void addresses() {
   const auto there = std::make_unique<int>(0);
   tell("at", reinterpret_cast<void*>(&compute), static_cast<const void*>(there.get()),
@@ -308,7 +309,7 @@ void addresses() {
 sem_t posted;
 std::promise<int> promise;
 
-/** A thread from before ROS was. */
+/** The function of a thread that starts before ROS does. */
 void* stray(void*) {
   while (!publisher) {
     usleep(1000);

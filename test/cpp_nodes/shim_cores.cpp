@@ -1,4 +1,4 @@
-/// Tells which cores it sees, which it has, and which the processes have that it starts.
+/// Prints the number of cores that it sees, that it has, and that its child processes have.
 #include <pthread.h>
 #include <ros/ros.h>
 #include <sched.h>
@@ -17,7 +17,7 @@ void tell(const char* what, const cpu_set_t& cores) {
   std::fflush(stdout);
 }
 
-/** As the kernel says. */
+/** @return the cores by the system call, which lockstep does not replace. */
 cpu_set_t had() {
   cpu_set_t cores;
   CPU_ZERO(&cores);

@@ -1,4 +1,4 @@
-// A node that works by an event loop of Boost.Asio, as drivers and bridges do.
+// A node with an event loop of Boost.Asio, as drivers and bridges have.
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
@@ -18,7 +18,7 @@ class EventLoop {
  public:
   EventLoop() : told_(node_.advertise<std_msgs::String>("/told", 100)) {}
 
-  /** The loop has a thread of its own; roscpp's callbacks hand it work. */
+  /** The loop has a thread of its own, and roscpp's callbacks post work to it. */
   void thread() {
     is_ended_by_it_ = true;
     tick(10);
@@ -31,7 +31,7 @@ class EventLoop {
     loop.join();
   }
 
-  /** The loop is the main function's; roscpp's callbacks run in a spinner. */
+  /** The loop runs in the main thread, and roscpp's callbacks in a spinner. */
   void main() {
     ros::AsyncSpinner spinner(1);
     spinner.start();
@@ -43,7 +43,7 @@ class EventLoop {
     ros::Duration(0.1).sleep();
   }
 
-  /** The loop is looked at between the turns of another one. */
+  /** Another loop polls the event loop in each of its turns. */
   void looks() {
     tick(5);
     for (ros::Rate rate(4); ticks_ > 0; rate.sleep()) {
@@ -52,14 +52,14 @@ class EventLoop {
     }
   }
 
-  /** Somebody's loop, whose timer was set before ROS began; time begins at 1 s. */
+  /** Another event loop, whose timer was set before ROS began; time begins at 1 s. */
   void other(boost::asio::io_context& context) {
     context.run();
     tell("other");
     ros::Duration(0.1).sleep();
   }
 
-  /** The loop has a connection, too, to which nobody ever sends. */
+  /** The loop also has a socket, to which nobody ever sends. */
   void connected() {
     boost::asio::ip::udp::socket socket(
         context_, boost::asio::ip::udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));

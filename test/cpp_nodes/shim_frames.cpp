@@ -1,6 +1,7 @@
-// tf2: one frame is sent at 20 Hz, and a TransformListener (with its own thread) is asked for it,
-// with time-outs, too early and at the right time. Tells on "looked" what came out. With ~listen it
-// only listens; with ~filter it tells when points that wait for their transform come out.
+// tf2: it sends one frame at 20 Hz. With ~look it asks a TransformListener (with its own thread)
+// for the frame, with time-outs, too early and at the right time, and publishes results on
+// "looked". With ~listen it only listens. With ~filter it publishes when points get their
+// transform.
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <message_filters/subscriber.h>

@@ -1,5 +1,6 @@
-// A coordinator with actionlib's SimpleActionClient in its usual form (a thread of its own that
-// spins): goals one after the other, one that times out, one that is cancelled. Tells on "results".
+// A coordinator with actionlib's SimpleActionClient, by default with a thread of its own that
+// spins. It sends goals one after the other; some time out and are cancelled. It publishes on
+// "results".
 #include <actionlib/TestAction.h>
 #include <actionlib/client/simple_action_client.h>
 #include <ros/ros.h>

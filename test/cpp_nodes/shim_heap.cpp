@@ -1,5 +1,5 @@
-// Objects on the heap, in sets that are ordered by their addresses: made in callbacks of an
-// AsyncSpinner and in threads, messages that are kept among them. Tells the order on "told".
+// Objects on the heap, in sets that are ordered by address. Callbacks of an AsyncSpinner and
+// threads make them, and messages that are kept are among them. It publishes the order on "told".
 #include <malloc.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
@@ -33,7 +33,7 @@ void tell(const std::string& text) {
   publisher.publish(message);
 }
 
-/** @brief What is kept in the order of addresses; callbacks of several topics change it. */
+/** @brief Robots and messages in the order of addresses; callbacks of several topics add them. */
 class Team {
  public:
   void hear(const std_msgs::String::ConstPtr& message) {
@@ -85,7 +85,7 @@ void spinners() {
   spinner.stop();
 }
 
-/** Each way to ask for memory, and to give it back, in another thread than it came from. */
+/** Allocate memory in each way, and free it in another thread. */
 void calls() {
   std::ostringstream told;
   void* aligned = nullptr;
@@ -109,7 +109,7 @@ void calls() {
   tell(told.str());
 }
 
-/** @return bytes that libc's heap has handed out. */
+/** @return the bytes that are allocated on libc's heap. */
 std::size_t handedOut() {
 #if defined(__GLIBC_PREREQ) && __GLIBC_PREREQ(2, 33)
   return mallinfo2().uordblks;
@@ -118,7 +118,7 @@ std::size_t handedOut() {
 #endif
 }
 
-/** Threads that end: what is left of each. */
+/** Tell how much memory is left of threads that have ended. */
 void threads() {
   constexpr int kThreads = 2000;
   const auto make = [](int count) {
@@ -136,7 +136,7 @@ void threads() {
                                       : "threads leave " + std::to_string(after - before));
 }
 
-/** A thread that spins until another one changes a variable. */
+/** The main thread spins until another thread changes a variable. */
 void spins(const std::string& how) {
   std::atomic<bool> is_set{false};
   std::thread thread([&] {

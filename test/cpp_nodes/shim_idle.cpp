@@ -1,5 +1,5 @@
-// A program that has nothing left to do: ~what says whether its threads wait for work, or for each
-// other.
+// A program that has nothing left to do. ~what chooses whether its threads wait for work, for each
+// other, or for a promise.
 #include <ros/ros.h>
 
 #include <condition_variable>
@@ -12,7 +12,7 @@
 
 namespace {
 
-/** Workers take jobs out of a queue, and main waits for their end, which nobody asks for. */
+/** Workers take jobs from a queue, and main waits for their end, which never comes. */
 void jobs() {
   std::mutex mutex;
   std::condition_variable changed;
@@ -32,7 +32,7 @@ void jobs() {
   second.join();
 }
 
-/** Two threads want two locks, each the other's. */
+/** Each of two threads has a lock, and wants the lock of the other. */
 void locks() {
   std::mutex a;
   std::mutex b;
@@ -47,7 +47,7 @@ void locks() {
   other.join();
 }
 
-/** What was promised does not come. */
+/** The main thread waits for a promise that is never kept. */
 void promise() {
   std::promise<int> promised;
   promised.get_future().wait();

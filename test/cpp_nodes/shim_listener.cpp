@@ -1,5 +1,5 @@
-// Callbacks and ros::spin: each message of "ticks" is answered on "heard" with the time and its
-// text. With ~work [s] the callback sleeps for that long, as one that drives something does.
+// Callbacks and ros::spin: it answers each message of "ticks" on "heard" with the time and the
+// text. With ~work [s] the callback sleeps for that long, as if it drove something.
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 

@@ -1,4 +1,4 @@
-// Nodelets as users write them: one counts by a timer, one adds in several threads.
+// Nodelets as users write them: one counts by a timer, the other adds in several threads.
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <std_msgs/Float64.h>

@@ -1,4 +1,4 @@
-// A coordinator with a bug, as users write one: it takes it that the first worker is always heard
+// A coordinator with a bug, as users write one: it assumes that it always hears the first worker
 // first.
 #include <ros/ros.h>
 #include <std_msgs/Int32.h>

@@ -1,5 +1,5 @@
-// A loop with ros::Rate, as users write it: tells on rate/count every tick with its time.
-// Parameters: ~frequency [Hz], ~ticks, ~print (only measure: no messages).
+// A loop with ros::Rate, as users write it: it publishes each tick with its time on "ticks".
+// Parameters: ~frequency [Hz], ~ticks, ~quiet (only measure, without messages).
 #include <fcntl.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
@@ -16,8 +16,8 @@
 namespace {
 
 /**
- * How often this process has called write(): for roscpp's pipe between its threads, say. A program
- * that looked at this by open() would be told.
+ * @return how often this process has called write(), as for roscpp's pipe between its threads. It
+ * uses system calls, since an open() of this file would be labelled.
  */
 int writes() {
   char text[512] = "";

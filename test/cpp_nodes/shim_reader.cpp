@@ -1,5 +1,5 @@
-// Looks at its callback queues by itself, in the ways in which programs do that, and says on /seen
-// what it finds and when. ~ways: which of them; ~ticks: how many ticks of 7 Hz it does.
+// Calls its callback queues by itself, in several ways, and publishes on /seen what it finds and
+// when. ~ways: the ways to use; ~ticks: the number of ticks at 7 Hz.
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <ros/topic.h>
@@ -25,7 +25,7 @@ class Reader {
     ros::NodeHandle("~").param("ticks", ticks_, 60);
     seen_ = node_.advertise<std_msgs::String>("/seen", 1000);
     other_node_.setCallbackQueue(&other_);
-    // Fewer than come from tick to tick: what is dropped is to be the same.
+    // Shorter than what comes from tick to tick: the same messages must be dropped in each run.
     heard_.push_back(subscribe(node_, "/quick", 3));
     heard_.push_back(subscribe(node_, "/slow", 100));
     heard_.push_back(subscribe(node_, "/latched", 1));
@@ -82,7 +82,7 @@ class Reader {
       say(topic + " " + event.getMessage()->data + " of " + event.getPublisherName() + " came " +
           text(event.getReceiptTime()) + " among " + std::to_string(heard_[0].getNumPublishers()));
       if (has("second") && event.getMessage()->data.back() == '7') {
-        ros::Duration(0.03).sleep();  // others find it in here
+        ros::Duration(0.03).sleep();  // other threads find it in here
       }
     };
     return node.subscribe<std_msgs::String>(topic, size, on_event);
@@ -108,11 +108,11 @@ class Reader {
     say("looked");
   }
 
-  /** What else programs do between their looks. */
+  /** Other calls that programs make between their looks at the queues. */
   void act(int tick) {
     if (tick % 9 == 2) {
       std::vector<std::string> names;
-      ros::master::getNodes(names);  // when nobody has anything left to do
+      ros::master::getNodes(names);  // answered when nobody has anything left to do
       say("nodes " + std::to_string(names.size()));
     } else if (tick % 9 == 4) {
       heard_[1] = subscribe(node_, "/slow", 2);
@@ -141,7 +141,7 @@ class Reader {
     }
   }
 
-  /** A loop that only waits, on a queue into which nothing comes: it goes on when the others do. */
+  /** A loop that only waits on an empty queue; it goes on when the other threads do. */
   void waitIdle() {
     const int steps = ticks_ / 2;
     while (!is_over_ && looks_ < 4 * steps) {
@@ -172,7 +172,7 @@ class Reader {
   ros::Timer timer_;
 };
 
-/** Says texts with counts on all topics, at several rates, for 9 s. */
+/** Publish counts on all topics, at several rates, for 9 s. */
 int write() {
   ros::NodeHandle node;
   const ros::Publisher quick = node.advertise<std_msgs::String>("/quick", 100);
@@ -198,7 +198,7 @@ int write() {
   return 0;
 }
 
-/** Has the reader look, whose queue is not looked at until its next tick. */
+/** Call the service of the reader, which answers only at its next tick. */
 int call() {
   ros::NodeHandle node;
   ros::service::waitForService("/look");

@@ -1,4 +1,4 @@
-// Prints what std_msgs/String messages say on the topics of ~topics, with the time and the topic.
+// Prints the time, topic and text of each std_msgs/String message on ~topics.
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 

@@ -1,4 +1,4 @@
-// A program that never answers: ~what says whether it computes or reads what nobody writes.
+// A program that never answers. ~what: it computes, or it reads a pipe to which nobody writes.
 #include <ros/ros.h>
 #include <unistd.h>
 

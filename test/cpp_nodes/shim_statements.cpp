@@ -1,4 +1,4 @@
-// Makes statements, and knows nothing of lockstep.
+// A program that makes statements about properties and knows nothing of lockstep.
 #include <ros/ros.h>
 
 #include "statements.h"

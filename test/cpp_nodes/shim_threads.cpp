@@ -1,4 +1,4 @@
-// Programs with threads of their own; ~what says which. Each tells on "told" what it does and when.
+// Programs with threads of their own; ~what chooses one. Each publishes its actions on "told".
 #include <netdb.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -35,7 +35,7 @@ class Teller {
   ros::Publisher publisher_;
 };
 
-/** A thread for each robot, which all use one lock, also while they sleep. */
+/** A thread for each robot. All threads use one lock, and hold it while they sleep. */
 void robots(Teller& teller) {
   std::mutex mutex;
   std::vector<std::thread> threads;
@@ -56,7 +56,7 @@ void robots(Teller& teller) {
   }
 }
 
-/** Work is queued by one thread, and taken by two others; waits with and without time-outs. */
+/** One thread queues work, and two others take it; waits with time-outs. */
 void queue(Teller& teller) {
   std::mutex mutex;
   std::condition_variable changed;
@@ -117,7 +117,7 @@ void spinners(Teller& teller, int threads) {
   spinner.stop();
 }
 
-/** Callbacks that wait for nothing, in the threads of an AsyncSpinner. */
+/** Callbacks without waits, in the threads of an AsyncSpinner. */
 void pool(Teller& teller) {
   ros::NodeHandle node;
   std::thread::id last;
@@ -135,7 +135,7 @@ void pool(Teller& teller) {
   spinner.stop();
 }
 
-/** Two AsyncSpinners of one queue, each with a thread; the second ends first. */
+/** Two AsyncSpinners for one queue, each with one thread; the second ends first. */
 void two_spinners(Teller& teller) {
   ros::NodeHandle node;
   const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
@@ -154,7 +154,7 @@ void two_spinners(Teller& teller) {
   first.stop();
 }
 
-/** Hears messages in a loop that looks at a flag, beside a thread with ticks of its own. */
+/** A thread calls a queue of its own until a flag is set, while the main thread sleeps. */
 void hears(Teller& teller) {
   ros::CallbackQueue queue;
   ros::NodeHandle node;
@@ -174,7 +174,7 @@ void hears(Teller& teller) {
   looker.join();
 }
 
-/** Sleeps by the wall clock until a flag is set that needs simulated time. */
+/** Sleeps by the wall clock until another thread sets a flag, after 30 s of simulated time. */
 void wallLoop(Teller& teller) {
   std::atomic<bool> is_set{false};
   std::thread setter([&is_set] {
@@ -188,7 +188,7 @@ void wallLoop(Teller& teller) {
   teller.tell("is set");
 }
 
-/** Waits that end by the wall clock, for a subscriber, and polls without any wait. */
+/** Waits by the wall clock for a subscriber, and polls without any wait. */
 void polls(Teller& teller) {
   ros::NodeHandle node;
   ros::Publisher publisher = node.advertise<std_msgs::String>("polled", 10);
@@ -241,7 +241,7 @@ void queues(Teller& teller) {
   spinner.spin();
 }
 
-/** Timers of the wall, whose instants the program sees by its clocks. */
+/** Timers by the wall clock and the steady clock, whose times the program reads. */
 void wall(Teller& teller) {
   ros::NodeHandle node;
   const ros::WallTime wall_begin = ros::WallTime::now();
@@ -263,7 +263,7 @@ void wall(Teller& teller) {
   }
 }
 
-/** Threads that only look at a queue and a flag, as those of actionlib's clients do. */
+/** Threads that only call a queue and read a flag, as those of actionlib's clients do. */
 void looks(Teller& teller) {
   ros::CallbackQueue queue;
   std::atomic<bool> is_set{false};
@@ -291,14 +291,14 @@ void looks(Teller& teller) {
   teller.tell("has joined");
 }
 
-/** Run @p command in a shell, beside this program. Of ours the shell's parent is told. */
+/** Run @p command in a shell in parallel with this program, whose process is $PPID there. */
 void beside(const std::string& command) {
   if (std::system(("(" + command + ") &").c_str()) != 0) {
     throw std::runtime_error(command);
   }
 }
 
-/** The ROS master answers after a second of wall time. */
+/** Ask the ROS master, which answers after a second of wall time. */
 void askMaster(ros::NodeHandle& own) {
   const std::string master = std::to_string(own.param("master", 0));
   std::system(("kill -STOP " + master).c_str());
@@ -307,7 +307,7 @@ void askMaster(ros::NodeHandle& own) {
   own.getParam("master", answer);
 }
 
-/** What this program prints is read after a second of wall time. */
+/** Print to a pipe that is read after a second of wall time. */
 void print() {
   int ends[2];
   const int output = ::dup(STDOUT_FILENO);
@@ -321,7 +321,7 @@ void print() {
   }
 }
 
-/** The names' aliases, which are looked at first, are there after a second of wall time. */
+/** Look up a host name; its file of aliases is there after a second of wall time. */
 void lookUp(const std::string& aliases) {
   ::mkfifo(aliases.c_str(), 0600);
   ::setenv("HOSTALIASES", aliases.c_str(), 1);
@@ -331,7 +331,7 @@ void lookUp(const std::string& aliases) {
   ::getaddrinfo("nobody", "80", nullptr, &found);
 }
 
-/** Something that takes wall time, beside a thread that ticks. */
+/** Make a call that takes wall time, while another thread ticks. */
 void stands(Teller& teller, const std::function<void()>& call) {
   std::thread ticker([&teller] {
     for (int k = 1; k <= 12; ++k) {

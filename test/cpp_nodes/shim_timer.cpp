@@ -1,5 +1,5 @@
-// ros::Timer of all kinds: two periods that meet, a one-shot that starts another one, one that is
-// stopped and started by a message. What fires says so on "fired", with expected and real time.
+// ros::Timer of all kinds: two periods that meet, a one-shot timer that starts another one, and a
+// timer that a message stops and starts. Each publishes on "fired", with expected and real time.
 #include <ros/ros.h>
 #include <std_msgs/Empty.h>
 #include <std_msgs/String.h>

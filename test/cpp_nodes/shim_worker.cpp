@@ -1,5 +1,5 @@
-// actionlib's SimpleActionServer with an execute callback (which runs in a thread of its own): a
-// goal takes one second and a tenth of its number, in steps of a tenth, and can be preempted.
+// actionlib's SimpleActionServer with an execute callback, which runs in a thread of its own. A
+// goal takes 1 s + 0.1 s x its number, in steps of 0.1 s, and can be preempted.
 #include <actionlib/TestAction.h>
 #include <actionlib/server/simple_action_server.h>
 #include <ros/ros.h>

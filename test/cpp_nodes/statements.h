@@ -1,4 +1,4 @@
-// What two nodes of the tests state each second: broken, kept, never held.
+// The statements that two nodes of the tests make each second: broken, kept, and never true.
 #ifndef MOVE_BASE_ABSTRACT_TEST_STATEMENTS_H
 #define MOVE_BASE_ABSTRACT_TEST_STATEMENTS_H
 

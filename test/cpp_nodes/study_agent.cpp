@@ -1,5 +1,5 @@
-// An agent as an outsider would write it: chance by the time of day, callbacks in threads, a fast
-// loop.
+// An agent as other people write it: it is seeded by the time of day, has callbacks in threads, and
+// a fast loop.
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <std_msgs/Float64.h>

@@ -1,4 +1,4 @@
-// What of the machine lockstep does not follow: each of them once.
+// Calls that lockstep does not follow, each once.
 #ifndef MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
 #define MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
 
@@ -36,7 +36,7 @@ namespace untold_sources {
 
 using Sources = std::map<std::string, std::function<int()>>;
 
-/** What is not followed: who one is, what the processor has done, what others share. */
+/** Calls about the process itself, its use of the processor, and semaphores that others share. */
 inline const Sources& machine() {
   static const Sources all = {{"getpid", [] { return getpid() > 0; }},
                               {"times",
@@ -64,7 +64,7 @@ inline const Sources& machine() {
   return all;
 }
 
-/** @return a set with a connection in it. */
+/** @return an epoll set with a socket in it. */
 inline int connectedSet() {
   const int set = epoll_create1(0);
   epoll_event event{};
@@ -95,7 +95,7 @@ inline const Sources& descriptors() {
   return all;
 }
 
-/** The same with masks of signals. */
+/** Waits for descriptors with masks of signals. */
 inline const Sources& maskedDescriptors() {
   static const Sources all = {{"ppoll",
                                [] {
@@ -119,7 +119,7 @@ inline const Sources& maskedDescriptors() {
   return all;
 }
 
-/** Timers of the kernel that send signals. */
+/** Timers of the kernel, which send signals. */
 inline const Sources& timers() {
   static const Sources all = {{"timer_create",
                                [] {
@@ -138,7 +138,7 @@ inline const Sources& timers() {
   return all;
 }
 
-/** What is shared with processes that take no part. */
+/** Calls by which processes that take no part can change something. */
 inline const Sources& others() {
   static char shell[] = "true";
   static char* const arguments[] = {shell, nullptr};
@@ -173,7 +173,7 @@ inline const Sources& others() {
   return all;
 }
 
-/** Queues that other processes may have too, and C11's threads. */
+/** Queues that other processes can use, and the threads of C11. */
 inline const Sources& queues() {
   static const timespec none{0, 0};
   static mtx_t mutex;
@@ -206,7 +206,7 @@ inline const Sources& queues() {
   return all;
 }
 
-/** What the system says of itself, and memory that is a file. */
+/** Information about the system, and memory that is mapped from a file. */
 inline const Sources& system_() {
   static const auto map = [](auto function) {
     const int file = memfd_create("test", 0);

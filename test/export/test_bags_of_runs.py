@@ -1,4 +1,4 @@
-"""Bags of runs: what a recorder is told to leave out, digests in event logs, the first message that differs."""
+"""Bags of runs: the topics that a recorder leaves out, digests in event logs, the first message that differs."""
 import json
 import sys
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_what_a_recorder_names_although_it_goes_past_lockstep_is_told():
     assert recorders.past_lockstep(['-a'], '/') == (['/clock', '/rosout', '/rosout_agg', '/time_master/...'], [])
     assert recorders.past_lockstep(['rosout', '/odom', '/noise', '/time_master/state'], '/', ['/noise']) == (
         [], ['rosout', '/noise', '/time_master/state'])
-    assert recorders.past_lockstep(['rosout'], '/robot') == ([], [])  # its own
+    assert recorders.past_lockstep(['rosout'], '/robot') == ([], [])  # the node's own topic, /robot/rosout
 
 
 def test_scripts_that_record_are_known(tmp_path):

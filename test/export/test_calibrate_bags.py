@@ -1,4 +1,4 @@
-"""Legs from bags: goals, results, poses and plans of several robots; what a bag lacks is said."""
+"""Legs from bags: goals, results, poses and plans of several robots, and messages about what a bag lacks."""
 import random
 import sys
 from pathlib import Path
@@ -26,13 +26,13 @@ GOALS = [(10.0, 0.0, 1.0), (10.0, 8.0, -2.0), (0.0, 3.0, 0.5)]
 
 
 def put(pose, x, y, yaw):
-    """Fill in a geometry_msgs/Pose."""
+    """Fill in a geometry_msgs/Pose (m, m, rad)."""
     pose.position.x, pose.position.y = x, y
     (pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w) = quaternion_of_yaw(yaw)
 
 
 class Recorder:
-    """Writes what a robot of the plain fleet does into a bag."""
+    """Records a robot of the plain fleet into a bag."""
 
     def __init__(self, bag, frame, pose_kind, pose_topic):
         self._bag, self._frame, self._pose_kind, self._pose_topic = bag, frame, pose_kind, pose_topic
@@ -194,7 +194,7 @@ def test_what_a_bag_lacks_is_said(tmp_path):
 # ---- bad recordings, written on purpose
 
 def edited(path, change):
-    """Write ``path`` anew: ``change(topic, message, time)`` returns the [(topic, message, time [s])] in its place."""
+    """Write the bag anew; ``change(topic, message, time [s])`` returns the rows that replace a row."""
     with rosbag.Bag(str(path)) as bag:
         rows = [(topic, message, time.to_sec()) for topic, message, time in bag.read_messages()]
     with rosbag.Bag(str(path), 'w') as bag:
@@ -204,13 +204,13 @@ def edited(path, change):
 
 
 def shifted(message, seconds):
-    """Return ``message`` with another stamp."""
+    """Return ``message``, whose stamp is now later by ``seconds``."""
     message.header.stamp += rospy.Duration.from_sec(seconds)
     return message
 
 
 def doubts(path):
-    """Return the doubts of the legs of a bag."""
+    """Return the doubt of each leg of a bag."""
     return [leg.doubt for leg in read_legs(path)[0]]
 
 
@@ -239,7 +239,7 @@ def test_a_clock_that_starts_anew_spoils_what_lies_in_its_times(tmp_path, record
     with rosbag.Bag(str(tmp_path / 'run.bag'), 'w') as bag:
         for topic, message, time in rows:
             bag.write(topic, message, time)
-        for topic, message, time in rows:  # the same once more, of a clock that begins again
+        for topic, message, time in rows:  # the same messages again, by a clock that begins again
             if topic.endswith('goal'):
                 message.goal_id.id += '-again'
             elif topic.endswith('result'):
@@ -272,7 +272,7 @@ def test_two_nodes_that_tell_poses_at_once_are_two_robots(tmp_path):
             for number, (topic, message, time) in enumerate(rows):
                 header = {'topic': topic, 'type': message._type, 'md5sum': message._md5sum,
                           'message_definition': message._full_text, 'callerid': names[number % 2]}
-                bag._topic_connections.pop(topic, None)  # Python's rosbag would take the first one's header again
+                bag._topic_connections.pop(topic, None)  # otherwise Python's rosbag would use the first header again
                 bag.write(topic, message, time, connection_header=header)
         legs, notes = read_legs(tmp_path / 'run.bag')
         assert len(legs) == found
@@ -304,7 +304,7 @@ def test_a_robot_that_stands_long_has_no_leap(tmp_path):
                  if one.pose.pose.position == other.pose.pose.position and time.to_sec() > 3.0)
 
     def stands(topic, message, time):
-        wait = 60.0 if time > still else 0.0  # in which its odometry is silent
+        wait = 60.0 if time > still else 0.0  # s, without odometry
         return [(topic, shifted(message, wait), time + wait)]
     edited(tmp_path / 'run.bag', stands)
     assert doubts(tmp_path / 'run.bag') == ['', '', '']

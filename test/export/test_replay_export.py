@@ -1,4 +1,4 @@
-"""Replays as MCAP files and bags: what is in them, that they can be read, and that equal logs give equal bytes."""
+"""Replays as MCAP files and bags: their content, that they can be read, and that equal logs give equal bytes."""
 import json
 import struct
 import subprocess
@@ -26,7 +26,7 @@ S = 1_000_000_000
 
 @pytest.fixture(scope='module')
 def fleet():
-    """Return a fleet that has driven: two robots, one stopped on its way, one without a way."""
+    """Return a fleet that has driven: a robot whose first goal was replaced, and a robot without a way to its goal."""
     defaults = {'max_speed': 1.0, 'acceleration': 0.5, 'turn_rate': 1.0, 'log_motion': True,
                 'world_bounds': [-9.0, -9.0, 9.0, 9.0]}
     fleet = Fleet(make_scenario({'defaults': defaults,
@@ -44,7 +44,7 @@ def fleet():
 
 @pytest.fixture
 def log(fleet, tmp_path):
-    """Return the path of its log."""
+    """Return the path of the fleet's log."""
     lines = ['{"event_log":1,"start_ns":1000000000}']
     lines += [json.dumps(dict(entry._asdict(), values=list(entry.values))) for entry in fleet.trace]
     path = tmp_path / 'run.jsonl'
@@ -53,7 +53,7 @@ def log(fleet, tmp_path):
 
 
 def records(data, begin, end):
-    """Return (opcode, content, where it begins) of the records of an MCAP file between two places."""
+    """Yield (opcode, content, offset) for the records of an MCAP file between two offsets."""
     while begin < end:
         code, length = struct.unpack_from('<BQ', data, begin)
         yield code, data[begin + 9:begin + 9 + length], begin
@@ -66,7 +66,7 @@ def text_at(data, at):
 
 
 def read_mcap(data):
-    """Return [(topic, time [ns], bytes)] of an MCAP file, all sums and indexes of which are checked on the way."""
+    """Return [(topic, time [ns], bytes)] of an MCAP file; check all its checksums and indexes."""
     assert data[:8] == data[-8:] == b'\x89MCAP0\r\n'
     start, offsets, crc = struct.unpack('<QQI', data[-28:-8])
     assert zlib.crc32(data[start:-12]) == crc

@@ -1,4 +1,4 @@
-"""Send one goal by a stock client and print how it ended: 'STATE text'."""
+"""Send one goal by a stock client and print its ending: 'STATE text'."""
 import sys
 
 import actionlib
@@ -6,7 +6,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
-# Guards only; the clock of the launch file runs at 10x.
+# Only guards; the clock of the launch file runs at 10x.
 SERVER_LIMIT = 200.0  # s, simulated
 GOAL_LIMIT = 200.0  # s, simulated
 

@@ -1,4 +1,4 @@
-"""The package installs, and what it installs runs with nothing of the source tree or the devel space."""
+"""The package can be installed, and what it installs runs without the source tree and the devel space."""
 import os
 import re
 import shutil
@@ -15,13 +15,13 @@ ROOT = HERE.parent.parent
 BUILD = ROOT / '.ws' / 'build'
 DEVEL = ROOT / '.ws' / 'devel'
 GUARD_S = 120.0  # wall seconds; only a guard
-# What another workspace, or the devel space that the tests run in, would bring along.
+# Variables that another workspace, or the devel space of the tests, would set.
 FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPATH', 'ROSLISP_PACKAGE_DIRECTORIES',
            'ROS_HOSTNAME', 'ROS_MASTER_URI', 'ROS_NAMESPACE', 'ROS_PACKAGE_PATH')
 
 
 def run(*command, env=None):
-    """Run a command to its end and return what it printed; its error output shows in a failure."""
+    """Run a command to its end and return its output; a failure shows its error output, too."""
     done = subprocess.run([str(word) for word in command], env=env, stdin=subprocess.DEVNULL, timeout=GUARD_S,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 0, f'{command}: exit code {done.returncode}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}'
@@ -29,7 +29,7 @@ def run(*command, env=None):
 
 
 def configured(name):
-    """Return what the tree was configured with."""
+    """Return the value of a variable in CMake's cache."""
     return re.search(f'^{name}:[A-Z]+=(.*)$', (BUILD / 'CMakeCache.txt').read_text(), re.MULTILINE).group(1)
 
 
@@ -42,7 +42,7 @@ def free_port():
 
 @pytest.fixture(scope='session')
 def clean_env():
-    """The environment of a shell in which no workspace was sourced but the system's."""
+    """Return the environment of a shell in which no workspace was sourced except the system's."""
     env = {key: value for key, value in os.environ.items() if key not in FOREIGN}
     found = [path for path in map(Path, ('/opt/ros/noetic/setup.sh', '/opt/ros/one/setup.sh')) if path.exists()]
     return sourced(found[0], env) if found else env
@@ -56,7 +56,7 @@ def sourced(setup, env):
 
 @pytest.fixture(scope='session')
 def prefix(clean_env, tmp_path_factory):
-    """A fresh install space of what was built, far from the source tree (rosrun searches all of that).
+    """Yield a fresh install space of the build, far from the source tree, all of which rosrun searches.
 
     It is staged (DESTDIR), as packagers do: catkin writes to the configured prefix, whatever ``--prefix`` says.
     """
@@ -68,8 +68,8 @@ def prefix(clean_env, tmp_path_factory):
 
 @pytest.fixture(scope='session')
 def installed(clean_env, prefix):
-    """Environment of the install space, with a ROS master of its own in mind."""
-    # setup.sh holds the configured prefix; setup.bash would look where it lies itself.
+    """Return the environment of the install space, with an address for a ROS master of its own."""
+    # setup.sh holds the configured prefix; setup.bash would use its own folder.
     env = sourced(prefix / 'setup.sh', {**clean_env, '_CATKIN_SETUP_DIR': str(prefix)})
     return {**env, 'ROS_IP': '127.0.0.1', 'ROS_MASTER_URI': f'http://127.0.0.1:{free_port()}'}
 
@@ -80,7 +80,7 @@ def script_names():
 
 
 def test_of_our_own_headers_only_what_users_may_include_is_installed(prefix):
-    """Generated ones begin with a capital letter."""
+    """Generated headers begin with a capital letter, and do not count."""
     names = sorted(path.name for path in (prefix / 'include' / 'move_base_abstract').glob('*.h'))
     assert [name for name in names if name[0].islower()] == ['lockstep_participant.h', 'properties.h']
 
@@ -99,7 +99,7 @@ def test_rosrun_finds_one_executable_in_the_install_space(installed, prefix, nam
 
 @pytest.mark.parametrize('name', ['time_master', *script_names()])
 def test_rosrun_finds_one_executable_in_the_built_environment(clean_env, name):
-    # A script that is executable in the source tree too would make rosrun ask which one is meant.
+    # If a script were executable in the source tree, too, rosrun would ask which one is meant.
     env = sourced(DEVEL / 'setup.sh', clean_env)
     found = run('rosrun', '--prefix', 'echo', 'move_base_abstract', name, env=env)
     assert found.strip() == str(DEVEL / 'lib' / 'move_base_abstract' / name)
@@ -125,7 +125,7 @@ def test_every_file_beside_the_python_of_a_package_is_installed(prefix, package,
 
 
 def _beside_the_python(folder):
-    """Return the files below a folder that are neither code, with its settings for lint, nor what tools leave."""
+    """Return the files below a folder except code, settings for lint, and files that tools leave."""
     return {path.relative_to(folder) for path in folder.rglob('*')
             if path.is_file() and path.suffix not in ('.py', '.pyc', '.toml')
             and not any(part.startswith('.') for part in path.relative_to(folder).parts)}
@@ -166,5 +166,5 @@ def test_a_stock_client_drives_one_goal_in_the_install_space(installed, tmp_path
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait(timeout=GUARD_S)
-    # Debian 11's rospy adds a traceback at the end of any program: it calls what its Python no longer has.
+    # Debian 11's rospy adds a traceback at the end of each program, since it calls a function that its Python lacks.
     assert 'SUCCEEDED Goal reached.' in said.splitlines(), f'{said}\n{log_path.read_text()}'

@@ -1,4 +1,4 @@
-"""Each example in plain Python prints what its first lines say."""
+"""Each example in plain Python prints what its docstring says."""
 import ast
 import os
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / 'examples' / 'plain').glob('*.py'))
-LIMIT = 600.0  # s, wall; only ends what would never end
+LIMIT = 600.0  # s, wall; only ends a program that would never end
 
 
 @pytest.mark.parametrize('path', EXAMPLES, ids=[path.stem for path in EXAMPLES])

@@ -1,4 +1,4 @@
-"""pip installs the plain part, on a computer without ROS."""
+"""pip installs the part in plain Python on a computer without ROS."""
 import csv
 import os
 import subprocess
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# What is of ROS cannot be imported in any process, as on a computer that has none.
+# No process can import modules of ROS, as on a computer without ROS.
 NO_ROS = """
 import sys
 class NoRos:
@@ -43,18 +43,18 @@ metrics: {columns: {cost: {unit: s, better: lower}}}
 
 @pytest.fixture(scope='module')
 def python(tmp_path_factory):
-    """A Python into whose environment pip has installed this package, and the folder of that environment."""
+    """Return (a Python in whose environment pip has installed this package, folder of that environment)."""
     folder = tmp_path_factory.mktemp('environment')
     venv.create(folder, system_site_packages=True, with_pip=True)
     python = str(folder / 'bin' / 'python')
-    # What this test's own Python has, in an environment of its own perhaps, comes after what is installed here.
+    # Packages of this test's own Python, which may be in an environment of its own, come after those installed here.
     own = subprocess.run([python, '-c', 'import sysconfig; print(sysconfig.get_path("purelib"))'], check=True,
                          stdout=subprocess.PIPE, universal_newlines=True).stdout.strip()
     (Path(own) / 'tests_own.pth').write_text(sysconfig.get_path('purelib') + '\nimport no_ros\n')
     (Path(own) / 'no_ros.py').write_text(NO_ROS)
     sources = tmp_path_factory.mktemp('sources') / 'sources'
     subprocess.run(['git', 'clone', '-q', str(ROOT), str(sources)], check=True)
-    # The working tree, with what is not committed yet: pip leaves build/ and *.egg-info where it builds.
+    # A copy of the working tree, with changes that are not committed: pip leaves build/ and *.egg-info where it builds.
     newest = [str(ROOT / name) for name in ('src', 'tools', 'setup.py', 'pyproject.toml', 'package.xml')]
     subprocess.run(['cp', '-r', *newest, str(sources)], check=True)
     subprocess.run([python, '-m', 'pip', 'install', '-q', '--no-index', '--no-deps', '--no-build-isolation',
@@ -63,7 +63,7 @@ def python(tmp_path_factory):
 
 
 def plain_environment():
-    """Return the environment without what the shell knows of ROS."""
+    """Return the environment without the variables of ROS and Python."""
     return {name: value for name, value in os.environ.items() if 'ROS' not in name and 'PYTHON' not in name}
 
 
@@ -106,7 +106,7 @@ def test_a_scenario_is_made_and_checked_without_ros(python, tmp_path):
 
 @pytest.fixture(scope='module')
 def experiment(python, tmp_path_factory):
-    """The folder of an experiment of functions that has run, and how its command line is called."""
+    """Run an experiment of functions; return (its folder, a function that calls its command line)."""
     folder = tmp_path_factory.mktemp('experiment')
     (folder / 'model.py').write_text(MODEL)
     (folder / 'model.yaml').write_text(EXPERIMENT)
@@ -148,7 +148,7 @@ def test_metadata_names_what_is_needed(python):
 
 
 def test_pip_brings_for_experiments_what_debian_does(python):
-    """Tornado comes with distributed, where pip installs that."""
+    """Tornado is left out, since pip installs it with distributed."""
     wanted = {line.strip().replace('python3-', '') for line in (ROOT / 'tools' / 'apt' / 'experiment.txt').open()
               if line.startswith('python3-')} - {'tornado'}
     brought = output_of(python[0], '-c', "import importlib.metadata as m; print(*m.requires('move_base_abstract'), "

@@ -1,4 +1,4 @@
-"""Places with priorities, pre-emption and a finite queue do what SimPy's resources and queueing theory say."""
+"""Places with priorities, pre-emption and a finite queue agree with SimPy's resources and with queueing theory."""
 import random
 
 import pytest
@@ -12,7 +12,7 @@ S = 1_000_000_000
 
 
 def jobs(seed, count, mean_gap, mean_work, priorities):
-    """Return [(arrival [ns], work [ns], priority)], the instants all different."""
+    """Return [(arrival [ns], work [ns], priority)] of ``count`` jobs; all instants differ."""
     dice, now, found = random.Random(seed), 0, []
     for _ in range(count):
         now += 1 + int(dice.expovariate(1.0 / mean_gap) * S)
@@ -21,7 +21,7 @@ def jobs(seed, count, mean_gap, mean_work, priorities):
 
 
 def by_fleet(given, **place):
-    """Return {job: [(began, ended), ...]} and the set of those that were refused, of a place."""
+    """Return ({job: [(began, ended) [ns], ...]}, set of refused jobs) for a place of a fleet."""
     fleet = Fleet(make_scenario({'places': [{'name': 'dock', **place}], 'robots': [
         {'name': 'r', 'count': len(given)}]}), start_ns=0)
     for number, (at_ns, work_ns, priority) in enumerate(given):
@@ -43,7 +43,7 @@ def by_fleet(given, **place):
 
 
 def by_simpy(given, capacity, preemption=False, queue=None):
-    """Return the same of SimPy's PriorityResource or PreemptiveResource, in whole nanoseconds."""
+    """Return the same as :func:`by_fleet` for SimPy's PriorityResource or PreemptiveResource."""
     env = simpy.Environment()
     kind = simpy.PreemptiveResource if preemption else simpy.PriorityResource
     desk, spans, refused = kind(env, capacity), {}, set()
@@ -88,7 +88,7 @@ def test_a_place_does_what_a_resource_does(seed, place):
 
 @pytest.mark.parametrize('load, most', [(0.5, 3), (0.9, 4), (1.5, 2)])
 def test_a_place_with_a_finite_queue_is_an_m_m_1_k(load, most):
-    """``most``: in the system, who works and who waits."""
+    """``most`` is the largest number of robots in the system: those that work and those that wait."""
     given = jobs(int(10 * load), 20_000, 10.0, 10.0 * load, 1)
     fleet = Fleet(make_scenario({'places': [{'name': 'dock', 'capacity': 1, 'queue': most - 1}], 'robots': [
         {'name': 'r', 'count': most + 1}]}), start_ns=0, trace=None,

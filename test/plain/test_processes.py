@@ -1,4 +1,4 @@
-"""Processes on a fleet's clock do what SimPy's own do, and robots come in where they must; needs SimPy."""
+"""Processes on the clock of a fleet behave as those of SimPy, and robots can be used in them. The tests need SimPy."""
 import random
 
 import pytest
@@ -18,7 +18,7 @@ def make(*robots, **more):
 
 
 class Shop:
-    """What processes do to each other by all that SimPy has; what happens is written down."""
+    """Processes that use all parts of SimPy on each other; ``seen`` has what happened."""
 
     def __init__(self, env, seed):
         self.env, self.seen, self.chance = env, [], random.Random(seed)

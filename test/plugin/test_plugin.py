@@ -1,4 +1,4 @@
-"""The plugin for pytest, as users have it: tests that pass, tests that must fail, and the examples'."""
+"""The plugin for pytest, as users have it: tests that pass, tests that must fail, and the tests of the examples."""
 import importlib.util
 import os
 import subprocess
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a program that would never end
 SCENARIO = 'robots:\n  - {name: robot, count: 2, start_y: 1.0, step_x: 5.0}\n'
 LAUNCH = """<launch>
   <arg name="x"/>
@@ -128,8 +128,8 @@ FAILS = {
 
 
 def results_of(folder, *words):
-    """Run pytest with the plugin in a folder; return {test: what is wrong with it, or ''}, and what it printed."""
-    done = subprocess.run(  # noqa: PLW1510 - tests that fail are what it is about
+    """Run pytest with the plugin in a folder; return ({test: its problem, or ''}, output of pytest)."""
+    done = subprocess.run(  # noqa: PLW1510 - some tests must fail
         [sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', '-p', 'move_base_abstract_testing', '--junitxml',
          'results.xml', *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
         timeout=GUARD, env=dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:1/'))

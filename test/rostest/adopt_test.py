@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A launch file of others runs as it is, and the command line that is told for it gives the same event log."""
+"""Other people's launch file runs as it is, and the command line that adopt prints for it gives the same event log."""
 import os
 import shlex
 import subprocess
@@ -12,7 +12,7 @@ from own_folder import OwnFolder
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 80.0  # s, wall; only ends what would never end
+GUARD = 80.0  # s, wall; only ends a run that would never end
 TOLD = 'lockstep_launch: the same by options: rosrun move_base_abstract lockstep_launch '
 FILES = {
     'package.xml': '<package><name>of_a_stranger</name></package>',
@@ -60,7 +60,7 @@ for robot in 'ab':
 class AdoptTest(OwnFolder, unittest.TestCase):
 
     def launch(self, *words):
-        """Return the output of lockstep_launch; ROS knows nothing of the package."""
+        """Return the output of lockstep_launch, in an environment in which ROS does not find the package."""
         done = subprocess.run([find_executable('lockstep_launch'), *words], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, universal_newlines=True, timeout=GUARD, check=False)
         self.assertEqual(done.returncode, 0, done.stdout)

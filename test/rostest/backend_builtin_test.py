@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Where the built-in simulator says that robots are: tf, topics, teleports."""
+"""The positions of robots that the built-in simulator publishes: tf, topics, teleports."""
 import math
 import unittest
 
@@ -17,7 +17,7 @@ REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
 
 class BuiltinBackend(unittest.TestCase):
-    """robot_0 places its pose at departure and arrival only, robot_1 five times a second, with ramps and turns."""
+    """robot_0 publishes its pose at departure and arrival only; robot_1 five times a second, with ramps and turns."""
 
     @classmethod
     def setUpClass(cls):
@@ -30,7 +30,7 @@ class BuiltinBackend(unittest.TestCase):
         cls.set_pose = rospy.ServiceProxy('/robot_0/set_robot_pose', SetPose)
 
     def put(self, x=0.0, y=0.0, yaw=0.0):
-        """Put robot_0 somewhere by its service."""
+        """Put robot_0 at (x, y, yaw) by its service [m, m, rad]."""
         answer = self.set_pose(pose_stamped(x, y, yaw))
         self.assertTrue(answer.success, answer.message)
 
@@ -54,8 +54,8 @@ class BuiltinBackend(unittest.TestCase):
 
     def test_tf_leads_from_the_map_over_odom_to_base_link_at_the_present(self):
         self.put(5.0, -6.0)
-        # This process's clock may lag behind the instant at which the robot was put there; and where tf had told the
-        # old place at that very instant, the new one is dated 1 ns later.
+        # This process's clock may lag behind the instant at which the robot was put there. If tf already had the old
+        # place at that very instant, the new place is dated 1 ns later.
         odom = Record('/robot_0/odom', Odometry).wait_for(lambda message: message.pose.pose.position.x == 5.0)
         while rospy.Time.now() <= odom.header.stamp:
             rospy.sleep(0.01)
@@ -77,7 +77,7 @@ class BuiltinBackend(unittest.TestCase):
             found = self.buffer.lookup_transform('map', 'robot_0/base_link', now, rospy.Duration(100.0))
             expected = max(0.0, 2.0 * (now.to_nsec() - start_ns) * 1e-9)
             self.assertAlmostEqual(found.transform.translation.x, expected, places=6)
-        # A late one of the test before may have come first.
+        # A late message from the test before may have come first.
         moving = [message for message in odom.messages
                   if message.pose.pose.position.x > 0.0 and message.header.stamp.to_nsec() > start_ns]
         self.assertEqual(moving, [], 'pose_update_freq 0: nothing between departure and arrival')
@@ -132,7 +132,7 @@ class BuiltinBackend(unittest.TestCase):
 
     @staticmethod
     def put_back(robot):
-        """Put ``robot`` to the origin."""
+        """Put ``robot`` at the origin."""
         service = rospy.ServiceProxy('/{}/set_robot_pose'.format(robot), SetPose)
         assert service(pose_stamped()).success
 

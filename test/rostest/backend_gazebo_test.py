@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The backend for Gazebo, against a stand-in that has its service: late, slow, refusing, and not installed at all."""
+"""The backend for Gazebo, with a stand-in for Gazebo's service that is late, is slow, refuses, or is not installed."""
 import importlib.util
 import os
 import subprocess
@@ -23,11 +23,11 @@ REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
 
 class Gazebo:
-    """The service of Gazebo; ``models`` are those that it knows."""
+    """A stand-in for the service of Gazebo, which knows the models ``models``."""
 
     def __init__(self):
         from gazebo_msgs.srv import SetModelState
-        self.answers = threading.Event()  # a slow Gazebo's is cleared
+        self.answers = threading.Event()  # cleared for a slow Gazebo
         self.answers.set()
         self.models = {'robot_0'}
         self.states = []
@@ -57,7 +57,7 @@ class Gazebo:
 
 
 class GazeboBackend(unittest.TestCase):
-    """Tests in the order of their numbers: Gazebo comes up in the second one."""
+    """The tests run in the order of their numbers; Gazebo starts in the second one."""
 
     @classmethod
     def setUpClass(cls):
@@ -86,7 +86,7 @@ class GazeboBackend(unittest.TestCase):
 
     def test_4_poses_come_on_the_way_and_the_pose_topics_tell_the_same(self):
         truth = Record('/robot_1/base_pose_ground_truth', Odometry)
-        truth.wait_for(lambda message: message.pose.pose.position.x == 0.0)  # the last one: from now on all are heard
+        truth.wait_for(lambda message: message.pose.pose.position.x == 0.0)  # latched; after it, all messages are heard
         self.assertEqual(go(self.robots[1], pose_stamped(20.0)), REACHED)
         self.gazebo.wait_for('husky', 20.0, 0.0)
         truth.wait_for(lambda message: message.pose.pose.position.x == 20.0)

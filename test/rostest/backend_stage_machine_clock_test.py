@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A robot for Stage, or for Gazebo, that was started without /use_sim_time says so.
+"""A robot for Stage or Gazebo reports that it was started without /use_sim_time.
 
 GUARD [s, wall] only ends a test that would never end.
 """

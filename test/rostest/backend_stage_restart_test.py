@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A Stage that is killed and started anew, as a process: that is noticed, goals end, and the robots go on."""
+"""A process of Stage is killed and started again: the robots notice it, goals end, and the robots go on."""
 import os
 import subprocess
 import sys
@@ -35,7 +35,7 @@ class Restart(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.stage = start_stage(OLD)  # as if it had run for long
+        cls.stage = start_stage(OLD)  # as if it had run for a long time
         cls.log = Record('/rosout', Log)
         cls.truth = Record('/robot_0/base_pose_ground_truth', Odometry)
         cls.client = RawClient('/robot_0')
@@ -58,7 +58,7 @@ class Restart(unittest.TestCase):
         self.stage.kill()
         self.stage.wait()
         type(self).left = self.truth.messages[-1]
-        for robot in ('/robot_0', '/robot_1'):  # in one line, or on a busy machine in two
+        for robot in ('/robot_0', '/robot_1'):  # one message for both robots, or two on a busy machine
             self.warning('/fleet', 'Stage has fallen silent', robot + '/base_pose_ground_truth')
         self.assertEqual(self.client.endings(self.goal), [])
 

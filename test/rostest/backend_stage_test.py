@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The backend for Stage, against a stand-in that has stage_ros's topics: poses out, truth in, a whole tf tree."""
+"""The backend for Stage, with a stand-in that has the topics of stage_ros: poses out, truth in, a whole tf tree."""
 import threading
 import time
 import unittest
@@ -19,13 +19,13 @@ from move_base_abstract_ros.messages import conversions
 
 QUARTER_TURN = 1.5707963267948966
 PERIOD = 0.05  # s, wall
-BEHIND_NS = 141_200_000_000  # by which robot_2's Stage dates before /clock
+BEHIND_NS = 141_200_000_000  # the clock of robot_2's Stage is behind /clock by this
 
 
 class Stage:
-    """One robot of stage_ros: goes where cmd_pose says, tells its truth, its odometry and odom -> base_link.
+    """One robot of stage_ros: it goes to cmd_pose and publishes its true pose, its odometry and odom -> base_link.
 
-    Like Stage's, its odometry starts where the robot started and does not notice that the robot is put elsewhere.
+    Like that of Stage, its odometry starts where the robot started and does not notice if the robot is moved.
     """
 
     ODOMETRY = Pose2D(0.5, 0.25, 0.1)
@@ -65,7 +65,7 @@ class Stage:
 
 
 class StageBackend(unittest.TestCase):
-    """robot_0 gets the offset of Stage's world by parameters, robot_1 by tf; robot_2's Stage has another clock."""
+    """robot_0 gets the offset of Stage's world by parameters, robot_1 by tf. The Stage of robot_2 has another clock."""
 
     @classmethod
     def setUpClass(cls):
@@ -83,7 +83,7 @@ class StageBackend(unittest.TestCase):
         self.assertAlmostEqual(found.yaw, yaw, places=6)
 
     def wait_for_tf(self, child, x, y):
-        """Wait until tf shows ``child`` at (x, y) in the map; return its transform."""
+        """Wait until tf has ``child`` at (x, y) in the map [m]; return its transform."""
         deadline = time.monotonic() + GUARD
         position = None
         while time.monotonic() < deadline:
@@ -113,7 +113,7 @@ class StageBackend(unittest.TestCase):
 
     def test_3_stage_is_told_as_an_answer_to_its_truth_only(self):
         self.stages[0].is_silent = True
-        time.sleep(1.0)  # what was on its way has come
+        time.sleep(1.0)  # until the messages under way have come
         self.commands[0].clear()
         self.assertEqual(go(self.simple, pose_stamped(4.0, 9.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
         self.assertEqual(self.commands[0].messages, [])
@@ -122,7 +122,7 @@ class StageBackend(unittest.TestCase):
         self.wait_for_tf('robot_0/base_link', 4.0, 9.0)
         heard = len(truths.messages)
         truths.wait_for(lambda _: len(truths.messages) > heard + 10)
-        self.assertIn(len(self.commands[0].messages), (1, 2, 3))  # some answers may cross: none comes at rest
+        self.assertIn(len(self.commands[0].messages), (1, 2, 3))  # some answers may cross; at rest there is none
         self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
         self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
 
@@ -153,7 +153,7 @@ class StageBackend(unittest.TestCase):
         self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
 
     def test_7_a_second_clock_is_warned_about_by_name(self):
-        """This runs before any other test as far as the node is concerned: it looks at Stage's first message."""
+        """The node warns at Stage's first message, so before the other tests act on it."""
         found = [entry.msg for entry in self.log.messages if '/clock is published by' in entry.msg]
         self.assertTrue(found, 'no warning')
         for text in found:
@@ -169,6 +169,6 @@ class StageBackend(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('stageros')
-    # Stage advertises /clock; this one stays silent there, for two clocks would make time jump.
+    # Stage advertises /clock. This stand-in publishes nothing on it, since two clocks would make time jump.
     clock = rospy.Publisher('/clock', Clock, queue_size=1)
     rostest.rosrun('move_base_abstract', 'backend_stage', StageBackend)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""bench/system: what it measures of a launch file, and what it says where there is nothing to measure.
+"""bench/system: its figures for a launch file, and its errors if there is nothing to measure.
 
-No figure is compared with a wanted one: machines differ. What must hold on any machine is.
+The tests compare no figure with a wanted one, since machines differ. They check what must hold on any machine.
 """
 import json
 import os
@@ -15,7 +15,7 @@ from own_folder import OwnFolder
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, '..', '..', 'bench', 'system')
-GUARD = 200.0  # s, wall; only ends what would never end
+GUARD = 200.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 ROBOT = '<node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0"/>'
@@ -42,7 +42,7 @@ raise ValueError('on purpose')
 class BenchSystemTest(OwnFolder, unittest.TestCase):
 
     def measure(self, *words, nodes):
-        """Run bench/system on a launch file of these nodes; return the finished process, and how long it took [s]."""
+        """Run bench/system on a launch file with these nodes; return (the finished process, its wall time [s])."""
         self.write('package.xml', PACKAGE)
         self.write('sends.py', SENDS, 0o755)
         self.write('breaks.py', BREAKS, 0o755)

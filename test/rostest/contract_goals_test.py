@@ -35,7 +35,7 @@ class ContractGoals(unittest.TestCase):
 
     def setUp(self):
         self.assertEqual(go(self.simple, pose_stamped()), (GoalStatus.SUCCEEDED, 'Goal reached.'))
-        # The result may overtake, on its own connection, what else was published before it: these begin anew.
+        # The result may overtake earlier messages of other topics, since it has its own connection: begin anew.
         self.odom = self.fresh('/odom', Odometry)
         self.odom.wait_for()  # latched
         self.cmd_vel = self.fresh('/cmd_vel', Twist)
@@ -44,7 +44,7 @@ class ContractGoals(unittest.TestCase):
             record.clear()
 
     def fresh(self, topic, kind):
-        """Return a record of what is published from now on, for the length of the test."""
+        """Return a record of the messages from now on, for the length of the test."""
         record = Record.fresh(topic, kind)
         self.addCleanup(record.close)
         return record
@@ -98,7 +98,7 @@ class ContractGoals(unittest.TestCase):
         self.assertEqual(self.client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
 
     def assert_stood(self):
-        """No odometry since the last clearing says another pose than the start, or any speed."""
+        """Assert that no odometry since the last clearing has another pose than the start, or any speed."""
         for odom in self.odom.messages:
             place, speed = odom.pose.pose.position, odom.twist.twist
             self.assertEqual((place.x, place.y), (0.0, 0.0), 'the robot moved')

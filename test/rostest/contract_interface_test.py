@@ -54,7 +54,7 @@ def call(name, kind, *arguments):
 
 
 class ContractInterface(unittest.TestCase):
-    """robot_0 has the useful defaults, robot_1 does as upstream; both reach x, y = -1000..1000 m."""
+    """robot_0 has the useful defaults, robot_1 those of upstream; both can go to x, y = -1000..1000 m."""
 
     @classmethod
     def setUpClass(cls):
@@ -64,7 +64,7 @@ class ContractInterface(unittest.TestCase):
         cls.listener = tf2_ros.TransformListener(cls.buffer)
 
     def home(self):
-        """Bring robot_0 to the origin, heading east."""
+        """Drive robot_0 to the origin, heading east."""
         self.assertEqual(go(self.simple, pose_stamped()), REACHED)
 
     def test_topics_and_services_bear_upstreams_names_and_types(self):
@@ -149,7 +149,7 @@ class ContractInterface(unittest.TestCase):
         self.assertEqual(go(self.simple, pose_stamped(10.0, 0.0, math.pi / 2)), REACHED)
         odom = Record('/robot_0/odom', Odometry)
         self.assertEqual(go(self.simple, pose_stamped(3.0, frame='robot_0/base_link')), REACHED)
-        # Not the present: the result may have overtaken /clock, and then the robot was not there yet.
+        # Not the present time: the result may have overtaken /clock, and at that time the robot was not there yet.
         arrived = odom.wait_for(lambda message: abs(message.pose.pose.position.y - 3.0) < 1e-9).header.stamp
         self.assertEqual(go(self.simple, pose_stamped(1.0, frame='robot_0/base_link', stamp=arrived)), REACHED)
         odom.wait_for(lambda message: abs(message.pose.pose.position.y - 4.0) < 1e-9)

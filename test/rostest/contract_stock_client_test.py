@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A stock SimpleActionClient loses a final answer that comes too fast; here it never does."""
+"""A stock SimpleActionClient loses a result that comes too fast; with this package it never does."""
 import unittest
 
 import rospy
@@ -9,11 +9,11 @@ from move_base_msgs.msg import MoveBaseGoal
 from robot_harness import pose_stamped, simple_client
 
 GOALS = 1000
-LOST = rospy.Duration(3000.0)  # simulated; 30 s of the wall
+LOST = rospy.Duration(3000.0)  # simulated; 30 s of wall time
 
 
 class StockClient(unittest.TestCase):
-    """The robot is there in 1 ms of simulated time, so that every answer is as early as it may be."""
+    """The robot arrives after 1 ms of simulated time, so each result is as early as it may be."""
 
     def test_a_thousand_goals_in_a_row_are_all_answered(self):
         client = simple_client()

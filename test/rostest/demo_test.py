@@ -29,7 +29,7 @@ robots:
 
 
 class Demo(unittest.TestCase):
-    """One demo process per test; a far goal keeps it busy for as long as the test needs."""
+    """There is one demo process per test; a far goal keeps it busy for as long as the test needs."""
 
     def start(self, length_m, *arguments):
         """Start the demo with a mission of two robots and return its Popen."""
@@ -51,7 +51,7 @@ class Demo(unittest.TestCase):
         raise AssertionError('the demo ended before its first progress line')
 
     def finish(self, process):
-        """Return what else the demo prints, and its exit code."""
+        """Return (the rest of the output, the exit code) of the demo."""
         output, _ = process.communicate(timeout=GUARD)
         return output, process.returncode
 

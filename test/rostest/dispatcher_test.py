@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The node dispatcher: the same rows as in plain Python, to the byte; what is wrong with orders; a user's policy."""
+"""The node dispatcher: the same rows as in plain Python, to the byte; faulty orders; a user's policy."""
 import json
 import os
 import shutil

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, what is left."""
+"""Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, leftovers."""
 import csv
 import dataclasses
 import io
@@ -23,7 +23,7 @@ from move_base_abstract_experiments.description import plan, spec
 from move_base_abstract_experiments.results import tables
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 200.0  # s, wall; only ends what would never end
+GUARD = 200.0  # s, wall; only ends a run that would never end
 MARK = 'EXPERIMENT_TEST_MARK'
 SWEEP = """
 experiment: sweep
@@ -106,7 +106,7 @@ PACKAGE = """<package format="2"><name>sayings</name><version>1.0.0</version><de
 
 
 class Client:
-    """`experiment run` in a process of its own; what it starts is known by a mark in the environment."""
+    """`experiment run` in a process of its own; a mark in the environment identifies the processes that it starts."""
 
     def __init__(self, folder, file, out, *options):
         self.mark = uuid.uuid4().hex
@@ -117,7 +117,7 @@ class Client:
             start_new_session=True)
 
     def end(self):
-        """Return (exit code, output) at its end."""
+        """Wait for its end; return (exit code, output)."""
         try:
             text = self.process.communicate(timeout=GUARD)[0].decode()
         except subprocess.TimeoutExpired:
@@ -131,7 +131,7 @@ class Client:
                 if any('spawn_main' in word for word in one.cmdline())]
 
     def left(self):
-        """Return the processes that it has left."""
+        """Return the processes with its mark that still run."""
         found = []
         for one in psutil.process_iter():
             try:
@@ -143,7 +143,7 @@ class Client:
 
 
 def wait_for(condition, what):
-    """Wait until condition() is true."""
+    """Wait until condition() is true; fail after GUARD, naming ``what``."""
     deadline = time.monotonic() + GUARD
     while not condition():
         if time.monotonic() > deadline:
@@ -160,7 +160,7 @@ def without_wall(path):
 
 
 class Experiments(OwnFolder, unittest.TestCase):
-    """What `experiment run` promises."""
+    """The promises of `experiment run`."""
 
     def complete(self, out):
         folder = self.path(out + '/trials')
@@ -179,7 +179,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         wait_for(lambda: self.complete('killed'), 'the first trial')
         killed.workers()[0].suspend()
         killed.workers()[1].kill()
-        count = len(self.complete('killed'))  # now: others may have done all by the time it has ended
+        count = len(self.complete('killed'))  # counted now: others may have done all trials by its end
         before = killed.workers()[0]
         wait_for(lambda: not before.is_running(), 'the end of a worker that is stopped')
         wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of all workers')
@@ -273,7 +273,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertIn('ended with code -9', found[30].error)
         self.assertEqual(found[30].attempts, 2)
         del found[30]
-        self.assertEqual({one.metrics['left'] for one in found}, {2})  # logs and files, as when they are new
+        self.assertEqual({one.metrics['left'] for one in found}, {2})  # logs and files, as in a new process
         self.assertEqual([one.metrics['seed_again'] for one in found], [k for k in range(120) if k != 30])
         wait_for(lambda: not client.left(), 'the end of all processes')
 

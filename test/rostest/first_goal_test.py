@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""A client that is there before the server loses no goal: the server connects to it once.
+"""If a client starts before the server, no goal is lost, since the server connects to the client only once.
 
-rospy drops a connection to a publisher when it makes a second one, with all that was on its way. It makes a second one
-if it is told of another publisher of the topic, itself say, while the first one is being made.
+rospy drops a connection to a publisher when it makes a second one, with all messages on it. It makes a second one if it
+hears of another publisher of the topic (its own node, for example) while it makes the first one.
 """
 import os
 import subprocess
@@ -25,7 +25,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 
 class MasterProxy:
-    """A ROS master that notes the order in which it is told of topics and passes everything on to the real one."""
+    """A ROS master that notes the order of registrations and passes all calls on to the real one."""
 
     def __init__(self):
         self.registrations = []
@@ -35,7 +35,7 @@ class MasterProxy:
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
 
     def close(self):
-        """Serve no more."""
+        """Stop serving."""
         self._server.shutdown()
         self._server.server_close()
 
@@ -54,7 +54,7 @@ class MasterProxy:
 
 
 class SlowClient:
-    """A client's publishers in this process; until ``release`` is set, who asks where to connect to waits."""
+    """The publishers of a client in this process; requests for a connection wait until ``release`` is set."""
 
     def __init__(self, topics):
         self._handler = get_registration_listeners().listeners[0].handler
@@ -70,13 +70,13 @@ class SlowClient:
         return self._request_topic(caller_id, topic, protocols)
 
     def close(self):
-        """Answer at once."""
+        """Answer all requests at once."""
         self.release.set()
         self._handler.requestTopic = self._request_topic
 
 
 def wait_until(condition, what):
-    """Wait for ``condition()``."""
+    """Wait until ``condition()`` is true; fail after GUARD, naming ``what``."""
     deadline = time.monotonic() + GUARD
     while not condition():
         assert time.monotonic() < deadline, what
@@ -84,7 +84,7 @@ def wait_until(condition, what):
 
 
 def is_up(node, topic):
-    """Return whether ``node`` listens to ``topic``, as the ROS master knows."""
+    """Return whether the ROS master lists ``node`` as a subscriber of ``topic``."""
     return node in dict(rosgraph.Master(rospy.get_name()).getSystemState()[1]).get(topic, ())
 
 
@@ -121,7 +121,7 @@ class FirstGoal(unittest.TestCase):
             self.assertIn(last, heard)
 
     def first_goal(self, executable, node_name, parameters, robot):
-        """Start a server before the client answers, tell it of the client again and again; the first goal arrives."""
+        """Start a server before the client answers, announce the client again and again; the first goal must arrive."""
         topics = [robot + '/move_base/goal', robot + '/move_base/cancel']
         client = SlowClient(topics)
         self.addCleanup(client.close)
@@ -136,7 +136,7 @@ class FirstGoal(unittest.TestCase):
                             ('move_base_simple/goal', PoseStamped)):
             for topic in topics:
                 node.publisherUpdate('/master', topic, [rospy.get_node_uri()])
-            # The server's rospy works off what it is told one by one; so it comes to the two above.
+            # The server's rospy handles updates one by one, so it has handled the two above when this one is connected.
             publishers.append(rospy.Publisher(robot + '/' + other, kind, queue_size=1))
             wait_until(publishers[-1].get_num_connections, other)
         self.assertEqual(client.calls, dict.fromkeys(topics, 1), 'a second connection is being made')

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fleets: many robots at once against the plain Python fleet, pre-emption and cancel, add, remove, reset."""
+"""Fleets: many robots compared with the plain Python fleet, pre-emption and cancel, add, remove, reset."""
 import itertools
 import math
 import random
@@ -23,7 +23,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.srv import AddRobot, Fail, RemoveRobot, SetCharge
 
-#: 9 ** 6 values in some 200 bytes
+#: a YAML text of about 200 bytes that expands to 9 ** 6 values
 EXPLODING = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + ''.join('{0}: &{0} [{1}]\n'.format(name, ', '.join(
     ['*' + before] * 9)) for before, name in zip('abcde', 'bcdef'))
 NAMES = ['{}_{}'.format(kind, number) for kind in ('robot', 'truck') for number in range(10)]
@@ -37,7 +37,7 @@ def service(name, kind):
 
 
 def parameters_of_all():
-    """Return all that is on the parameter server; rospy.get_param('/') shows its cache only."""
+    """Return all parameters of the parameter server; rospy.get_param('/') shows only a cache."""
     return rosgraph.Master('/fleet_test').getParam('/')
 
 
@@ -92,7 +92,7 @@ class FleetTrial(unittest.TestCase):
     def test_each_robot_has_frames_of_its_own(self):
         buffer = tf2_ros.Buffer(debug=False)
         listener = tf2_ros.TransformListener(buffer)
-        for name in NAMES:  # until the listener has connected, the present is too early
+        for name in NAMES:  # before the listener is connected, the present time is too early
             buffer.lookup_transform('map', name + '/base_link', rospy.Time(), rospy.Duration(200.0))
         for name in NAMES:
             found = buffer.lookup_transform('map', name + '/base_link', rospy.Time.now(), rospy.Duration(200.0))
@@ -154,7 +154,7 @@ class FleetTrial(unittest.TestCase):
         failed = told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.ERROR)
         self.assertEqual((failed.status[0].hardware_id, failed.status[0].message), ('patient', 'failed: silent'))
         client.cancel(goal_id)
-        for seconds in range(3):  # simulated; a status that was on its way has come in the first of them
+        for seconds in range(3):  # simulated s; a status under way comes within the first one
             told.clear()
             told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.ERROR)
             if seconds == 0:
@@ -191,7 +191,7 @@ class FleetTrial(unittest.TestCase):
         self.assertEqual(rospy.get_param('/guest/move_base'), of_the_user)
 
     def test_robots_that_are_added_and_removed_at_the_same_time_do_not_disturb_each_other(self):
-        # A proxy for each call: those of Debian 11's rospy are not made for several threads.
+        # A proxy for each call, since proxies of Debian 11's rospy do not work in several threads.
         def add(name):
             return service(FIRST + '/add_robot', AddRobot)(name, 0.0, 0.0, 0.0, '')
 
@@ -237,7 +237,7 @@ class FleetTrial(unittest.TestCase):
     def test_rviz_goals_reach_a_robot_of_a_fleet(self):
         publisher = rospy.Publisher('/robot_5/move_base_simple/goal', type(pose_stamped()), queue_size=1, latch=True)
         publisher.publish(pose_stamped(5.0, 4.0))
-        ended = self.clients['robot_5'].result.wait_for(  # its id is the server's; others are late ones of other tests
+        ended = self.clients['robot_5'].result.wait_for(  # by its id, which the server chose; others are late
             lambda message: message.status.goal_id.id.startswith('/robot_5/move_base-'))
         self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
         publisher.unregister()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What docs/nodes/interfaces.yaml says of topics, services and actions is what running nodes have, both ways."""
+"""Running nodes have exactly the topics, services and actions that docs/nodes/interfaces.yaml lists."""
 import os
 import time
 import unittest
@@ -20,7 +20,7 @@ OTHERS = {'cancel': 'actionlib_msgs/GoalID', 'status': 'actionlib_msgs/GoalStatu
 CLOCK = {'use_sim_time'}
 ROBOT = {*CLOCK, 'battery_capacity', 'failure_kind', 'scan_rate', 'use_map'}
 FLEET = {*ROBOT, 'places', 'zones'}
-#: {node: [(entry, namespace of a robot, what ~ stands for, what is switched on, names of the entry left out)]}
+#: {node: [(entry, namespace of a robot, meaning of ~, features that are on, names of the entry that are left out)]}
 NODES = {
     '/robot/move_base': [('move_base', '/robot', '/robot/move_base', CLOCK, ())],
     '/fleet': [('move_base', '/r1', '/r1/move_base', {*ROBOT, 'zones'}, ('~events',)),
@@ -34,7 +34,7 @@ WORDS = (('<global planner>', 'NavfnROS'), ('<local planner>', 'TrajectoryPlanne
 
 
 def rows(entry, namespace, own, on, left_out):
-    """Yield (kind, full name, type) of what an entry says is there: kind in, out or service."""
+    """Yield (kind, full name, type) for each row of an entry; the kind is in, out or service."""
     for part in ('actions', 'topics', 'services'):
         for row in entry.get(part, ()):
             if 'when' in row and not set(row['when'].split(' or ')) & set(on):
@@ -64,7 +64,7 @@ def of_row(part, row, name):
 
 
 class Interfaces(unittest.TestCase):
-    """The file against the nodes."""
+    """Compares the file with the nodes."""
 
     def setUp(self):
         with open(os.path.join(PACKAGE, 'docs', 'nodes', 'interfaces.yaml'), encoding='utf-8') as stream:
@@ -72,12 +72,12 @@ class Interfaces(unittest.TestCase):
         self.master = rosgraph.Master('/interfaces_test')
 
     def there(self, node):
-        """Return {(kind, name)} of what a node has registered."""
+        """Return {(kind, name)} for all that a node has registered."""
         return {(kind, name) for kind, listed in zip(('out', 'in', 'service'), self.master.getSystemState())
                 for name, nodes in listed if node in nodes and not name.endswith(IGNORED)}
 
     def said(self, node):
-        """Return {(kind, name): type} of what the file says of a node."""
+        """Return {(kind, name): type} for a node, from the file."""
         return {(kind, name): type_ for entry, *rest in NODES[node]
                 for kind, name, type_ in rows(self.entries[entry], *rest)}
 
@@ -91,7 +91,7 @@ class Interfaces(unittest.TestCase):
                 deadline = time.monotonic() + GUARD
                 while said - self.there(node) and time.monotonic() < deadline:
                     time.sleep(0.1)
-                # goals of RViz are put on the node's own goal topic; every node hears /clock
+                # a node publishes goals of RViz on its own goal topic, and each node hears /clock
                 extra = {one for one in self.there(node) - said if not one[1].endswith(('/move_base/goal', '/clock'))}
                 self.assertEqual((sorted(said - self.there(node)), sorted(extra)), ([], []))
 
@@ -105,7 +105,7 @@ class Interfaces(unittest.TestCase):
             types = dict(self.master.getTopicTypes())
             for (kind, name), type_ in sorted(said.items()):
                 found = rosservice.get_service_type(name) if kind == 'service' else types.get(name, '*')
-                if found != '*':  # of what somebody only listens to the ROS master need not know the type
+                if found != '*':  # the ROS master may not know the type of a topic without publishers
                     compared += 1
                     self.assertEqual((name, found), (name, type_))
         self.assertGreater(compared, 100)

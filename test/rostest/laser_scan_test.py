@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Laser scans: those of the plain Python fleet, to the bit, at exact instants, where tf has the laser."""
+"""Laser scans are those of the plain Python fleet, to the bit, at exact instants, at the pose of the laser in tf."""
 import hashlib
 import os
 import struct
@@ -36,7 +36,7 @@ def scans_of_the_plain_fleet(stamps):
         scan = fleet.scan('robot_0')
         data = struct.pack('<{}f'.format(len(scan.ranges)), *scan.ranges)
         found[stamp_ns] = hashlib.sha1(data).hexdigest(), scan.pose
-        if stamp_ns == SENT_NS:  # a robot's own comes before what it is told at the same instant
+        if stamp_ns == SENT_NS:  # a robot's own event comes before a goal at the same instant
             fleet.send('robot_0', 13.0, 6.0)
             fleet.send('robot_1', 12.0, 4.0)
     return found

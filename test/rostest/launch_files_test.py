@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The launch files: all of them load and are documented, and the example with two robots really runs.
 
-GUARD [s, simulated] and WALL_GUARD [s] only ends a test that would never end.
+GUARD [s, simulated] and WALL_GUARD [s] only end a test that would never end.
 """
 
 import glob

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bags of runs: recorders as people start them take part, leave equal bytes, and are covered by the log or labelled."""
+"""Bags of runs: recorders take part however they are started, write equal bytes, and are in the log or labelled."""
 import contextlib
 import os
 import subprocess
@@ -14,7 +14,7 @@ from own_folder import OwnFolder
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 200.0  # s, wall; only ends what would never end
+GUARD = 200.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 COUNTS = '<node pkg="study_of_others" type="counts.py" name="counts"/>'
@@ -58,7 +58,7 @@ class BagsTest(OwnFolder, unittest.TestCase):
             self.write(name, text, 0o755)
 
     def run_it(self, name, *words, nodes, is_busy=False, may_fail=False):
-        """Run nodes in a folder of this name, where their bags are; return what was said and the log, read."""
+        """Run nodes in a folder of this name, which gets their bags; return (output, the EventLog)."""
         folder = self.path(name)
         os.mkdir(folder)
         environment = dict(os.environ, ROS_HOME=folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
@@ -100,7 +100,7 @@ class BagsTest(OwnFolder, unittest.TestCase):
         self.assertEqual(self.stamps('a', 'some.bag'), {'/ticks': ticks})
         self.assertEqual(self.stamps('a', 'by_name.bag'), {'number': ticks, '/other': [SECOND]})
         every = self.stamps('a', 'script.bag')
-        self.assertEqual(sorted(every), ['/late', '/other', '/ticks'])  # what goes past lockstep is left out
+        self.assertEqual(sorted(every), ['/late', '/other', '/ticks'])  # topics that go past lockstep are left out
         self.assertEqual(every['/ticks'], ticks)
         done = subprocess.run([find_executable('compare'), *(self.path(os.path.join(name, 'events.jsonl'))
                                                              for name in 'ab')],

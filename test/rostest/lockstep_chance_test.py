@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What unmodified rospy programs ask the machine for time and chance: the run's, or labelled by name, file and line."""
+"""Time and chance for unmodified rospy programs come from the run, or are labelled with name, file and line."""
 import ast
 import os
 import re
@@ -14,7 +14,7 @@ from lockstep_launcher_run import FOLDER, assert_same, run_programs
 
 from move_base_abstract_ros.loopback import find_executable
 
-#: what the line of a label has, where it is not the last part of the name
+#: text in the line of a label, if it is not the last part of the name
 SHOWN = {'subprocess.Popen': 'check_output', 'os.fork': 'child.start()',
          'socket.connect': 'create_connection', 'ctypes.dlsym': "CDLL('libc.so.6').time", 'id': 'id(rospy)',
          'hash': 'hash', 'open': "('/", 'rospy.get_param': 'get_param(', 'os.exec': 'os.execv',
@@ -23,7 +23,7 @@ LABEL = re.compile(r"'/\w+': (a clock|\S+) in (\S+), line (\d+): ")
 
 
 def places(run, script):
-    """Return [(name, line of the script)] of a run's labels, after checking that each is of this script."""
+    """Return [(name, line of the script)] for a run's labels; check that all are about this script."""
     path = os.path.join(FOLDER, script)
     with open(path) as source:
         text = source.read().splitlines()
@@ -64,10 +64,10 @@ class FollowedTest(unittest.TestCase):
         for run, name in ((self.runs[0], 'sources'), (seed_7, 'sources'), (other, 'other')):
             said = [ast.literal_eval(line) for line in run.printed(name)]
             drawn += [said[2], said[7]]
-            names += said[3][:2] + said[8][:2]  # of temporary files
+            names += said[3][:2] + said[8][:2]  # names of temporary files
         self.assertEqual(ast.literal_eval(seed_7.printed('sources')[0])[0], 1577836807.0)
         self.assertEqual(len(set(names)), 12)
-        # b'', the hash of a text; what is drawn from a generator that starts from the time is every program's then.
+        # Equal are b'', the hash of a text, and draws from a generator that starts from the time.
         few = {11: 1, 14: 1, 15: 4}
         self.assertEqual([len(set(values)) for values in zip(*drawn)], [few.get(place, 6) for place in range(20)])
 
@@ -128,9 +128,9 @@ class ThreadsTest(unittest.TestCase):
 
     @classmethod
     def run_once(cls, name, ahead=0.0, **environment):
-        """Return a run; ahead [s, wall]: for so long the program has to look for the time master."""
+        """Return a run; ahead: the time for which the program has to look for the time master [s, wall]."""
         command = [sys.executable, find_executable('lockstep'), os.path.join(FOLDER, 'early_threads.py')]
-        words = ['__name:=' + name] if name == 'early' else []  # else its name is not known before it is a node
+        words = ['__name:=' + name] if name == 'early' else []  # otherwise its name is unknown before it is a node
         with mock.patch.dict(os.environ, TMPDIR=cls.folder, **environment):
             return run_programs({name: None}, until=10.0, commands={name: command + words}, ahead=ahead)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A coordinator that works in the stated order only, in Python and in C++: found, shrunk, replayed to the byte."""
+"""Chaos with a coordinator that works only in the stated order, in Python and C++: found, shrunk, replayed exactly."""
 import json
 import os
 import subprocess
@@ -11,7 +11,7 @@ from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 200.0  # s, wall; only ends what would never end
+GUARD = 200.0  # s, wall; only ends a run that would never end
 FILES = {'package.xml': """<package format="2"><name>study_of_others</name><version>1.0.0</version>
 <description>x</description><maintainer email="a@example.org">a</maintainer><license>x</license></package>""",
          'worker.py': """#!/usr/bin/env python3
@@ -100,7 +100,7 @@ class ChaosTest(OwnFolder, unittest.TestCase):
             self.write(name, text, 0o755)
 
     def run_it(self, program, *words):
-        """Run a program; return its exit code and what it has said."""
+        """Run a program; return (exit code, output)."""
         path = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
         done = subprocess.run([find_executable(program), *words], env=dict(os.environ, ROS_PACKAGE_PATH=path),
                               cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Ten coordinators with a bug each: what chaos has found fails again, and their twins do not mind.
+"""Ten coordinators with one bug each: failures that chaos has found repeat, and do not occur without the bug.
 
-test/coordinators/found.json holds what `chaos --delay 0.05 --until 300` has found of each, and shrunk.
+test/coordinators/found.json has the failure that `chaos --delay 0.05 --until 300` found for each, after shrinking.
 """
 import json
 import os
@@ -17,7 +17,7 @@ from move_base_abstract_ros.loopback import find_executable
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(os.path.dirname(HERE), 'coordinators')
 LAUNCH = os.path.join(FOLDER, 'coordinators.launch')
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 MOST_DECISIONS = 3
 
 
@@ -29,7 +29,7 @@ class CoordinatorsTest(OwnFolder, unittest.TestCase):
         return done.returncode, done.stdout
 
     def check(self, name):
-        """Replay what was found of a coordinator; run its twin in the stated order, and with the same seed."""
+        """Replay the failure of a coordinator; run it without its bug in the stated order and with the same seed."""
         with open(os.path.join(FOLDER, 'found.json'), encoding='utf-8') as stream:
             found = json.load(stream)[name]
         self.assertLessEqual(len(found['only']), MOST_DECISIONS)

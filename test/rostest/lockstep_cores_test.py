@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""On which cores of this computer a run goes on: who is kept on one, who is left alone, when it ends.
+"""The cores on which a run works: processes that are kept on one core, those that are left alone, and the end.
 
-The test itself takes part, over the socket for participants of this computer.
+The test itself takes part, by the socket for participants on this computer.
 """
 
 import os
@@ -27,7 +27,7 @@ ROBOTS, GOALS = 4, 60
 
 
 class LocalClient(RawClient):
-    """A participant whose process the time master can see."""
+    """A participant whose process id the time master can see."""
 
     def __init__(self, address):
         super().__init__(address)
@@ -36,7 +36,7 @@ class LocalClient(RawClient):
         self.socket.connect('\0move_base_abstract/' + address)
 
     def turns(self):
-        """Yield in the middle of each turn."""
+        """Take turns for ever, and yield in the middle of each."""
         while True:
             grant = self.grant()
             yield
@@ -69,7 +69,7 @@ class CoresTest(unittest.TestCase):
         self.assertEqual(len(one), 1)
         self.assertLess(one, OWN)
         self.assertIn(f'cores of this computer: one (core {min(one)})', self.why(ros))
-        sleeper = subprocess.Popen(['sleep', '600'])  # has the core of the thread that starts it
+        sleeper = subprocess.Popen(['sleep', '600'])  # inherits the core of the thread that starts it
         self.addCleanup(sleeper.wait)
         self.addCleanup(sleeper.kill)
         wait_for('a child has all cores', lambda: next(turns) or os.sched_getaffinity(sleeper.pid) == OWN)
@@ -119,7 +119,7 @@ class CoresTest(unittest.TestCase):
     def test_the_end_of_a_connection_gives_all_back_whoever_ends_it(self):
         listener = socket.socket(socket.AF_UNIX)
         self.addCleanup(listener.close)
-        listener.bind('\0move_base_abstract/127.0.0.1:0')  # port 0 is no time master's
+        listener.bind('\0move_base_abstract/127.0.0.1:0')  # no time master has port 0
         listener.listen()
         connection = Connection('127.0.0.1', 0, 1.0)
         os.sched_setaffinity(0, {max(OWN)})
@@ -139,7 +139,7 @@ class CoresTest(unittest.TestCase):
             'has' + alone, 'chose' + many, 'chose' + alone])
 
     def log(self, cores):
-        """Return the event log (bytes) of a fleet and a coordinator."""
+        """Return the event log of a run of a fleet and a coordinator [bytes]."""
         with Loopback() as ros:
             path = os.path.join(ros.log_dir, 'events.jsonl')
             clock = ros.run('time_master', 'time_master', parameters={

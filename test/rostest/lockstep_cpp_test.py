@@ -33,8 +33,8 @@ rospy.wait_for_service('/wait')
 print(rospy.ServiceProxy('/wait', SetBool)(True).message, end='')
 """
 
-# A node that publishes by the protocol's bytes, and copies over ROS; argv: the folder of the tests, and whether the
-# listener gets copies before this node leaves.
+# A node that publishes by the bytes of the protocol, and copies by ROS. argv: the folder of the tests; early or late:
+# whether the listener gets copies before this node leaves.
 GHOST = """
 import struct, sys, time, xmlrpc.client
 sys.path.insert(0, sys.argv[1])
@@ -121,7 +121,7 @@ def output(child):
 
 
 def lines(child):
-    """Return what a node has printed itself, without roscpp's log."""
+    """Return the lines that a node has printed, without roscpp's log."""
     return [line for line in output(child).splitlines() if line and '\x1b' not in line]
 
 
@@ -153,8 +153,8 @@ class LockstepCppTest(unittest.TestCase):
         common = dict(rounds=3, pause=0.25, verbose=True)
         with Loopback() as ros:
             self.start(ros, '/one', '/two')
-            # The one that begins comes last in the order: what it sends in its first round reaches a subscriber of
-            # whom it does not know yet, and is latched besides. It must come once.
+            # The node that begins comes last in the order. Its first message goes to a subscriber that it does not
+            # know yet, and is also latched. It must come exactly once.
             one = ros.run('lockstep_pingpong', 'one', parameters={'to': '/b', 'from': '/a', **common})
             two = ros.run('lockstep_pingpong', 'two', parameters={'begin': True, 'to': '/a', 'from': '/b', **common})
             self.assert_ends(one)
@@ -174,7 +174,7 @@ class LockstepCppTest(unittest.TestCase):
                 if node in ranks:
                     parameters['lockstep_rank'] = ranks[node]
                 ros.run('lockstep_ticker', f'{node}', parameters=parameters)
-            self.assert_ends(listener)  # though the others have left
+            self.assert_ends(listener)  # although the others have left
             expected = [f'{second * NS} 1 /{node} {second * NS}' for second in (2, 3, 4)
                         for node in ('z_first', 'ticker_2', 'ticker_10', 'a_last')]
             self.assertEqual(lines(listener), expected)
@@ -215,7 +215,7 @@ class LockstepCppTest(unittest.TestCase):
 
     @staticmethod
     def board_at(k):
-        """Return what all see after so many rounds."""
+        """Return the line that all nodes print after ``k`` rounds."""
         return '%d %d %s exact' % (NS + k * NS // 10, k, '<&> \u00e4' if k % 3 else '-')
 
     def test_the_others_go_on_when_one_is_killed(self):
@@ -244,9 +244,9 @@ class LockstepCppTest(unittest.TestCase):
         listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=1e9))
         wait_for('a tick', lambda: lines(listener))
         os.kill(master.pid, number)
-        self.assert_ends(ticker, 1)  # though its main function returns 0
+        self.assert_ends(ticker, 1)  # although its main function returns 0
         self.assertRegex(output(ticker), 'FATAL.*the run is over for /ticker')
-        self.assert_ends(listener, 1)  # its sleep did not come to its end
+        self.assert_ends(listener, 1)  # its sleep did not end normally
 
     def test_a_node_whose_name_is_taken_says_so_and_ends_with_an_error(self):
         with Loopback() as ros:
@@ -255,7 +255,7 @@ class LockstepCppTest(unittest.TestCase):
             listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=1e9))
             wait_for('a tick', lambda: lines(listener))
             take_name(ros, '/ticker')
-            self.assert_ends(ticker, 1)  # though its main function returns 0
+            self.assert_ends(ticker, 1)  # although its main function returns 0
             self.assertRegex(output(ticker), 'FATAL.*/ticker: another node of its name has taken its place')
 
     def test_sigint_ends_a_node_and_nobody_else(self):
@@ -308,11 +308,11 @@ class LockstepCppTest(unittest.TestCase):
             self.assertEqual(lines(listener)[1:], [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, 52)])
             wait_for('all ticks', lambda: len(heard) == 50)
             self.assert_ends(ticker)
-            self.assertEqual(lines(ticker)[-1], '1 listeners')  # who takes no part is not counted
+            self.assertEqual(lines(ticker)[-1], '1 listeners')  # an onlooker is not counted
             self.assertEqual(heard, [second * NS for second in range(2, 52)])
 
     def test_a_copy_that_comes_after_its_sender_has_left_is_no_message_from_outside(self):
-        # Over a connection that has brought copies of a member nothing else comes; over another one, what is new.
+        # A connection that has brought copies of a participant brings nothing else; another one brings new messages.
         for when, stamps, labels in (('early', [7, 8, 1], 0), ('late', [7, 8, 1, 9], 2)):
             with Loopback() as ros:
                 master = self.start(ros, '/ghost', '/holder', '/listener')
@@ -338,7 +338,7 @@ class LockstepCppTest(unittest.TestCase):
 
 
 class CoordinatorTest(unittest.TestCase):
-    """A coordinator in C++ and a fleet in Python."""
+    """A coordinator in C++ with a fleet in Python."""
 
     def run_once(self, log):
         robots = [dict(name='robot', count=4, step_x=1.0)]
@@ -365,7 +365,7 @@ class CoordinatorTest(unittest.TestCase):
 
 
 class Tests(LockstepCppTest, CoordinatorTest):
-    """rostest runs one class."""
+    """All tests in one class, since rostest runs only one."""
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Unmodified programs with event loops of asyncio: exact, or labelled by file and line where they wait for others."""
+"""Unmodified programs with event loops of asyncio are exact, or labelled by file and line if they wait for outside."""
 import os
 import re
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A participant that gives robots something to do; what it hears it writes into the event log. usage: PLAN ROBOT..."""
+"""A participant that sends goals to robots and writes what it hears into the event log. usage: PLAN ROBOT..."""
 import math
 import random
 import sys
@@ -16,19 +16,19 @@ from move_base_abstract_ros import lockstep
 NS_PER_S = 1_000_000_000
 
 
-#: goals in the yard that ships: around buildings, and one in a building
+#: goals in the farm yard: around buildings, and one in a building
 YARD = {'robot_0': [(10.0, 20.0), (30.0, 36.0, 1.0)], 'robot_1': [(50.0, 36.0), (10.0, 4.0)],
         'robot_2': [(10.0, 12.0), (20.0, 36.0, 2.0)]}
 
 
 def plan_of(names, seed=5, goals=4):
-    """Return {robot: [(x, y, yaw)]}, on a grid, so that many arrive at the same instant, and some have no way to go."""
+    """Return {robot: [(x, y, yaw)]} on a grid, so that many robots arrive together and some have nowhere to go."""
     rng = random.Random(seed)
     return {name: [(float(rng.randint(-2, 2)) * 4.0, 0.0, 0.0) for _ in range(goals)] for name in names}
 
 
 class Robot:
-    """The action's topics of one robot."""
+    """The topics of one robot's action."""
 
     def __init__(self, name, on_end=lambda name, result: None):
         prefix = '/{}/move_base/'.format(name)
@@ -40,7 +40,7 @@ class Robot:
                                             lambda result: on_end(name, result), queue_size=100)
 
     def send(self, x, y=0.0, yaw=0.0, frame='map'):
-        """Send a goal, named by robot and number."""
+        """Send a goal (m, m, rad), whose id is the name of the robot and a number."""
         self.count += 1
         goal = MoveBaseActionGoal(goal_id=GoalID(id='{}-{}'.format(self._name, self.count)))
         target = goal.goal.target_pose
@@ -50,12 +50,12 @@ class Robot:
         self._goal.publish(goal)
 
     def cancel(self):
-        """Cancel what there is."""
+        """Cancel all goals of the robot."""
         self._cancel.publish(GoalID())
 
 
 class Client:
-    """Runs one of the plans below and ends when it is through."""
+    """Runs one of the plans below, and ends at the end of the plan."""
 
     def __init__(self, names):
         self.names = names
@@ -69,11 +69,11 @@ class Client:
         rospy.sleep(rospy.Time.from_sec(seconds) - rospy.Time.now())
 
     def wait_for_ends(self, count):
-        """Wait for so many results in all."""
+        """Wait until there are ``count`` results in all."""
         self.participant.wait_until(lambda: len(self.ended) >= count, what='results')
 
     def log(self, kind, *values):
-        """Write a line of one's own."""
+        """Write a line of the client into the event log."""
         self.participant.log('client', kind, values)
 
     def _on_end(self, name, result):
@@ -82,7 +82,7 @@ class Client:
             self.robots[name].send(*self.goals[name].pop(0))
 
     def run_goals(self):
-        """All robots at once; each next goal follows at the instant of the result; one is cancelled, one replaced."""
+        """Drive all robots at once; the next goal follows at the instant of a result; cancel one goal, replace one."""
         self.goals = plan_of(self.names)
         total = sum(len(goals) for goals in self.goals.values())
         self.sleep_until(2.0)
@@ -94,7 +94,7 @@ class Client:
         self.wait_for_ends(total + 1)
 
     def run_backwards(self):
-        """Goals where the robots stand, the last robot first; note in which order the results come."""
+        """Send goals to where the robots stand, the last robot first; log the order of the results."""
         self.sleep_until(2.0)
         for number, name in reversed(list(enumerate(self.names))):
             self.robots[name].send(0.0, 2.0 * number)
@@ -102,7 +102,7 @@ class Client:
         self.log('results', *(name for name, _ in self.ended))
 
     def run_telling(self):
-        """Feedback and poses that were asked for, of one leg."""
+        """Listen to feedback and poses during one leg."""
         rospy.Subscriber('/robot_0/move_base/feedback', MoveBaseActionFeedback, lambda message: self.log(
             'feedback', message.feedback.base_position.pose.position.x))
         rospy.Subscriber('/robot_0/robot_pose', PoseStamped, lambda message: self.log(
@@ -112,7 +112,7 @@ class Client:
         self.wait_for_ends(1)
 
     def run_tf(self):
-        """Listen to tf when all stand, and while one moves."""
+        """Listen to tf while all robots stand, and while two move."""
         self.sleep_until(100.0)
         rospy.Subscriber('/tf', TFMessage, lambda message: self.log('tf', *(
             (transform.child_frame_id, transform.transform.translation.x, transform.header.stamp.to_nsec())
@@ -123,7 +123,7 @@ class Client:
         self.wait_for_ends(2)
 
     def run_frames(self):
-        """Goals in a frame that a node outside has made known before, in one that nobody knows, and from RViz."""
+        """Send goals in a frame that an onlooker has published, in an unknown frame, and as RViz does."""
         self.sleep_until(2.0)
         self.robots['robot_0'].send(1.0, frame='dock')
         self.wait_for_ends(1)
@@ -138,14 +138,14 @@ class Client:
         self.wait_for_ends(3)
 
     def run_map(self):
-        """A goal in a wall, and a free one."""
+        """Send a goal in a wall, and a free goal."""
         self.sleep_until(2.0)
         self.goals['robot_0'] = [(1.25, 0.25)]
         self.robots['robot_0'].send(2.25, 0.25)
         self.wait_for_ends(2)
 
     def run_yard(self):
-        """Around the buildings of the yard; one robot is cancelled on its way."""
+        """Drive around the buildings of the yard; cancel one robot on its way."""
         self.goals = {name: list(goals) for name, goals in YARD.items()}
         self.sleep_until(2.0)
         for name in self.names:
@@ -155,7 +155,7 @@ class Client:
         self.wait_for_ends(sum(map(len, YARD.values())))
 
     def run_services(self):
-        """Add a robot, send it somewhere, take it away on its way."""
+        """Add a robot, send it a goal, and remove it on its way."""
         add = rospy.ServiceProxy('/fleet/add_robot', AddRobot)
         rospy.wait_for_service('/fleet/add_robot')
         self.sleep_until(2.0)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Robots in lockstep: the event log is the plain fleet's trace, in one process, in three, or in a node each."""
+"""Robots in lockstep: the event log is the plain fleet's trace, with one process, three, or a node for each robot."""
 import itertools
 import json
 import os
@@ -46,8 +46,10 @@ class Run:
     """One run of a plan on a ROS master of its own, to its end."""
 
     def __init__(self, plan, names, hosts, outside=(), awaited=None, of_all=None):
-        """hosts: {node: (executable, namespace, parameters)}; outside: commands of nodes that do not take part;
-        awaited: a topic that they publish before anything else is started; of_all: parameters below /.
+        """Run a plan to its end.
+
+        hosts: {node: (executable, namespace, parameters)}; outside: commands of nodes that do not take part; awaited: a
+        topic that they must publish before anything else starts; of_all: parameters below /.
         """
         self._folder = tempfile.mkdtemp(prefix='lockstep_fleet_')
         log = os.path.join(self._folder, 'run.jsonl')
@@ -91,16 +93,16 @@ class Run:
 
 BATTERY = {'battery_capacity': 0.2, 'charging_current': 9.0, 'battery_start': 0.8,
            'battery_thresholds': [0.75, 0.7, 0.65, 0.6, 0.5, 0.4]}
-#: what goes wrong with a robot, in every way that leaves it with its goals
+#: all failures of a robot that do not end its goals
 WEAR = {'failure_kind': 'stall', 'failures_per_km': 60.0, 'failures_per_hour': 200.0, 'repair_time': 3.0,
         'repair_distribution': 'lognormal', 'repair_cv': 0.5,
         'failure_times': [{'at': 5.0, 'kind': 'silent', 'repair': 4.0}], **BATTERY}
-#: nothing is told at rates
+#: settings with which nothing is published at rates
 SILENT = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
 
 def fleet(names, parts=1, own=None, **parameters):
-    """Return the hosts that are one fleet in ``parts`` processes; ``own``: parameters of all robots."""
+    """Return the hosts of one fleet in ``parts`` processes; ``own``: parameters of all robots."""
     nodes = ['/fleet'] if parts == 1 else ['/fleet_{}'.format(part) for part in range(parts)]
     robots = [{'name': name, 'start_y': 2.0 * number} for number, name in enumerate(names)]
     return {node: ('fleet', '/', dict(parameters, defaults=dict(MAX_SPEED, **(own or {})), robots=robots, part=part,
@@ -108,13 +110,13 @@ def fleet(names, parts=1, own=None, **parameters):
 
 
 def nodes(names):
-    """Return the hosts that are a move_base node for each robot."""
+    """Return the hosts for a move_base node for each robot."""
     return {'/{}/move_base'.format(name): ('move_base', '/' + name, dict(MAX_SPEED, start_y=2.0 * number))
             for number, name in enumerate(names)}
 
 
 def oracle(names, own=None, scenario=None):
-    """Return what the plain fleet does with the client's plan ``goals``; ``own`` as of fleet(), or a scenario."""
+    """Return the trace of the plain fleet for the client's plan ``goals``; ``own`` as in fleet(), or a scenario."""
     goals, counts = plan_of(names), {name: itertools.count(1) for name in names}
 
     def send(fleet, name, *place):
@@ -136,7 +138,7 @@ def oracle(names, own=None, scenario=None):
 
 
 def yard_oracle(scenario):
-    """Return what the plain Python fleet does with the client's plan ``yard``."""
+    """Return the trace of the plain Python fleet for the client's plan ``yard``."""
     goals, counts = {name: list(places) for name, places in YARD.items()}, {name: itertools.count(1) for name in YARD}
 
     def send(fleet, name):
@@ -155,12 +157,12 @@ def yard_oracle(scenario):
 
 
 class LockstepFleet(unittest.TestCase):
-    """Each test starts all it needs."""
+    """Each test starts all that it needs."""
 
     maxDiff = 4000
 
     def assert_repeatable(self, run):
-        """... up to where it was ended: the fleet would go on telling for ever."""
+        """Assert that the run has no labels up to its end from outside; the fleet would go on for ever."""
         self.assertEqual((run.end['not_repeatable_because'], run.end['degraded_because']), ([], []))
 
     def test_the_event_log_of_a_fleet_is_the_trace_of_the_plain_fleet_in_one_process_and_in_three(self):
@@ -232,7 +234,7 @@ class LockstepFleet(unittest.TestCase):
         feedback = [values[0] for kind, values in told.of('client') if kind == 'feedback']
         self.assertEqual([round(x, 9) for x in feedback], [*grid, 2.0])
         poses = [values[0] for kind, values in told.of('client') if kind == 'pose']
-        # as latched, departure, the series from the departure on, arrival
+        # the latched pose, the departure, the series from the departure on, the arrival
         self.assertEqual([round(x, 9) for x in poses], [0.0, 0.0] + grid[::2] + [2.0])
         in_vain = [values for kind, values in silent.of('robot_0') if kind == 'listens_in_vain']
         self.assertEqual(in_vain, [['/client', '/robot_0/robot_pose', 'pose_update_freq'],
@@ -263,7 +265,7 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual(moon[:2], ['robot_0-2', 'ABORTED'])
         self.assertEqual(home, [0.0, 0.0, 0.0])
         times = [time_ns for time_ns, _, kind, _ in run.events if kind == 'ended']
-        # the frame of the second one was waited for in simulated time
+        # the robot waited for the frame of the second goal in simulated time
         self.assertEqual(times, [5 * NS_PER_S, 6 * NS_PER_S, 23 * NS_PER_S])
         self.assert_repeatable(run)
 
@@ -298,7 +300,7 @@ class LockstepFleet(unittest.TestCase):
         for kind in ('held', 'charging_began', 'charging_ended', 'battery'):
             self.assertGreater(sum(event[2] == kind for event in expected), 5)
         run = Run('goals', TWELVE, hosts)
-        self.assertEqual(run.events, expected)  # also within an instant: who leaves a zone comes before who is let in
+        self.assertEqual(run.events, expected)  # at one instant, too: one leaves a zone, then another enters
         kinds = [event[2] for event in run.events]
         self.assertIn(['left', 'entered', 'released'], [kinds[at:at + 3] for at in range(len(kinds))])
         self.assert_repeatable(run)

@@ -1,8 +1,7 @@
 #!/usr/bin/python3
-"""A whole foreign system under its own launch file: what rosbag recorded is the same in every run.
+"""Other people's system under its own launch file: the bag is the same in every run.
 
-Nothing in test/rostest/foreign knows of lockstep but the launch file, by its launch-prefix and the package of
-move_base.
+In test/rostest/foreign only the launch file knows of lockstep, by its launch-prefix and the package of move_base.
 """
 import os
 import shutil
@@ -29,7 +28,7 @@ TASKS = 30
 
 
 class Run:
-    """One run of the system to its end: ``bag`` is what was recorded, ``log`` the event log's text."""
+    """A run of the system to its end: ``bag`` has the recorded messages, ``log`` is the EventLog."""
 
     def __init__(self, speed_limit=0.0):
         folder = tempfile.mkdtemp(prefix='lockstep_foreign_')
@@ -54,14 +53,14 @@ class Run:
 
 
 class ForeignSystem(unittest.TestCase):
-    """Coordinator, a task queue per robot, metrics and rosbag record, all unmodified."""
+    """A coordinator, a task queue for each robot, metrics and rosbag record, all unmodified."""
 
     @classmethod
     def setUpClass(cls):
         cls.first = Run()
 
     def assert_same(self, run):
-        """The run's robots did the same, and its bag has the same messages at the same times."""
+        """Assert that the run has the same events, and its bag the same messages at the same times."""
         self.assertEqual(run.events, self.first.events)
         self.assertEqual(len(run.bag), len(self.first.bag))
         for entry, its in zip(self.first.bag, run.bag):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a fleet tells beforehand is what it would have told in its turns: every message, at its instant, to the byte."""
+"""Messages that a fleet sends beforehand are those that it would send in its turns, at their instants, to the byte."""
 import json
 import os
 import shutil
@@ -19,7 +19,7 @@ FOLLOWER = os.path.join(HERE, 'unmodified', 'feedback_follower.py')
 GUARD = 120.0  # s, wall; only ends a run that would never end
 RATES = {'feedback_freq': 20.0, 'pose_update_freq': 10.0, 'tf_heartbeat_freq': 10.0, 'max_speed': 1.0,
          'acceleration': 0.5}
-#: a node that takes no part, and prints the stamps [ns] of a robot's odometry once it has been told to begin
+#: a node that takes no part and prints the stamps [ns] of a robot's odometry
 ONLOOKER = """
 import rospy
 from nav_msgs.msg import Odometry
@@ -30,7 +30,7 @@ rospy.spin()
 
 
 class Run:
-    """A run of followers and their fleet, all messages in its log."""
+    """A run of followers and their fleet, with all messages in its log."""
 
     def __init__(self, foresee=True, followers=1, onlooker=False, **clock):
         folder = tempfile.mkdtemp(prefix='lockstep_foresight_')
@@ -69,7 +69,7 @@ class Run:
 
 
 class Foresight(unittest.TestCase):
-    """Against one run in which the fleet is granted each of its turns."""
+    """Each test compares with one run in which the fleet gets a grant for each of its turns."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Which Python scripts take part: those that import rospy by way of whatever they import, found by reading."""
+"""Python scripts take part if they import rospy, also by other modules; that is found by reading the sources."""
 import os
 import sys
 import unittest
@@ -11,7 +11,7 @@ from own_folder import OwnFolder
 from move_base_abstract_ros.launching import programs
 
 NODE = 'import rospy\nrospy.init_node("x")\nrospy.Publisher("/clock", None)\n'
-#: as catkin writes it into a devel space, for a package whose sources are elsewhere
+#: the __init__.py that catkin writes into a devel space, for a package whose sources are elsewhere
 RELAY = "__extended_path = '{}'.split(';')\nfor p in reversed(__extended_path):\n    del p\n"
 
 
@@ -22,7 +22,7 @@ class LockstepImportsTest(OwnFolder, unittest.TestCase):
         return self.write(name, text, 0o755)
 
     def takes_part(self, script):
-        """Return whether such a script is a rospy program; that it may publish /clock is then known as well."""
+        """Return whether the script is a rospy program; check that only then its publisher of /clock is found."""
         path = self.put('scripts/script', '#!/usr/bin/env python3\n' + script)
         kind = programs.kind_of(path)[0]
         self.assertIn(kind, ('rospy', None))

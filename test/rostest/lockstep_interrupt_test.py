@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""SIGINT and SIGTERM in lockstep: the end of a whole run labels nothing, in any order; that of one of them does."""
+"""SIGINT and SIGTERM in lockstep: the end of a whole run causes no label, in any order; the end of one node does."""
 
 import os
 import signal
@@ -29,7 +29,7 @@ def tearDownModule():  # noqa: N802
 
 
 class System:
-    """Nodes that would go on for ever; ``processes`` has them and the time master by name."""
+    """Nodes that go on for ever; ``processes`` has them and the time master by name."""
 
     def __init__(self, **parameters):
         master, self._path = RUNS.start_master([*ROLES, CPP], **parameters)
@@ -73,7 +73,7 @@ class System:
             wait_for_end(self.processes[name], self.processes)
 
     def run(self):
-        """Return what came out of it, when all have ended."""
+        """Return the Run, when all processes have ended."""
         self.wait(*self.processes)
         codes = {name: child.process.returncode for name, child in self.processes.items()}
         return Run(self._path, codes, {name: read(child) for name, child in self.processes.items()})
@@ -91,7 +91,7 @@ class InterruptTest(unittest.TestCase):
         longest = max(runs, key=lambda run: len(run.all)).all
         for run in runs:
             self.assertNotIn('FATAL', ''.join(run.outputs.values()))
-            self.assertIn(run.exit_codes[CPP], (0, -TERM))  # roscpp knows no SIGTERM
+            self.assertIn(run.exit_codes[CPP], (0, -TERM))  # roscpp does not handle SIGTERM
             self.assertEqual(run.end['not_repeatable_because'], [])
             self.assertEqual(run.end['degraded_because'], [])
             self.assertEqual(run.all, longest[:len(run.all)])
@@ -99,7 +99,7 @@ class InterruptTest(unittest.TestCase):
 
     @staticmethod
     def _terminate(system):
-        """The program in C++ dies of it at once: it comes later than others are told."""
+        """Send SIGTERM to all. The C++ program dies of it at once, so it gets it after the others."""
         system.signal(*ROLES, number=TERM)
         system.wait_for_output(MASTER, 'is told to end')
         system.signal(CPP, MASTER, number=TERM)

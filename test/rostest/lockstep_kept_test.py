@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What nodes look at by themselves, and what a user says that they only store, is kept for their next turn.
+"""Messages for queues that a node calls itself, or on topics declared as stored, are kept for the node's next turn.
 
-Programs that look at their queues in every way that we know of leave the same event log as where each message is handed
-over at once, in fewer rounds.
+Programs that call their queues in all ways that we know have the same event log as with messages that are delivered at
+once, in fewer rounds.
 """
 
 import re
@@ -16,7 +16,7 @@ from lockstep_roscpp_run import Program, Runs, own
 from move_base_abstract_ros.lockstep.ros_master.parameters import Parameters
 
 RUNS = Runs()
-#: ways in which shim_reader looks at its queues, and what it does besides
+#: ways in which shim_reader calls its queues, with other calls
 WAYS = (('plain',), ('timer',), ('act',), ('empty',), ('usleep',), ('wait', 'idle'), ('second', 'empty'),
         ('idle', 'empty', 'act', 'timer'), ('second', 'wait', 'act', 'timer', 'idle'))
 
@@ -39,7 +39,7 @@ def rounds(run):
 
 class KeptTest(unittest.TestCase):
     def runs(self, *programs, **parameters):
-        """Return a run in which all comes at once, and one in which what is unread is kept; both are the same."""
+        """Return a run with delivery at once and one that keeps unread messages; check that both are the same."""
         runs = [RUNS.run(list(programs), keep_unread=kept, **parameters) for kept in (False, True)]
         for run in runs:
             self.assertEqual(run.code, 0, run.outputs)
@@ -55,7 +55,7 @@ class KeptTest(unittest.TestCase):
 
     def test_it_saves_the_rounds(self):
         at_once, kept = self.runs(reader('plain', ticks=70), writer(), ask_why=True)
-        # In 9 s the writer has a turn at 540 instants or so; what it says costs the reader as many, or none.
+        # In 9 s the writer has a turn at about 540 instants. Its messages cost the reader as many rounds, or none.
         self.assertGreater(rounds(at_once) - rounds(kept), 500)
 
     def test_declared_topics_come_with_the_next_thing_or_a_second_later_and_the_log_says_so(self):
@@ -71,13 +71,13 @@ class KeptTest(unittest.TestCase):
 
 
 class FakeMaster:
-    """Answers as the ROS master; counts."""
+    """Answers like the ROS master, and counts the questions."""
 
     def __init__(self):
         self.values = {'/a': {'b': 1}}
         self.asked = 0
 
-    def getParam(self, _caller, name):  # noqa: N802 - as it is called
+    def getParam(self, _caller, name):  # noqa: N802 - the name in the API
         self.asked += 1
         return (1, '', self.values[name]) if name in self.values else (-1, '', 0)
 
@@ -101,7 +101,7 @@ class FakeParticipant:
 
 
 class AskingAgainTest(unittest.TestCase):
-    """A parameter is asked for once, until it changes."""
+    """The ROS master is asked once for a parameter until it changes."""
 
     def setUp(self):
         self.participant, self.master = FakeParticipant(), FakeMaster()
@@ -114,7 +114,7 @@ class AskingAgainTest(unittest.TestCase):
     def test_the_ros_master_is_asked_once(self):
         values = [self.get() for _ in range(10)]
         self.assertEqual((values, self.master.asked), (10 * [{'b': 1}], 1))
-        values[0]['b'] = 2  # it is the program's own
+        values[0]['b'] = 2  # the program's own copy
         self.assertEqual(self.get(), {'b': 1})
         self.assertEqual([self.answers['hasParam'](None, '/me', '/c')[2] for _ in range(3)], 3 * [False])
         self.assertEqual(self.master.asked, 2)

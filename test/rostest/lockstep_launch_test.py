@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Unchanged launch files in lockstep, by lockstep_launch: who takes part, who looks on, and how a run ends."""
+"""Unchanged launch files in lockstep, by lockstep_launch: participants, onlookers, and the ends of runs."""
 import hashlib
 import json
 import math
@@ -26,7 +26,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')  # its prefix is left empty here
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 KINDS = """<launch>
   <group ns="one">
     <node pkg="move_base_abstract" type="shim_listener" name="relay" args="/a /b"/>
@@ -63,7 +63,7 @@ SHELL = """<launch>
   <node pkg="study_of_others" type="child" name="child" ns="robot"/>
 </launch>
 """
-# Shell scripts as people write them: one that finds its Python, one that sets things up, one that waits for its child.
+# Shell scripts as people write them: one finds its Python, one sets things up, one waits for its child.
 SCRIPTS = {
     'both': """#!/bin/sh
 '''exec' python3 -u -- "$0" "$@"
@@ -105,7 +105,7 @@ FATES = """<launch>
   {}
 </launch>
 """
-# What is said of each; nothing of those that are no crash.
+# {node: the message about its crash}; there is no message about the others.
 CRASHES = {
     '/callback': r'at 3\.0+ s: KeyError in a callback of /ticks, fates.py, line \d+',
     '/client': r'at \d\.\d+ s: AttributeError in a callback of /robot/move_base/(result|status), fates.py, line \d+',
@@ -134,7 +134,7 @@ PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</ver
 
 
 def nearest_idle(seed):
-    """Return what a fleet in plain Python does with the tasks of a seed: each by the nearest robot that is idle."""
+    """Return the trace of a fleet in plain Python in which each task of a seed goes to the nearest idle robot."""
     at, idle, waiting, doing = {'robot_0': (0.0, 0.0), 'robot_1': (0.0, 4.0)}, ['robot_0', 'robot_1'], [], {}
 
     def assign():
@@ -162,7 +162,7 @@ def nearest_idle(seed):
 
 
 def without_goal(kind, values):
-    """Return an event's values without the goal's id, which a client makes up."""
+    """Return an event's values without the goal's id, which the client chooses."""
     return list(values[1:] if kind == 'ended' or kind.startswith(('task', 'waiting', 'works')) else values)
 
 
@@ -219,7 +219,7 @@ class LaunchTest(unittest.TestCase):
             self.assertIn('lockstep_launch: bag of /recorder: {}.bag\n'.format(self.path(name)), done.stdout)
         self.assertEqual(*bags)
         self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
-        self.assertIn("'/coordinator' left", log.end['reason'])  # the required node: no tail of the others
+        self.assertIn("'/coordinator' left", log.end['reason'])  # only the required node
         self.assertGreater(len(logs[0]), 100)
         self.assertEqual(*logs)
 
@@ -266,7 +266,7 @@ class LaunchTest(unittest.TestCase):
             with mock.patch.object(roles, 'program_of', lambda _node: None):
                 role = roles.role_of(node)
             self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
-            self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole
+            self.assertLessEqual(len(role.why), MAX_LENGTH)  # so it is not cut
 
     def test_options_say_otherwise(self):
         done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--onlooker', 'recorder', '--leave-out',
@@ -370,7 +370,7 @@ class LaunchTest(unittest.TestCase):
                 '<node pkg="study_of_others" type="ticks.py" name="walk"/>', '').format(fate, '')))
             self.assertEqual((done.returncode, 'crash: /raises' in done.stdout), (code, fate == 'raises'), done.stdout)
 
-    def test_a_required_node_that_looks_on_and_fails_is_a_crash(self):  # roslaunch sees first that it is gone
+    def test_a_required_node_that_looks_on_and_fails_is_a_crash(self):  # roslaunch is the first to see that it is gone
         looks_on = self.file(TICKING.format(more=FATE.format('exits', 'required="true"')))
         for words, code in (((), 3), (('--crashes', 'allow'), 0)):
             done = self.run_it('--onlooker', '/exits', *words, looks_on)
@@ -383,7 +383,7 @@ class LaunchTest(unittest.TestCase):
                                    stderr=subprocess.STDOUT, text=True)
         self.addCleanup(process.stdout.close)
         while not os.path.exists(self.path('start')) and process.poll() is None:
-            time.sleep(0.2)  # then it is somewhere in the run; nothing depends on where
+            time.sleep(0.2)  # after this it is somewhere in the run; the test does not depend on where
         process.send_signal(signal.SIGINT)
         rest = process.stdout.read()
         self.assertEqual(process.wait(GUARD), 0, rest)
@@ -391,7 +391,7 @@ class LaunchTest(unittest.TestCase):
             end, note = json.loads(stream.readlines()[-1])['end'], json.load(told)
         self.assertEqual({**note, **{key: end[key] for key in ('ended_by', 'at_ns')}}, note)
         self.assertEqual(sorted(note), ['at_ns', 'ended_by', 'leaps', 'messages', 'rounds'])
-        self.assertIn('cut_ns', end)  # another run may be told to end elsewhere
+        self.assertIn('cut_ns', end)  # another run may be ended at another instant
         self.assertEqual(end['not_repeatable_because'] + end['degraded_because'], [])
         self.assertFalse(re.search('Traceback', rest), rest)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Have the time master run until argv[1] [s, simulated]; print its state, as JSON, when nothing more is to come.
+"""Have the time master run until argv[1] [s, simulated]; print its state as JSON when the run is over or idle.
 
-argv[2] [s, wall]: how long at most.
+argv[2] [s, wall] is the longest time to wait.
 """
 
 import json
@@ -14,7 +14,7 @@ from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 
 _OVER = ('deadlock', 'zero_delay_loop', 'ended')
-_IDLE = 10  # states in a row: on its way to the instant asked for, a run may be idle for a moment
+_IDLE = 10  # states in a row, since a run may be idle for a moment before its end
 
 
 def main():

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Programs that nobody here wrote, in lockstep by the launcher: ROS's own tools, and actionlib's and
-dynamic_reconfigure's classes in small scripts.
+"""Other people's programs in lockstep by the launcher: ROS's tools, and actionlib and dynamic_reconfigure in scripts.
 
 Each group runs three times: twice at full speed on a loaded machine, once at most 50 times as fast as real time.
 """
@@ -19,7 +18,7 @@ SIMULATED = ['--sleep', 'simulated']  # their loops use time.sleep
 
 
 def installed(package, name):
-    """Return the path of a node of an installed package, wherever the distribution has put it."""
+    """Return the path of a node of an installed package in this distribution."""
     for prefix in ('/usr/lib', '/usr/lib/*', '/opt/ros/*/lib'):
         for path in glob.glob(os.path.join(prefix, package, name)):
             return path
@@ -47,7 +46,7 @@ class ToolsTest(unittest.TestCase):
                 'hz': [SIMULATED, rostopic, 'hz', '/numbers'],
                 'transform': [SIMULATED, installed('topic_tools', 'transform'), '--wait-for-start', '/played/data',
                               '/doubled', 'std_msgs/Float64', 'm * 2'],
-                # It does not wait: what is published from the first instant on is there.
+                # It does not wait, since the topic is there from the first instant on.
                 'transform_now': [installed('topic_tools', 'transform'), '/numbers', '/negative', 'std_msgs/Float64',
                                   'numpy.negative(m.data)'],
                 'echo_negative': [*echo, '-n', '3', '/negative'],
@@ -77,7 +76,7 @@ class ToolsTest(unittest.TestCase):
         return [line for line in self.runs[0].printed(name) if not line.startswith('WARNING')]
 
     def test_all_runs_are_the_same(self):
-        # A bag is written by one node and read by another; view_frames.py has `dot` draw its graph.
+        # One node writes a bag that another one reads, and view_frames.py calls `dot`.
         assert_same(self, self.runs, labelled=[
             "run.bag, which '/recorder' writes", "'/view_frames': subprocess.Popen in "])
 
@@ -103,7 +102,7 @@ class ToolsTest(unittest.TestCase):
         self.assertIn('\tmin: 0.500s max: 0.500s std dev: 0.00000s window: 19', lines)
 
     def test_rosbag_written_and_read_in_python(self):
-        # From 1 s on twice a second, until 3.2 s; the bag is there at the next look, a second later it is played.
+        # Recorded from 1 s to 3.2 s, twice a second. The player finds the bag at its next look, and plays it 1 s later.
         self.assertEqual(self.printed('recorder'), ['{:.9f} numbers 1.5'.format(t) for t in (1.5, 2.0, 2.5, 3.0)])
         self.assertEqual(self.printed('player'), [
             '1.550000000 not yet', '2.050000000 not yet', '2.550000000 not yet', '3.050000000 not yet'] + [
@@ -127,7 +126,7 @@ class ToolsTest(unittest.TestCase):
 
 
 class ActionsTest(unittest.TestCase):
-    """actionlib's clients and servers in every call, and dynamic_reconfigure."""
+    """All calls of actionlib's clients and servers, and dynamic_reconfigure."""
 
     @classmethod
     def setUpClass(cls):
@@ -149,7 +148,7 @@ class ActionsTest(unittest.TestCase):
         self.assertEqual(self.printed('client_e'), [
             '3.000000000 server False', '3.000000000 server True', '3.000000000 no goal False 9',
             "5.000000000 and wait 3 SUCCEEDED 2 'done'",
-            # Cancelled 1.2 s later; the server looks twice a second.
+            # Cancelled after 1.2 s; the server checks twice a second.
             "6.500000000 not in time 2 PREEMPTED 3 'stopped'",
             '6.500000000 active_cb', '6.500000000 feedback_cb 0', '7.000000000 feedback_cb 1',
             '7.500000000 feedback_cb 2',

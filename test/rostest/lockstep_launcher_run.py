@@ -1,12 +1,12 @@
 """Runs of unmodified programs in lockstep, for the tests of the launcher.
 
     run = run_programs({'poller': ['poller.py', '--count', '3']}, until=30.0, fleet=[{'name': 'robot_0'}])
-    run.log                                      # bytes of the event log, all messages included
+    run.log                                      # bytes of the event log, with all messages
     run.printed('poller')                        # lines that the program printed, without ROS's log
 
-A program is a list of words, as they would follow `rosrun move_base_abstract lockstep` (options of the launcher: a list
-in the first place); a script without a folder is one of unmodified/. A run ends at `until` [s, simulated], whatever the
-programs do then, or when nobody has anything left to do. Each has a ROS master of its own: one remembers too much.
+A program is a list of words, as they would follow `rosrun move_base_abstract lockstep`; the first one may be a list of
+options of the launcher. A script without a folder is in unmodified/. A run ends at `until` [s, simulated], or when no
+participant has anything left to do. Each run has a ROS master of its own, since a ROS master remembers too much.
 """
 
 import json
@@ -31,21 +31,21 @@ _COLOURS = re.compile(r'\x1b\[[0-9;]*m')
 
 
 class Run:
-    """What came out of a run."""
+    """The results of a run."""
 
     def __init__(self, log, outputs, codes, state):
         self.log = log
         self.outputs = outputs
-        self.codes = codes  # exit code, or None of a program that had to be ended
-        self.state = state  # the time master's last word
+        self.codes = codes  # exit code; None for a program that had to be killed
+        self.state = state  # the last state of the time master
 
     def printed(self, name):
-        """Return the lines that a program printed, without ROS's log, in which wall times are."""
+        """Return the lines that a program printed, without ROS's log, which has wall times."""
         return [line for line in self.outputs[name].splitlines() if line.strip() and not _ROS_LOG.match(line)
                 and line != '\x1b[0m']
 
     def logged(self, name, level):
-        """Return ROS's log lines of a level."""
+        """Return ROS's log lines of a level, such as WARN."""
         lines = [_COLOURS.sub('', line) for line in self.outputs[name].splitlines()]
         return [line for line in lines if line.startswith('[{}]'.format(level))]
 
@@ -54,11 +54,11 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
                  onlookers=(), others=None, guard=GUARD, is_warm=True, ahead=0.0):
     """Run programs {name: words} in lockstep, and robots.
 
-    parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
-    whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
-    takes no part; others: {name: (command line, s)} of programs that take no part and are stopped for so long (wall) as
-    soon as they have begun; guard [s, wall]: when a run is given up that does not end; is_warm: whether all are forks;
-    ahead [s, wall]: how long programs have begun before the time master.
+    parameters: {name: value} of ROS; clock: parameters of the time master; load: number of cores to keep busy;
+    commands: whole command lines of programs that are started in another way; onlookers: topics of texts to which an
+    onlooker listens; others: {name: (command line, s)} of programs that take no part, and are stopped at their start
+    for this long [s, wall]; guard: time after which a run is given up [s, wall]; is_warm: whether processes are forks;
+    ahead: time by which programs start before the time master [s, wall].
     """
     with Loopback(is_warm=is_warm) as ros:
         for name, value in (parameters or {}).items():
@@ -95,7 +95,7 @@ def _spawn(ros, programs, commands):
 
 
 def _spawn_ahead(ros, ahead, programs, commands):
-    """Start programs, if they are to begin ``ahead`` [s, wall] of the time master."""
+    """Start the programs and wait for ``ahead`` [s, wall]; return them. With 0, start nothing."""
     if not ahead:
         return {}
     ros.set_param('/time_master/mode', 'lockstep')
@@ -125,8 +125,8 @@ def _wait(ros, until, guard):
 
 
 def _end(ros, children):
-    """End what does not end by itself when the time master is gone; return what they printed and the exit codes."""
-    deadline = time.monotonic() + 10.0  # wall; a busy machine takes its time to end a process
+    """End processes that do not end after the time master; return ({name: output}, {name: exit code})."""
+    deadline = time.monotonic() + 10.0  # wall; a busy machine needs long to end a process
     while time.monotonic() < deadline and any(child.process.poll() is None for child in children.values()):
         time.sleep(0.02)
     outputs, codes = {}, {}
@@ -139,9 +139,9 @@ def _end(ros, children):
 
 
 def run_thrice(*args, before=None, **kwds):
-    """Run twice under load at full speed and once limited to 50 times real time; return the runs.
+    """Run twice under load at full speed, and once limited to 50 times real time; return the runs.
 
-    The last one is of processes that are started anew, the others of forks. before(): called before each.
+    The processes of the last run are started anew, the others are forks. before() is called before each run.
     """
     runs = []
     for extra in ({'load': os.cpu_count()}, {'load': 1}, {'clock': {'speed_limit': 50.0}, 'is_warm': False}):
@@ -166,9 +166,9 @@ def remaps(name):
 
 
 def assert_same(case, runs, labelled=()):
-    """All runs have one event log, to the byte, their programs print the same, and nothing has disturbed them.
+    """Assert that all runs have the same event log, to the byte, and the same output, and no unexpected labels.
 
-    labelled: what the labels have in them that are expected all the same, in order.
+    labelled: parts of the expected labels, in order.
     """
     first = runs[0]
     for run in runs:

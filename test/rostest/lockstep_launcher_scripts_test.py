@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scripts as users write them, in lockstep by the launcher alone: the same in every run, and what simulated time says.
+"""Scripts as users write them, in lockstep by the launcher alone: the same in each run, and exact in simulated time.
 
 Each group of scripts is a system that runs three times: twice at full speed on a loaded machine, once at most 50 times
 as fast as real time.
@@ -58,7 +58,7 @@ class DrivingTest(unittest.TestCase):
     def test_a_polling_loop_ticks_once_a_second(self):
         ticks = [line.split()[:3] for line in self.printed('poller')]
         self.assertEqual(ticks, [['%.9f' % (1.0 + n), 'tick', str(n)] for n in range(1, 21)])
-        # It drives at 1 m/s: to 2 m from 1 s to 3 s, and back from 3.05 s to 5.05 s, and tells its pose at 10 Hz.
+        # It drives at 1 m/s, to 2 m from 1 s to 3 s and back from 3.05 s to 5.05 s. Its pose comes at 10 Hz.
         self.assertIn(' x=1.100000 ', self.printed('poller')[2])
         self.assertIn(' x=0.000000 ', self.printed('poller')[4])
 
@@ -77,14 +77,14 @@ class DrivingTest(unittest.TestCase):
         self.assertEqual(sorted(line.split()[1:] for line in lines[:-1]),
                          [['robot_1', '3']] * 5 + [['robot_2', '3']] * 5)
         last = float(lines[-2].split()[0])
-        self.assertRegex(lines[-1], '^[0-9]+[.][0-9]00000000 all done$')  # it looks ten times a second
+        self.assertRegex(lines[-1], '^[0-9]+[.][0-9]00000000 all done$')  # it checks ten times a second
         self.assertTrue(last <= float(lines[-1].split()[0]) < last + 0.1 + 1e-9, lines[-2:])
 
     def test_a_thread_per_robot(self):
         self.assertEqual(self.printed('threads'), [
             '4.000000000 robot_3 is at 3.0 (3), 1 so far', '4.000000000 robot_4 is at 3.0 (3), 2 so far',
             '7.000000000 robot_3 is at 1.0 (3), 3 so far', '7.000000000 robot_4 is at 1.0 (3), 4 so far',
-            # 19 m at 1 m/s are not done in the 6 s that are allowed: pre-empted.
+            # 19 m at 1 m/s take longer than the allowed 6 s, so the goal is pre-empted.
             '14.000000000 robot_3 is at 20.0 (2), 5 so far', '14.000000000 robot_4 is at 20.0 (2), 6 so far',
             "15.000000000 ['robot_3', 'robot_4', 'robot_3', 'robot_4', 'robot_3', 'robot_4']"])
 
@@ -106,9 +106,9 @@ class DrivingTest(unittest.TestCase):
 
     def test_a_tf2_listener(self):
         lines = self.printed('follower')
-        # The robot stands until its heartbeat; a look-up polls in hundredths of its time-out.
+        # The robot stands, and its first transform is a heartbeat. A look-up polls in hundredths of its time-out.
         self.assertEqual(lines[0], '1.050000000 first -10.000')
-        # At 1 m/s from 0 to 2 m between 1 s and 3 s, back until 5.05 s: 10 m less that is left to the landmark.
+        # It drives at 1 m/s, from 0 to 2 m between 1 s and 3 s, and back until 5.05 s. The landmark is at 10 m.
         for line in lines[1:-1]:
             found = re.match('^([0-9.]+) ([0-9.]+) of ([0-9.]+)$', line)
             self.assertIsNotNone(found, line)
@@ -120,7 +120,7 @@ class DrivingTest(unittest.TestCase):
 
 
 class TalkingTest(unittest.TestCase):
-    """Scripts that talk to each other."""
+    """Scripts that send messages to each other."""
 
     @classmethod
     def setUpClass(cls):
@@ -146,7 +146,7 @@ class TalkingTest(unittest.TestCase):
                          [['%.9f' % t, 'expected', '%.9f' % t] for t in range(2, 26)])
 
     def test_messages_are_waited_for_in_a_loop(self):
-        # A message each full second, a wait of 0.75 s: time is up at 1.75 s, the next wait begins then.
+        # A message comes each full second. A wait of 0.75 s ends at 1.75 s, and then the next wait begins.
         expected, time_is_up = [], '.750000000 timeout exceeded while waiting for message on topic battery'
         for second, level in zip(range(2, 7), ('0.97', '0.93', '0.89', '0.97', '0.93')):
             expected.append('{}{}'.format(second - 1, time_is_up))
@@ -164,7 +164,7 @@ class TalkingTest(unittest.TestCase):
         self.assertIn('what shall I do with that?', self.runs[0].logged('depot', 'ERROR')[0])
 
     def test_workers_take_jobs_out_of_a_queue(self):
-        # A job each 0.2 s from 2 s on, each takes 1.5 s, two at a time, three in the queue; job 7 waits 1 s in vain.
+        # A job comes every 0.2 s from 2 s on and takes 1.5 s. Two run, three are queued, job 7 waits 1 s in vain.
         self.assertEqual(self.printed('workshop'), [
             '3.500000000 worker 0 did job 0', '3.700000000 worker 1 did job 1', '4.700000000 no room for job 7',
             '5.000000000 worker 0 did job 2', '5.200000000 worker 1 did job 3', '6.500000000 worker 0 did job 4',
@@ -181,7 +181,7 @@ class TalkingTest(unittest.TestCase):
     def test_message_filters_bring_together_what_belongs_together(self):
         lines = self.printed('sync')
         exact = [line for line in lines if 'exact' in line]
-        # Both measure each 0.4 s; the second needs 0.1 s for it. What was measured at 1 s has come before all listened.
+        # Both measure every 0.4 s; the second sensor needs 0.1 s. The first messages came before all nodes listened.
         self.assertEqual(exact, ['{:.9f} exact {:.3f} {} {}'.format(1.1 + 0.4 * n, 1.0 + 0.4 * n, 2 * n, n)
                                  for n in range(1, 13)])
         self.assertEqual(lines[-1], '7.000000000 15 since 3')
@@ -192,7 +192,7 @@ class TalkingTest(unittest.TestCase):
 
 
 class ConcurrentStatesTest(unittest.TestCase):
-    """States beside each other, in threads that are no daemons."""
+    """Concurrent states, in threads that are not daemons."""
 
     def test_they_end_by_themselves_and_each_run_is_the_same(self):
         runs = [run_programs({'states': ['concurrence.py', '2']}, until=100.0, load=load) for load in (0, 2)]
@@ -204,7 +204,7 @@ class ConcurrentStatesTest(unittest.TestCase):
 
     def test_they_do_not_keep_a_program_alive_when_the_run_is_over(self):
         run = run_programs({'states': ['concurrence.py', '1000']}, until=8.0)
-        self.assertEqual(run.codes, {'states': 1}, run.outputs)  # None, if it had to be killed
+        self.assertEqual(run.codes, {'states': 1}, run.outputs)  # it would be None if it had to be killed
         self.assertIn('the time master has ended lockstep', run.outputs['states'])
 
 
@@ -226,7 +226,7 @@ class OutsideTest(unittest.TestCase):
 
 
 class EndTest(unittest.TestCase):
-    """What a run is called in which nothing is left to happen, and threads wait."""
+    """The phase of a run in which nothing is left to happen while threads wait."""
 
     def end_of(self, what):
         run = run_programs({'waiter': ['waits_in_the_end.py', what]}, until=1000.0)
@@ -235,7 +235,7 @@ class EndTest(unittest.TestCase):
 
     def test_threads_that_wait_for_work_are_idle_and_so_is_who_waits_for_their_end(self):
         state = self.end_of('jobs')
-        self.assertEqual((state.phase, state.time, state.reason), ('paused', 1000.0, ''))  # where it was to end
+        self.assertEqual((state.phase, state.time, state.reason), ('paused', 1000.0, ''))  # the end of the run
 
     def test_a_call_that_waits_for_itself_is_a_deadlock(self):
         state = self.end_of('itself')

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How programs are started by the launcher, and what they see and leave: as without it."""
+"""Programs started by the launcher see and leave the same as without it."""
 
 import json
 import os
@@ -53,7 +53,7 @@ LAUNCH = """<launch>
 
 
 class WarmTest(unittest.TestCase):
-    """What the tests start as forks (warm) is as if it had been started anew."""
+    """A process that the tests start as a fork (warm) is like one that is started anew."""
 
     maxDiff = None
 
@@ -86,12 +86,12 @@ class StartTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix='lockstep_launcher_')
-        cls.ros = Loopback().__enter__()  # for what is started without lockstep
+        cls.ros = Loopback().__enter__()  # for programs that run without lockstep
         for name in ('probe', 'plain_text', 'link.py'):
             shutil.copy(os.path.join(FOLDER, 'probe.py'), os.path.join(cls.folder, name))
         os.chmod(os.path.join(cls.folder, 'probe'), 0o755)
         with open(os.path.join(cls.folder, 'plain_text'), 'r+') as script:
-            text = script.read().split('\n', 1)[1]  # no first line with a Python in it
+            text = script.read().split('\n', 1)[1]  # without the first line, which names a Python
             script.seek(0)
             script.truncate()
             script.write(text)
@@ -108,7 +108,7 @@ class StartTest(unittest.TestCase):
         return os.path.join(self.folder, *names)
 
     def as_without(self, **forms):
-        """Assert that each form says the same by the launcher as without it, with the same exit code."""
+        """Assert that each form prints the same with the launcher as without it, with the same exit code."""
         run = run_programs(forms, until=5.0)
         for name, words in forms.items():
             python = sys.executable if words[0] == 'python3' else words[0]
@@ -165,7 +165,7 @@ class StartTest(unittest.TestCase):
         self.check_launch_file()
 
     def build(self):
-        """Make a catkin package with these scripts, and install it."""
+        """Build and install a catkin package with these scripts."""
         source = self.path('source')
         os.makedirs(os.path.join(source, 'scripts'))
         for name, text in (('CMakeLists.txt', CMAKE), ('package.xml', PACKAGE), ('start.launch', LAUNCH)):
@@ -180,7 +180,7 @@ class StartTest(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stdout)
 
     def check_launch_file(self):
-        """The launch file's node takes part, under its name, with its parameter, remap and arguments."""
+        """Check that the launch file's node takes part with its name, parameter, remap and arguments."""
         environment = os.environ.copy()
         os.environ['ROS_PACKAGE_PATH'] = self.path('source') + os.pathsep + os.environ.get('ROS_PACKAGE_PATH', '')
         os.environ['CMAKE_PREFIX_PATH'] = self.path('devel') + os.pathsep + os.environ.get('CMAKE_PREFIX_PATH', '')
@@ -198,7 +198,7 @@ class StartTest(unittest.TestCase):
         self.assertTrue(run.state.repeatable, run.state.not_repeatable_because)
 
     def check_traceback(self, script, lines):
-        """The traceback of a failing script begins in the program's own first line."""
+        """Check that the traceback of a failing script begins in the program itself."""
         run = run_programs({'failing': [script]}, until=5.0)
         self.assertEqual(run.codes['failing'], 1)
         said = run.outputs['failing']
@@ -251,7 +251,7 @@ class StartTest(unittest.TestCase):
 
 
 class HabitsTest(unittest.TestCase):
-    """What lockstep cannot follow is told, and what it can is not."""
+    """Calls that lockstep cannot follow are reported, and others are not."""
 
     @classmethod
     def setUpClass(cls):
@@ -274,7 +274,7 @@ class HabitsTest(unittest.TestCase):
             ('os.fork', 'process.start()')]))
 
     def test_it_goes_on_all_the_same(self):
-        # A sleep in wall time lets the links settle and a message come, at the same instant of simulated time.
+        # During a sleep in wall time nodes connect and a message comes, at the same instant of simulated time.
         lines = self.run_once.printed('habits')
         self.assertEqual(lines[:4], ['1.000000000 heard 1', 'hi', 'child 7', '3.500000000 heard 3'])
         self.assertEqual(self.run_once.codes, {'habits': 0})
@@ -292,14 +292,14 @@ class HabitsTest(unittest.TestCase):
     def test_sleep_in_simulated_time(self):
         run = run_programs({'loop': [['--sleep', 'simulated'], 'wall_loop.py'], 'greeter': [
             shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
-        # Twice a second; the first comes before they know of each other.
+        # A message comes twice a second; the first one comes before the nodes know each other.
         self.assertEqual(run.printed('loop'), ['2.600000000 after 16 looks'])
         self.assertEqual(run.logged('loop', 'WARN'), [])
 
     def test_sleeping_in_wall_time_for_what_comes_later_takes_simulated_time_after_a_while(self):
         run = run_programs({'loop': ['wall_loop.py'], 'greeter': [
             shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
-        # 5 s of it at the first instant, then as above.
+        # 5 s of looks at the first instant, then as above.
         self.assertEqual(run.printed('loop'), ['2.600000000 after 66 looks'])
         self.assertIn('from here on it takes simulated time', run.logged('loop', 'WARN')[-1])
         self.assertIn('from here on it takes simulated time', ' '.join(run.state.not_repeatable_because))

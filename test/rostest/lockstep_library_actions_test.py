@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Python nodes in lockstep: actionlib, tf2 and message_filters as they are, and the same log in every run."""
+"""Python nodes in lockstep: stock actionlib, tf2 and message_filters, and the same log in every run."""
 
 import multiprocessing
 import unittest
@@ -22,7 +22,7 @@ def tearDownModule():  # noqa: N802
 
 
 class ActionsTest(unittest.TestCase):
-    """Stock clients and servers."""
+    """Stock action clients and servers."""
 
     def test_simple_client_and_server(self):
         run = RUNS.run('actions', 'simple_client', 'simple_server')
@@ -45,7 +45,7 @@ class ActionsTest(unittest.TestCase):
 
 
 class MessagesTest(unittest.TestCase):
-    """Libraries that are made of topics."""
+    """Libraries that use topics: tf2 and message_filters."""
 
     def test_tf2(self):
         run = RUNS.run('actions', 'broadcaster', 'transformer')
@@ -65,7 +65,7 @@ def burn(until):
 
 
 class SamenessTest(unittest.TestCase):
-    """A bit of everything, under load and with delays at random: one log."""
+    """Some of everything, under load and with random delays, gives the same log."""
 
     def test_twenty_runs_give_one_log(self):
         enough = multiprocessing.Event()

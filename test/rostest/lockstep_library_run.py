@@ -1,4 +1,4 @@
-"""Runs of small Python nodes in lockstep, for the tests of the library: what each said, and when, is the event log.
+"""Runs of small Python nodes in lockstep, for the tests of the library; the event log has what each node logged.
 
     RUNS = Runs()                                     # one ROS master for all runs of a test file
     run = RUNS.run('times', 'sleeper', 'ticker')      # roles of lockstep_nodes/library_times.py, as nodes of that name
@@ -18,7 +18,7 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_node
 
 
 class Run:
-    """What came out of a run."""
+    """The results of a run."""
 
     def __init__(self, path, exit_codes, outputs):
         with open(path, encoding='utf-8') as log:
@@ -32,7 +32,7 @@ class Run:
 
     @property
     def events(self):
-        """What the nodes said: not the messages, nor who came and went."""
+        """The events that the nodes logged themselves, without messages, arrivals and departures."""
         return [event for event in self.all if event[1] in self.outputs]
 
     def of(self, robot):
@@ -52,7 +52,7 @@ class Runs:
         self.ros.close()
 
     def start_master(self, participants, **parameters):
-        """Start a time master that waits for these; return (child, path of the event log)."""
+        """Start a time master that waits for these participants; return (child, path of the event log)."""
         self._count += 1
         path = os.path.join(self.ros.log_dir, f'run_{self._count}.jsonl')
         return self.ros.run('time_master', 'time_master', parameters={
@@ -60,7 +60,7 @@ class Runs:
             'log_messages': False, **parameters}), path
 
     def start_node(self, module, role, adverse=0.0):
-        """Start a node that plays a role; adverse [s, wall]: the longest delay here and there."""
+        """Start a node that plays a role; adverse: the longest random delay in its calls [s, wall]."""
         command = [sys.executable, os.path.join(FOLDER, f'library_{module}.py'), role, str(adverse), f'__name:={role}']
         return self.ros.spawn(f'/{role}', command)
 
@@ -68,8 +68,8 @@ class Runs:
             is_warm=True, **settings):
         """Run until all nodes have ended by themselves; outsiders do not take part, and are ended.
 
-        onlook: a topic that a node hears which takes no part; is_warm: whether nodes are forks, else each is started
-        anew; settings: of the time master.
+        onlook: a topic to which an onlooker listens; is_warm: whether nodes are forks, otherwise each is started anew;
+        settings: parameters of the time master.
         """
         self.ros.is_warm = is_warm
         for name, value in (parameters or {}).items():
@@ -97,7 +97,7 @@ class Runs:
 
 
 def wait_for_end(node, nodes=()):
-    """Wait until a process has ended; say what the nodes have printed if it does not."""
+    """Wait until a process has ended, and return its exit code; otherwise fail with the output of the nodes."""
     deadline = time.monotonic() + GUARD
     while node.process.poll() is None:
         if time.monotonic() > deadline:
@@ -108,6 +108,6 @@ def wait_for_end(node, nodes=()):
 
 
 def read(node):
-    """Return what a node has printed."""
+    """Return the output of a node."""
     with open(node.log_path, errors='replace') as log:
         return log.read()

@@ -22,7 +22,7 @@ def tearDownModule():  # noqa: N802
 
 
 class TimesTest(unittest.TestCase):
-    """Sleeping is exact."""
+    """Sleeps, rates and timers are exact."""
 
     def test_sleep_ends_at_its_instant(self):
         run = RUNS.run('times', 'sleeper')
@@ -58,7 +58,7 @@ class TimesTest(unittest.TestCase):
 
 
 class TopicsTest(unittest.TestCase):
-    """Messages among participants: nothing is lost, and all is the same in every run."""
+    """Messages among participants: none is lost, and each run is the same."""
 
     def test_talker_and_listeners(self):
         run = RUNS.run('topics', 'any_listener', 'listener', 'talker')
@@ -124,7 +124,7 @@ class TopicsTest(unittest.TestCase):
 
 
 class ChargesTest(unittest.TestCase):
-    """What computations take."""
+    """The simulated time that computations are charged."""
 
     def run_with(self, charge):
         run = RUNS.run('topics', 'hearer', 'speaker_2', parameters={'/speaker_2/lockstep_charge': charge})

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Python nodes in lockstep: threads of their own take turns, and nodes end as they should."""
+"""Python nodes in lockstep: their threads take turns, and nodes end as they should."""
 
 import os
 import signal
@@ -27,7 +27,7 @@ def tearDownModule():  # noqa: N802
 
 
 class ThreadsTest(unittest.TestCase):
-    """Threads take turns; what they wait for is simulated."""
+    """Threads take turns, and their waits are in simulated time."""
 
     def test_executor(self):
         run = RUNS.run('threads', 'pool')
@@ -61,7 +61,7 @@ class ThreadsTest(unittest.TestCase):
 
 
 class ConnectionTest(unittest.TestCase):
-    """A participant may hear nothing for as long as the others need, whatever limit rospy sets for all sockets."""
+    """A participant waits for the time master without limit, whatever limit rospy sets for all sockets."""
 
     def test_a_wait_has_no_limit(self):
         self.addCleanup(socket.setdefaulttimeout, socket.getdefaulttimeout())
@@ -82,7 +82,7 @@ class ConnectionTest(unittest.TestCase):
 
 
 class EndsTest(unittest.TestCase):
-    """Nodes end in their last round, with their exit codes, and when they are told to."""
+    """Nodes end in their last round with their exit codes, and when they are ended from outside."""
 
     def test_the_last_word_of_a_node_is_heard(self):
         run = RUNS.run('threads', 'hears_the_end', 'stops_at_its_end')
@@ -149,14 +149,14 @@ class EndsTest(unittest.TestCase):
         self.assertIn('has ended its work', self.output)
 
     def _end_of(self, role, act):
-        """Start a node, let it wait, do act(time master, node); it must end. What act() returns is ended."""
+        """Start a node, let it wait, call act(time master, node); the node must end. End what act() returns."""
         RUNS.ros.set_param('/time_master/lockstep_address', '')
         master, _path = RUNS.start_master([role])
         node = RUNS.start_node('threads', role)
         try:
             self._wait_for_start(node)
             another = act(master, node)
-            if another is not None:  # of the same name: it would take part in the next test's run
+            if another is not None:  # it has the same name, and would take part in the next run
                 self.addCleanup(RUNS.ros.end, another)
             try:
                 wait_for_end(node, {role: node})
@@ -173,7 +173,7 @@ class EndsTest(unittest.TestCase):
         while 'joined' not in read(node):
             self.assertLess(time.monotonic(), deadline, read(node))
             time.sleep(0.01)
-        time.sleep(0.2)  # it goes into its wait
+        time.sleep(0.2)  # until it waits
 
 
 if __name__ == '__main__':

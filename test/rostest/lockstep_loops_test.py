@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scripts that wait by looking, without sleeping, and scripts that talk much while they compute."""
+"""Scripts that wait in loops without sleep, and scripts that log and publish much while they compute."""
 
 import os
 import sys
@@ -10,7 +10,7 @@ import rostest
 from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_thrice
 from roslib.packages import find_node
 
-# What catkin makes of a script in its devel space.
+# The relay that catkin makes for a script in its devel space.
 RELAY = """#!/usr/bin/python3
 # creates a relay to a python script source file, acting as that file.
 import sys
@@ -29,7 +29,7 @@ with open(python_script, 'r') as fh:
 
 
 class LookingTest(unittest.TestCase):
-    """Loops without sleep: what they look at happens, at its instant, and the run is as repeatable as any."""
+    """Loops without sleep see each change at its instant, and the run is repeatable."""
 
     @classmethod
     def setUpClass(cls):
@@ -44,7 +44,7 @@ class LookingTest(unittest.TestCase):
                          ['heard', 'by a flag', 'by the state', 'by the time'])
         heard, flag, state, time = (float(line.split()[0]) for line in self.runs[0].printed('looking'))
         self.assertLess(heard, 1.1)
-        # Both look only, so each wait of one second or two ends with the callback, not with the step of time.
+        # Both only look, so each wait ends at the callback, not at the next step of time.
         self.assertAlmostEqual(flag, heard + 2.0, places=9)
         self.assertAlmostEqual(state, flag + 2.0, places=9)
         self.assertTrue(state + 0.25 <= time <= state + 0.2511, (state, time))
@@ -52,7 +52,7 @@ class LookingTest(unittest.TestCase):
 
 
 class ExplorerTest(unittest.TestCase):
-    """Loops that look at variables, in a script, in a module of its own, in a thread and in a relay of catkin's."""
+    """Loops that look at variables: in a script, in its module, in a thread and in a relay of catkin's."""
 
     def test_they_go_on_exactly_where_they_do_nothing_but_look(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -62,12 +62,12 @@ class ExplorerTest(unittest.TestCase):
             runs = run_thrice({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
                               until=30.0)
         assert_same(self, runs)
-        # 200 Hz from 2 s on, a word with each 300th; a thread that looks is seen by one that looks 10 ms later, or
-        # when something happens.
+        # Frontiers come at 200 Hz from 2 s on, with a word after each 300th. A looking thread sees the end of another
+        # one 10 ms later, or at the next event.
         self.assertEqual(runs[0].printed('explorer'), [
             '2.000000000 frontier 0.0', '3.495000000 come', '3.500000000 stopped', '16.995000000 heard'])
         self.assertEqual(runs[0].printed('relay'), runs[0].printed('explorer'))
-        # It looks for ever, but ends with the run.
+        # They look for ever, but end with the run.
         self.assertEqual(runs[0].codes, {'explorer': 1, 'relay': 1, 'finder': 0})
 
     def test_they_go_on_with_a_label_where_they_may_compute(self):
@@ -83,7 +83,7 @@ class ExplorerTest(unittest.TestCase):
 
 
 class RestlessTest(unittest.TestCase):
-    """Waits that take no time, and a thread that computes until it is told to stop."""
+    """Waits that take no time, and a thread that computes until a flag stops it."""
 
     def test_sleeps_of_no_length_and_questions_to_the_master_let_time_go_on(self):
         run = run_programs({'restless': ['restless.py', 'event,sleep,yield,parameter']}, until=20.0)
@@ -91,7 +91,7 @@ class RestlessTest(unittest.TestCase):
         self.assertEqual([line.split()[1] for line in said], ['event', 'sleep', 'yield', 'parameter'])
         for number, line in enumerate(said, 2):
             self.assertAlmostEqual(float(line.split()[0]), number, delta=0.02 * number)
-        self.assertLess(int(asked.split()[1]), 1000)  # a hundred steps of time
+        self.assertLess(int(asked.split()[1]), 1000)  # about a hundred steps of time
         self.assertEqual(list(run.state.not_repeatable_because), [])
 
     def test_a_thread_that_computes_until_it_is_told_to_stop_goes_on_with_a_label(self):
@@ -102,7 +102,7 @@ class RestlessTest(unittest.TestCase):
 
 
 class TalkingTest(unittest.TestCase):
-    """What rospy does while it sends, also a line of the log, gives nobody else the turn."""
+    """While rospy sends a message or a log line, no other thread gets the turn."""
 
     def test_a_callback_that_logs_and_publishes_is_not_interrupted(self):
         run = run_programs({'ledger': ['ledger.py'], 'clerk': ['clerk.py']}, until=5000.0, onlookers=['/notes'],

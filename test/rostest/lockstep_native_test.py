@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What libraries in C that Python programs load ask for time and chance: the run's, or labelled by file and place."""
+"""Time and chance for C libraries in Python programs come from the run, or are labelled by file and place."""
 import os
 import re
 import sys
@@ -18,7 +18,7 @@ START = 1577836800  # 2020-01-01
 
 
 def module():
-    """Return the path of the module in C, where Python's headers were there to build it."""
+    """Return [path of the module in C], or [] if it was not built for lack of Python's headers."""
     try:
         return [find_shim(os.environ, 'native_module.so')]
     except ValueError:
@@ -30,13 +30,13 @@ def run_native(path, *topics, options=(), load=0, name='native'):
 
 
 def said(run, topic, name='native'):
-    """Return what was said of a topic: [[word, ...], ...]; last the program's own clock and simulated time."""
+    """Return the output about a topic, [[word, ...], ...]; last come the program's clock and simulated time."""
     return [line.split()[1:] for line in run.printed(name) if line.startswith(topic + ' ')]
 
 
 class FollowedTest(unittest.TestCase):
-    # 'given' comes last: a thread of the library's own is there before its caller waits, or not, and so its caller
-    # looks at a clock once more or once less; 'spin' says how many looks there were before at its instant.
+    # 'given' comes last: a thread of the library's own may be ready before its caller waits, or after that, and so the
+    # caller looks at a clock once more or once less; 'spin' prints the number of earlier looks at its instant.
     TOPICS = 'clocks', 'sleeps', 'waits', 'timed', 'chance', 'files', 'spin', 'given'
 
     @classmethod
@@ -81,7 +81,7 @@ class FollowedTest(unittest.TestCase):
                   run_native(BY_CTYPES, 'chance', name='other')]
         drawn = said(self.runs[0], 'chance') + said(others[0], 'chance') + said(others[1], 'chance', 'other')
         *values, started = list(zip(*(words[:-2] for words in drawn)))
-        # rand() and random() go on from what the first round started them with: the time, which two of them share.
+        # rand() and random() go on from the seed of the first round, which is the time; two runs have the same time.
         self.assertEqual([len(set(value)) for value in values], [5, 5] + [6] * (len(values) - 2))
         self.assertEqual(len(set(started)), len({words[-2][:10] for words in drawn}))  # srand(time(NULL))
 
@@ -133,7 +133,7 @@ class NeedsTest(unittest.TestCase):
         self.assertEqual(runs[0].codes, {'native_needs': 0})
         self.assertEqual(rest, ['False False True True', '0', 'False 1.75',
                                 '2020-01-01T00:00:01 2020-01-01 1577836801 1577836801.75'])
-        self.assertNotEqual(first, runs[1].printed('native_needs')[0])  # keys of connections are nobody's to guess
+        self.assertNotEqual(first, runs[1].printed('native_needs')[0])  # keys of connections must not be predictable
 
     def test_another_library_that_is_preloaded_stays(self):
         line = [sys.executable, '-c', 'import os; print(os.environ.get("LD_PRELOAD"))']

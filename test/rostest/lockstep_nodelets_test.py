@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodelets in lockstep: a manager, those that are loaded into it, and one by itself."""
+"""Nodelets in lockstep: a manager with nodelets, and a nodelet by itself."""
 import os
 import shutil
 import subprocess
@@ -12,7 +12,7 @@ import rostest
 from move_base_abstract.runs.event_log import EventLog, labels_of
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 100.0  # s, wall; only ends what would never end
+GUARD = 100.0  # s, wall; only ends a run that would never end
 MANIFEST = """<package format="2">
   <name>shim_nodelets</name><version>0.0.1</version><description>Nodelets of a test</description>
   <maintainer email="nobody@localhost">nobody</maintainer><license>BSD</license>
@@ -39,7 +39,7 @@ LAUNCH = """<launch>
 
 
 def are_built():
-    """Return whether this computer has nodelet, and the test's nodelets were built with it."""
+    """Return whether this computer has nodelet, and the test's nodelets were built."""
     try:
         rospkg.RosPack().get_path('nodelet')
     except rospkg.ResourceNotFound:
@@ -81,7 +81,7 @@ class LockstepNodeletsTest(unittest.TestCase):
               for topic in ('/counter/out', '/plus/out', '/manager/bond')}
         self.assertEqual(at['/counter/out'][:3], [1100000000, 1200000000, 1300000000])
         self.assertEqual(at['/plus/out'], at['/counter/out'])
-        self.assertTrue(any(time > 3 * 10 ** 9 for time in at['/manager/bond']))  # whose timers are the wall's
+        self.assertTrue(any(time > 3 * 10 ** 9 for time in at['/manager/bond']))  # its timers go by the wall clock
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Parameters that one node sets and others get: a set takes effect with its round, whoever was faster."""
+"""Parameters that one node sets and others get: a change takes effect with its round, whichever node was faster."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ BY_HAND = os.path.join(HERE, 'set_by_hand.py')
 
 
 class ParametersTest(unittest.TestCase):
-    """Nodes in Python and C++ that talk by parameters."""
+    """Nodes in Python and C++ that communicate by parameters."""
 
     def test_writers_and_readers_on_a_board_see_the_same_in_each_run(self):
         runs = run_thrice({'b': ['board_writer.py', '20'], 'a': ['board_writer.py', '20'],
@@ -23,7 +23,7 @@ class ParametersTest(unittest.TestCase):
         assert_same(self, runs)
         quick, board = runs[0].printed('quick'), runs[0].printed('board')
         self.assertEqual([line.split(' {')[0] for line in quick[:3]],
-                         ['1.000 None', '1.100 board 1', '1.200 board 2'])  # of one round: the last by name counts
+                         ['1.000 None', '1.100 board 1', '1.200 board 2'])  # in one round, the last node by name counts
         self.assertIn("'odds': [1, 2.5, 'x<&>', True, '', [], {}], 'small': -1e-12", quick[1])
         self.assertTrue(quick[5].startswith("1.500 board 5 {'latest': 'board 5'} /board/latest False"), quick[5])
         self.assertEqual(board[:2], ['1.000 none none 0:', '1.100 board 1 /board/latest 1: ' + ' '.join(
@@ -42,7 +42,7 @@ class ParametersTest(unittest.TestCase):
         self.assertEqual(run.printed('messenger'), ['seen for a program'])
         run = run_programs({'board': [find_executable('shim_board'), 'start']}, until=5.0)
         self.assertEqual(run.printed('board'), ['0 0', '3'])
-        self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)  # of the program
+        self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)  # the one about the program
 
     def test_what_roslaunch_makes_anew_for_each_run_is_labelled_in_cpp_too(self):
         run = run_programs({'board': [find_executable('shim_board'), 'run_id']}, until=5.0)
@@ -51,7 +51,7 @@ class ParametersTest(unittest.TestCase):
             for name in ('/run_id', '/roslaunch')])
 
     def test_what_is_set_by_hand_is_seen_and_labelled_where_it_is_asked_for(self):
-        # It is set until the run is labelled, and asked for until it is not set any more.
+        # A program sets it until the run is labelled; the waiter asks for it until it is deleted.
         run = run_programs({'waiter': ['parameter_waiter.py', '/by_hand']}, until=1e9, others={
             '/hand': ([sys.executable, BY_HAND, '/by_hand'], 0)})
         self.assertIn('it is there', run.printed('waiter'))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""In lockstep robots tell what upstream's would, at its rates, to whoever hears it; what nobody hears is no event."""
+"""In lockstep robots publish what upstream's would, at its rates; a message without subscribers is no event."""
 import json
 import os
 import shutil
@@ -21,7 +21,7 @@ from move_base_abstract_ros.loopback import Loopback, find_executable
 HERE = os.path.dirname(os.path.abspath(__file__))
 LISTENER = os.path.join(HERE, 'unmodified', 'late_listener.py')
 GUARD = 120.0  # s, wall; only ends a run that would never end
-#: a node that takes no part, and listens to all that robots tell
+#: a node that takes no part, and listens to all topics of the robots
 ONLOOKER = """
 import time
 import xmlrpc.client
@@ -69,7 +69,7 @@ def _read_until(path, text):
 
 
 class Run:
-    """A run of the listener and its fleet, all messages in its log; ``said``: what the listener printed, by topic."""
+    """A run of the listener and its fleet, with all messages in its log; ``said`` is the output of the listener."""
 
     def __init__(self, onlooker=False, **parameters):
         folder = tempfile.mkdtemp(prefix='lockstep_rates_')
@@ -104,7 +104,7 @@ class Run:
         self.events = [(record['time_ns'], record['robot'], record['kind'], record['values']) for record in records]
 
     def stamps(self, what):
-        """Return the stamps [ns] of what the listener printed of ``what``."""
+        """Return the stamps [ns] of the listener's lines about ``what``."""
         return [int(words[2]) for words in map(str.split, self.said.splitlines()) if words[1] == what]
 
 
@@ -127,9 +127,9 @@ class Rates(unittest.TestCase):
     def test_poses_come_at_their_rate_from_the_moment_somebody_listens(self):
         stamps = self.plain.stamps('/robot_1/odom')
         first = [stamp for stamp in stamps if stamp < 3_900_000_000]
-        # robot_1 departs at 1 s or somewhat later, when its goal is there; its poses are on multiples from then on
+        # robot_1 departs at 1 s or a little later, when its goal comes; its poses are on multiples from then on
         self.assertEqual({stamp - first[0] for stamp in first}, {k * 100_000_000 for k in range(len(first))})
-        self.assertEqual(len(first), 6)  # the latest before 3.35 s, latched, and five in half a second
+        self.assertEqual(len(first), 6)  # the latched one before 3.35 s, and five in half a second
         self.assertLessEqual(first[0], 3_350_000_000)
         self.assertGreater(first[0], 3_250_000_000)
         self.assertEqual(self.plain.said.count('/robot_1/odom'), self.plain.said.count('/robot_1/amcl_pose'))
@@ -147,7 +147,7 @@ class Rates(unittest.TestCase):
 
     def test_what_nobody_hears_has_no_instant(self):
         between = [time_ns for time_ns, *_ in self.plain.events if 3_900_000_000 < time_ns < 5_990_000_000]
-        self.assertEqual(between, [])  # an action client is told of changes, not of repetition
+        self.assertEqual(between, [])  # an action client gets changes, and no repeated status
 
     def test_an_onlooker_hears_all_and_changes_nothing(self):
         run = Run(onlooker=True)
@@ -157,7 +157,7 @@ class Rates(unittest.TestCase):
         self.assertIn('tells /fleet poses at 10 Hz to /onlooker; tf at 10 Hz to /onlooker; feedback at 20 Hz to '
                       '/listener, /onlooker; status at 5 Hz to /onlooker\n', run.watched)
         self.assertIn('tells /listener \n', run.watched)
-        # time does not go on for the sake of an onlooker alone
+        # time does not go on for an onlooker alone
         last_ns = run.events[-1][0]
         self.assertIn('idle at {}\n'.format(last_ns), run.watched)
 
@@ -175,21 +175,21 @@ class Rates(unittest.TestCase):
 
 
 class Nothing:
-    """What is not subscribed to."""
+    """A stand-in for a subscription."""
 
     def unregister(self):
-        """Nothing is to be done."""
+        """Do nothing."""
 
 
 def listener(of=tf2_ros.TransformListener, buffer=tf2_ros.Buffer):
-    """Return a listener of tf2, of these classes, that has no subscriptions: they would need a node."""
+    """Return a listener of tf2 of these classes without subscriptions, which would need a node."""
     made = of.__new__(of)
     made.buffer, made.tf_sub, made.tf_static_sub = buffer.__new__(buffer), Nothing(), Nothing()
     return made
 
 
 def heard(*callbacks):
-    """Return what the time master is told of a subscription that gets these callbacks one after the other."""
+    """Return what the time master hears about a subscription that gets these callbacks one after the other."""
     told, subscription = [], types.SimpleNamespace(closed=False, callbacks=[])
     hearing = Hearing(types.SimpleNamespace(tell_hearing=lambda _subscription, what: told.append(what)))
     for callback in callbacks:

@@ -1,4 +1,4 @@
-"""The protocol of docs/lockstep_protocol.md spoken byte by byte: a participant without any library.
+"""A participant without any library, which speaks the protocol of docs/lockstep_protocol.md byte by byte.
 
     client = RawClient(address)        # 'host:port', the parameter /time_master/lockstep_address
     client.hello('/a')
@@ -61,7 +61,7 @@ class Reader:
         return self.data().decode()
 
     def fields(self, codes):
-        """Read what codes say: struct's letters, s for a text, b for bytes."""
+        """Read the fields of ``codes``: letters of struct, s for a text, b for bytes."""
         plain = {'s': self.text, 'b': self.data}
         return tuple(plain[code]() if code in plain else self.number(code) for code in codes)
 
@@ -114,7 +114,7 @@ def note(what, value):
 
 
 def wait_for(what, condition):
-    """Return when the condition holds; fail after GUARD s (wall), naming ``what``."""
+    """Return when the condition holds; fail after GUARD [s, wall], naming ``what``."""
     deadline = time.monotonic() + GUARD
     while not condition():
         if time.monotonic() > deadline:
@@ -139,7 +139,7 @@ class RawClient:
 
     def hello(self, name, rank=0, rank_declared=False, uri='http://127.0.0.1:1/', protocol=PROTOCOL, incarnation=1,
               secret=b''):
-        """Introduce ourselves and wait for the answer."""
+        """Say hello, wait for the answer, and return the client."""
         self.socket.sendall(frame(HELLO, struct.pack('<I', protocol) + text(name) + text(uri)
                                   + struct.pack('<iBQ', rank, rank_declared, incarnation) + text(secret)))
         kind, reader = self.receive()
@@ -165,7 +165,7 @@ class RawClient:
         return body[0], Reader(body[1:])
 
     def grant(self, timeout=GUARD):
-        """Wait for the next grant; what tells of members is noted on the way."""
+        """Wait for the next grant, and keep track of the members meanwhile. Raises Closed at the end."""
         deadline = time.monotonic() + timeout
         while True:
             kind, reader = self.receive(max(0.001, deadline - time.monotonic()))
@@ -193,11 +193,11 @@ class RawClient:
             return str(closed)
 
     def report(self, grant, next_ns=NEVER, items=b'', waiting=0, leaving=False):
-        """Answer a grant. waiting: number of threads that wait without end."""
+        """Report on a grant; waiting: the number of threads that wait without end."""
         self.socket.sendall(frame(REPORT, struct.pack('<QBqI', grant.round, leaving, next_ns, waiting) + items))
 
     def turn(self, **report):
-        """Wait for a grant, answer it with what is given, and return it."""
+        """Wait for a grant, report on it with these arguments, and return it."""
         grant = self.grant()
         self.report(grant, **report)
         return grant

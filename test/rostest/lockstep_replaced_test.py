@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a launched program finds replaced in rospy and Python's library is what the table says."""
+"""The functions that a launched program finds replaced in rospy and Python's library are those of the table."""
 
 import json
 import os
@@ -27,8 +27,8 @@ class ReplacedTest(unittest.TestCase):
         cls.rows = {name for name, row in replaced.ROWS.items() if row.where in where}
 
     def test_each_row_is_replaced_and_nothing_else(self):
-        always = {'threading.Thread.isAlive'}  # done before the probe could look, in those versions that lack it
-        modules = {'rospy.impl.init.time'}  # the probe looks at functions and classes
+        always = {'threading.Thread.isAlive'}  # replaced before the probe looks, in versions of Python that lack it
+        modules = {'rospy.impl.init.time'}  # the probe looks only at functions and classes
         self.assertEqual(set(self.told['changed']) - always, self.rows - modules)
 
     def test_all_went_by_the_table(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Unmodified roscpp programs that ask the machine for time and chance: the run's, from load on, or labelled by name."""
+"""Time and chance for unmodified roscpp programs come from the run, from loading on, or are labelled by name."""
 
 import errno
 import os
@@ -35,7 +35,7 @@ def rate():
 class LockstepRoscppChanceTest(unittest.TestCase):
 
     def told(self, *programs, load=False, labels=()):
-        """Return what the first program says: [(ns, text), ...]."""
+        """Return the messages of the first program, [(ns, text), ...]."""
         run = RUNS.run([*programs, recorder('/told')], load=load)
         self.assertEqual(run.code, 0, run.outputs)
         self.assertEqual(run.labels, list(labels))
@@ -75,11 +75,11 @@ class LockstepRoscppChanceTest(unittest.TestCase):
             clocks, first, second, _now, third = self.texts(chance('agent', name=name, options=options), rate())[:5]
             told[key] = [first.split(), second.split()[len(clocks.split()):], third.split()]
         plain = sum(told['plain'], [])
-        self.assertEqual(len(set(plain)), len(plain) - 4)  # what getrandom() and getentropy() return
+        self.assertEqual(len(set(plain)), len(plain) - 4)  # the return values of getrandom() and getentropy() are equal
         for key in ('seed', 'name'):
             same = [[word for word, other in zip(*sections) if word == other]
                     for sections in zip(told['plain'], told[key])]
-            # What it draws from the generator that it has started from the time is all programs' of that time.
+            # Draws of a generator that was seeded by the time are equal for all programs with that time.
             own = 2 if key == 'name' else 0
             self.assertEqual(same, [['12', '0'], told[key][1][:own] + ['12', '0'], told[key][2][:own] + ['12', '0']])
 
@@ -119,7 +119,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         told['socket'] = 'socket() makes a connection: data arrives over it by the wall clock'
         told.update((what, 'a file in {} is opened: it describes this machine at this moment'.format(what))
                     for what in ('/proc', '/sys'))
-        told['mmap64'] = told['mmap']  # one function, where files are of 64 bits
+        told['mmap64'] = told['mmap']  # one function on systems with files of 64 bits
         run = RUNS.run([chance('all')])
         labels = [re.fullmatch(r"'/chance': (.*) \(shim_chance\+0x[0-9a-f]+\)", label) for label in run.labels]
         self.assertNotIn(None, labels, run.labels)
@@ -134,7 +134,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
             run = RUNS.run([Program('one', own('shim_chance'), what='file', file=path, how=how),
                             Program('two', own('shim_chance'), what='file', file=path, how=other)])
             self.assert_shared(run, path)
-        odd = 'odd ' + os.fsdecode(b'\xff')  # a name may be any bytes; Python and C++ tell of it alike
+        odd = 'odd ' + os.fsdecode(b'\xff')  # a name may be any bytes, and Python and C++ report it in the same way
         run = RUNS.run([Program('one', own('shim_chance'), what='file', file=os.path.join(folder, odd[:-1]), odd=True,
                                 how='writes'), Program('two', READS, 'reads', folder)])
         self.assert_shared(run, os.path.join(folder, r'odd \xff'))
@@ -185,7 +185,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
             "lockstep: the environment's {} must be 'fixed' or 'random', got 'any'\n".format(LAYOUT))))
 
     def test_what_the_launcher_could_not_see_to_is_labelled(self):
-        """A program that is preloaded by hand: its addresses and what it saw before ROS began are the machine's."""
+        """A program that is preloaded by hand gets its addresses, and all before ROS begins, from the machine."""
         labels = ' '.join(RUNS.run([Program(
             'chance', own('shim_chance'), launcher=['/usr/bin/env', 'LD_PRELOAD=' + find_shim(os.environ)],
             what='addresses')]).labels)

@@ -1,7 +1,7 @@
 """Runs of unmodified roscpp binaries in lockstep, for the tests of the shim: the event log has every message.
 
     run = Runs().run([Program('rate', own('shim_rate'), frequency=7.0), recorder('/ticks')])
-    run.printed(1)                                    # what std_msgs/String messages said, and when
+    run.printed(1)                                    # the std_msgs/String messages, with their times
 """
 
 import json
@@ -18,10 +18,10 @@ from warm import Loopback
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 40.0  # s, wall
-#: the programs' logs are read while they run
+# the tests read the programs' logs while they run
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
-#: keeps both cores busy
-# Ends with who started it, also where a test is killed.
+#: a program that keeps a core busy
+# It ends with the process that started it, also if a test is killed.
 LOAD = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    sum(range(1000))\n'
 
 
@@ -36,22 +36,22 @@ class Program:
     def __init__(self, name, path, *arguments, options=(), remaps=(), launcher=(), ends_by=signal.SIGINT,
                  **parameters):
         self.name = name
-        self.ends_by = ends_by  # a signal; roscpp's own way, as Ctrl-C and roslaunch do, needs a thread that spins
+        self.ends_by = ends_by  # a signal; SIGINT, as from Ctrl-C and roslaunch, needs a thread that spins
         self.path = path
         self.arguments = list(arguments)
-        self.launcher = list(launcher)  # in the place of ours
-        self.options = list(options)  # of the launcher
+        self.launcher = list(launcher)  # instead of ours
+        self.options = list(options)  # options of the launcher
         self.remaps = list(remaps)
         self.parameters = parameters
 
 
 def recorder(*topics):
-    """Return a program that prints std_msgs/String messages with the time."""
+    """Return a program that prints the std_msgs/String messages on the topics, with the time."""
     return Program('recorder', own('shim_recorder'), topics=list(topics))
 
 
 class Run:
-    """What came out of a run: its messages and calls, its labels, and what the programs printed."""
+    """The results of a run: its messages and calls, its labels, and the output of the programs."""
 
     def __init__(self, path, code, outputs, parameters, why):
         with open(path, encoding='utf-8') as log:
@@ -61,17 +61,17 @@ class Run:
         self.reason = end['reason']
         self.code = code
         self.outputs = outputs
-        self.parameters = parameters  # of the first program, when it had ended
-        self.why = why  # what the time master told then, where it was asked
+        self.parameters = parameters  # of the first program, after its end
+        self.why = why  # output of `why` at that time, if it was asked
         self.events = [(record['time_ns'], record['robot'], record['kind'], record['values'])
                        for record in records[1:-1] if record['kind'] in ('message', 'call', 'response')]
 
     def until(self, seconds):
-        """Return the messages and calls before a simulated time."""
+        """Return the messages and calls before a simulated time [s]."""
         return [event for event in self.events if event[0] < seconds * 1e9]
 
     def printed(self, program):
-        """Return the lines that a recorder (by its place in the list) has printed."""
+        """Return the lines that a recorder has printed; program: its index in the list."""
         return [line for line in self.outputs[program].splitlines() if line and '\x1b' not in line]
 
 
@@ -86,15 +86,15 @@ class Runs:
         return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
 
     def three(self, programs):
-        """Return three runs that must be the same: alone, under load, and slowed down, with launchers started anew."""
+        """Return three runs that must be the same: alone, under load, and slowed down with launchers started anew."""
         return [self.run(programs), self.run(programs, load=True),
                 self.run(programs, is_warm=False, speed_limit=50.0)]
 
     def run(self, programs, load=False, ask_why=False, onlook=(), is_warm=True, **parameters):
-        """Run until the first program has ended by itself; the others are ended then.
+        """Run until the first program has ended by itself; then end the others.
 
-        onlook: topics that nodes listen to which take no part; they come during the run, and have heard something.
-        is_warm: whether all that is Python are forks.
+        onlook: topics to which onlookers listen; they come during the run, and each must hear a message.
+        is_warm: whether Python processes are forks.
         """
         with Loopback(is_warm=is_warm) as self.ros:
             path = os.path.join(self.ros.log_dir, 'events.jsonl')
@@ -147,7 +147,7 @@ def wait_for_end(children):
 
 
 def take_name(ros, name):
-    """Tell the ROS master of another node of this name, which is gone at once."""
+    """Register another node of this name at the ROS master, and unregister it at once."""
     master = rosgraph.Master(name, master_uri=ros.uri)
     newcomer = 'http://127.0.0.1:1/'
     master.registerPublisher('/elsewhere', 'std_msgs/String', newcomer)
@@ -155,6 +155,6 @@ def take_name(ros, name):
 
 
 def read(child):
-    """Return what a node has printed."""
+    """Return the output of a node."""
     with open(child.log_path, errors='replace') as log:
         return log.read()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Unmodified roscpp programs in lockstep: Debian's own and nodes of test/cpp_nodes that know nothing of lockstep.
 
-What is said to be exact is run three times (alone, under load, slowed down) and must leave the same event log; its
-values are those that simulated time dictates.
+Programs that are exact run three times (alone, under load, slowed down) and must have the same event log, with the
+values that follow from simulated time.
 """
 
 import ctypes
@@ -39,7 +39,7 @@ def ticks_at(topic, times, numbers):
 
 class LockstepRoscppTest(unittest.TestCase):
     def same(self, programs, until=1e9):
-        """Return the first of three runs, which are the same."""
+        """Run three times; assert that the runs are the same up to ``until`` [s], and return the first."""
         runs = RUNS.three(programs)
         first = runs[0].until(until)
         self.assertTrue(first)
@@ -56,7 +56,7 @@ class LockstepRoscppTest(unittest.TestCase):
     def test_roscpps_own_thread_is_not_woken_for_messages_between_participants(self):
         run = RUNS.run([rate(frequency=40.0, ticks=1000), recorder('/ticks')])
         self.assertEqual(len(run.printed(1)), 1000)
-        self.assertLess(run.parameters['writes'], 100)  # else one into roscpp's pipe for each message
+        self.assertLess(run.parameters['writes'], 100)  # not one into roscpp's pipe for each message
 
     def test_relay_and_a_callback_that_sleeps(self):
         run = self.same([rate(ticks=20), recorder('/heard', '/relayed'),
@@ -64,7 +64,7 @@ class LockstepRoscppTest(unittest.TestCase):
                          Program('relay', TOPIC_TOOLS + 'relay', '/ticks', '/relayed')])
         lines = run.printed(1)
         times = [SECOND + k * SECOND // 10 for k in range(1, 21)]
-        # relay advertises when its first message has come, and that one finds nobody who listens yet.
+        # relay advertises when its first message comes, and that message has no subscriber yet.
         self.assertEqual([line for line in lines if 'relayed' in line], ticks_at('/relayed', times[1:], range(2, 21)))
         heard = [line.split()[2:5] for line in lines if '/heard' in line]
         self.assertEqual(heard[0], [str(1350000000), 'heard', '1'])
@@ -73,7 +73,7 @@ class LockstepRoscppTest(unittest.TestCase):
     def test_throttle(self):
         run = self.same([rate(ticks=60), recorder('/throttled'),
                          Program('throttle', TOPIC_TOOLS + 'throttle', 'messages', '/ticks', '1.0', '/throttled')])
-        times = [SECOND + k * SECOND // 10 for k in (12, 23, 34, 45, 56)]  # it wants more than a second
+        times = [SECOND + k * SECOND // 10 for k in (12, 23, 34, 45, 56)]  # it waits for more than a second
         self.assertEqual(run.printed(1), ticks_at('/throttled', times, (12, 23, 34, 45, 56)))
 
     def test_mux(self):
@@ -92,7 +92,7 @@ class LockstepRoscppTest(unittest.TestCase):
         lines = run.printed(1)
         for line in lines:
             words = line.split()
-            self.assertEqual(words[4], words[6], line)  # when it was due and when it fired
+            self.assertEqual(words[4], words[6], line)  # the times when it was due and when it fired
             self.assertEqual(int(words[0]), round(float(words[6]) * 1e9), line)
         first = [line.split()[2:5:2] for line in lines[:16]]
         self.assertEqual([at for name, at in first if name == 'slow'], ['1.300000000', '1.600000000', '1.900000000',
@@ -145,7 +145,7 @@ class LockstepRoscppTest(unittest.TestCase):
         seconds = float(re.search(r'at ([\d.]+) s', run.why).group(1))
         leaps = int(re.search(r'(\d+) leaps', run.why).group(1))
         self.assertGreater(seconds, 10.0, run.why)
-        self.assertLess(leaps / seconds, 21.0, run.why)  # looks after each transform would make 80 a second of them
+        self.assertLess(leaps / seconds, 21.0, run.why)  # with a look after each transform there would be 80 per second
 
     def test_what_waits_for_a_transform_comes_out_when_that_comes(self):
         run = self.same([Program('filter', own('shim_frames'), filter=True), recorder('/looked'),
@@ -182,7 +182,7 @@ class OutsideTest(unittest.TestCase):
 
     @staticmethod
     def note_of_start(ros):
-        """Return the path of the file that is there from the start of the clock on."""
+        """Return the path of the file that exists from the start of the clock on."""
         return os.path.join(ros.log_dir, 'started')
 
     def test_where_the_time_master_is_not_in_lockstep_nothing_changes(self):
@@ -208,7 +208,7 @@ class OutsideTest(unittest.TestCase):
             RUNS.start(Program('server', own('shim_calls')))
             client = RawClient(self.address(ros)).hello('/raw')
             self.addCleanup(client.close)
-            client.grant()  # and no report: no round can follow
+            client.grant()  # without a report, no further round can come
             self.assertIn('at 1000000000', self.call(ros, '/trigger'))
 
     def test_others_go_on_when_a_program_is_killed(self):
@@ -246,11 +246,11 @@ class OutsideTest(unittest.TestCase):
         table = os.path.join(SOURCES, 'machine', 'replaced.def')
         with open(table) as stream:
             listed = re.findall(r' (\w+),\s+"[^"]+"\)$', stream.read(), re.MULTILINE)
-        library = ctypes.CDLL('libstdc++.so.6')  # Debian 11's waits for futures by the steady clock in another way
+        library = ctypes.CDLL('libstdc++.so.6')  # Debian 11's waits for futures by the steady clock differ
         listed = [name for name in listed if not name.startswith('_ZNSt') or hasattr(library, name)]
         told = subprocess.run(['nm', '-D', '--defined-only', find_shim(os.environ)], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
-        ours = ['move_base_abstract_log_row']  # which the header for statements asks for
+        ours = ['move_base_abstract_log_row']  # a function for the header of statements
         self.assertEqual(sorted(line.split()[-1] for line in told.splitlines()), sorted(listed + ours))
 
     def test_a_program_says_what_was_found_and_what_fits(self):

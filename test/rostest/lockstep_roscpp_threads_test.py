@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Unmodified roscpp programs with threads of their own in lockstep: one runs at a time, in the same order always."""
+"""Unmodified roscpp programs with threads in lockstep: one thread runs at a time, always in the same order."""
 
 import os
 import re
@@ -27,7 +27,7 @@ def rate(name='rate', frequency=10.0, ticks=100, topic=None):
 
 class LockstepRoscppThreadsTest(unittest.TestCase):
     def told(self, what, *others, program='shim_threads', **parameters):
-        """Return what a program with threads says, the same in three runs: [(ns, text), ...]."""
+        """Return the messages of a program with threads, which must be the same in three runs: [(ns, text), ...]."""
         program = Program('threads', own(program), what=what, **parameters)
         runs = RUNS.three([program, recorder('/told', '/polled'), *others])
         for run in runs:
@@ -37,7 +37,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         told = [line.split(' ', 3) for line in runs[0].printed(1)]
         self.assertTrue(told)
         for at, _topic, said, _text in told:
-            self.assertEqual(at, said)  # when it came and when it was said
+            self.assertEqual(at, said)  # the times of arrival and of sending
         return [(int(at), text) for at, _topic, _said, text in told]
 
     def test_a_thread_for_each_robot_and_a_lock_that_is_held_in_a_sleep(self):
@@ -58,13 +58,13 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         told = self.told('spinners', rate(), rate('rate2', 3.0, 50, 'others'), threads=3)
         begins = {text: at for at, text in told}
         self.assertEqual(begins['ticks begins 1 1100000000'], 1100000000)
-        self.assertEqual(begins['others begins 1 1333333333'], 1333333333)  # while the other one sleeps
+        self.assertEqual(begins['others begins 1 1333333333'], 1333333333)  # while the other callback sleeps
         self.assertEqual(begins['ticks ends 1 1100000000'], 1450000000)
 
     def test_a_multi_threaded_program_with_one_thread_in_its_spinner(self):
         told = self.told('spinners', rate(), rate('rate2', 3.0, 50, 'others'), threads=1)
         begins = {text: at for at, text in told}
-        # Behind the second and the third message of the other topic, which were there before it.
+        # After the second and the third message of the other topic, which came before it.
         self.assertEqual(begins['others begins 1 1333333333'], 2150000000)
 
     def test_queues_connect_callbacks_periods_and_a_multi_threaded_spinner(self):
@@ -88,7 +88,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         run = RUNS.run([program, recorder('/told'), rate(frequency=2.0, ticks=50)], ask_why=True)
         told = [line.split(' ', 3)[3] for line in run.printed(1)]
         self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in range(1, 51)] + ['ends'])
-        # 50 ticks, its end, and the looks before it is known to do nothing else; 3 looks after each message else.
+        # 50 ticks, the end, and some looks until it is known as a loop that only looks; otherwise 3 looks per message.
         self.assertLess(int(re.search(r'(\d+) leaps', run.why).group(1)), 60, run.why)
 
     def test_threads_that_look_at_a_flag_see_it_in_their_time_out_and_at_once_where_they_are_joined(self):
@@ -128,7 +128,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
     def test_polls_come_to_an_end(self):
         told = self.told('polls', rate(ticks=10))
         self.assertEqual([text for _at, text in told], ['somebody listens', 'five are heard', 'time has gone on'])
-        self.assertLess(told[1][0], 1510000000)  # the fifth came at 1.5 s
+        self.assertLess(told[1][0], 1510000000)  # the fifth message came at 1.5 s
 
     def test_a_loop_that_sleeps_by_the_wall_clock_takes_simulated_time_from_its_sixth_second_on(self):
         run = RUNS.run([Program('threads', own('shim_threads'), what='wall_loop'), recorder('/told')])
@@ -136,9 +136,9 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertIn('from here on its sleeps take simulated time', run.labels[0])
 
     def stands(self, what, **parameters):
-        """What a program does that takes a second of wall time for something takes no simulated time, and no label.
+        """Check that a call that takes a second of wall time takes no simulated time and has no label.
 
-        (But for the shell that makes it take that long.)
+        The only label is that of the shell, which makes the call take that long.
         """
         run = RUNS.run([Program('threads', own('shim_threads'), what=what, **parameters), recorder('/told')])
         self.assertEqual((run.code, len(run.labels)), (0, 1), (run.outputs, run.labels))
@@ -159,7 +159,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.stands('names', aliases=os.path.join(folder, 'aliases'))
 
     def test_what_threads_allocate_lies_where_it_does_in_each_run(self):
-        """Sets by address, of objects and of messages, filled by an AsyncSpinner; each way of allocating."""
+        """Sets of objects and of messages by address, filled by an AsyncSpinner, and all ways to allocate."""
         programs = [Program('heap', own('shim_heap'), what='spinners'), recorder('/told'), rate(frequency=20.0),
                     rate('rate2', 13.0, 60, 'others')]
         told = []
@@ -173,7 +173,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual([at for at in addresses if not 0 < at - (1 << 44) < 1 << 37], [])
         *_calls, failed, non_zero, again, large = told[0][-1].split(' ')
         self.assertEqual((failed, non_zero), ('0', str(2 ** 64 - 1)))
-        self.assertIn(' {} 1 '.format(again), told[0][-1])  # what another thread gave back
+        self.assertIn(' {} 1 '.format(again), told[0][-1])  # memory that another thread freed
         self.assertIn(' {} 1 '.format(large), told[0][-1])
 
     def test_threads_that_have_ended_leave_nothing(self):

@@ -1,7 +1,7 @@
 """A time master in lockstep for the tests that speak its protocol byte by byte.
 
 Each test starts a time master of its own as a child process under the rostest's ROS master, and ends it. The test's own
-node uses no ROS time: it must not be one of those that take the clock without taking part.
+node does not use ROS time, since otherwise it would be an onlooker that listens to /clock.
 """
 
 import os
@@ -41,7 +41,7 @@ except Closed:
 
 
 def wait_for(what, condition):
-    """Return the first true value of condition()."""
+    """Return the first true value of condition(); fail after GUARD [s, wall], naming ``what``."""
     deadline = time.monotonic() + GUARD
     while True:
         value = condition()
@@ -53,7 +53,7 @@ def wait_for(what, condition):
 
 
 class Messages:
-    """All messages of a topic, and waiting for one of them."""
+    """Keeps all messages of a topic, and waits for one of them."""
 
     def __init__(self, topic, kind):
         self._messages = []
@@ -73,7 +73,7 @@ class Messages:
             return list(self._messages)
 
     def wait(self, what, wanted):
-        """Return the first message from now on, or the present one, for which wanted(message) is true."""
+        """Return the last message or the first one from now on for which wanted(message) is true."""
         deadline = time.monotonic() + GUARD
         with self._changed:
             mark = max(0, len(self._messages) - 1)
@@ -88,7 +88,7 @@ class Messages:
 
 
 class LockstepCase(unittest.TestCase):
-    """One time master for each test: start() it."""
+    """A test case with a time master for each test, which start() starts."""
 
     def setUp(self):
         if not rospy.core.is_initialized():
@@ -114,7 +114,7 @@ class LockstepCase(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def start(self, mode='lockstep', **parameters):
-        """Start a time master and listen to it; return its address."""
+        """Start a time master and listen to it; return this case, whose ``address`` is set in lockstep."""
         self.launch(mode=mode, **parameters)
         self.state = Messages('/time_master/state', TimeState)
         self.clock = Messages('/clock', Clock)
@@ -156,7 +156,7 @@ class LockstepCase(unittest.TestCase):
         return client
 
     def joined(self, *names):
-        """Return the clients of these names, which are the named participants, with their first grants reported."""
+        """Join these participants, report on their first grants, and return their clients."""
         clients = [self.join(name) for name in names]
         for client in clients:
             client.turn()
@@ -180,12 +180,12 @@ class LockstepCase(unittest.TestCase):
         return [message.clock.to_nsec() for message in self.clock.all()]
 
     def assert_no_grant(self, client, wall=0.3):
-        """Assert that nothing comes within wall s; a grant would come within a millisecond."""
+        """Assert that no grant comes within ``wall`` [s, wall]; one would come within a millisecond."""
         with self.assertRaises(OSError):
             client.grant(wall)
 
     def run_script(self, name, *arguments):
-        """Run a program of the package to its end."""
+        """Run a program of the package to its end; return what subprocess.run returns."""
         command = [sys.executable, find_executable(name), *arguments]
         return subprocess.run(command, check=False, timeout=GUARD, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""The same results at any speed: event logs that are equal to the byte, whatever the machine does meanwhile.
+"""The same results at any speed: event logs are equal to the byte, whatever else the machine does.
 
-Each run is a fleet (or three) and a coordinator on a ROS master of its own; it has ties, cancels and pre-emptions and
-more than a thousand goals.
+Each run has a fleet (or three) and a coordinator on a ROS master of its own, with ties, cancels, pre-emptions and more
+than a thousand goals.
 """
 import json
 import os
@@ -26,7 +26,7 @@ COORDINATOR = [sys.executable, os.path.join(NODES, 'coordinator.py')]
 
 
 class Run:
-    """One run to its end; the log is then in ``data`` (bytes). ``is_warm``: whether its processes are forks."""
+    """A run to its end; ``data`` is its log [bytes]. ``is_warm``: whether its processes are forks."""
 
     def __init__(self, folder, coordinator, processes=1, clock=None, parameters=None, robots=ROBOTS, scenario=None,
                  is_warm=True):
@@ -56,7 +56,7 @@ def _scenario(count):
 
 
 class Sameness(unittest.TestCase):
-    """Every variation against one plain run."""
+    """Compares each variation with one plain run."""
 
     @classmethod
     def setUpClass(cls):
@@ -64,7 +64,7 @@ class Sameness(unittest.TestCase):
 
     @staticmethod
     def run_once(*args, **kwds):
-        """Run in a folder of its own, which is removed."""
+        """Run in a folder of its own, and remove the folder."""
         folder = tempfile.mkdtemp(prefix='lockstep_sameness_')
         try:
             return Run(folder, *args, **kwds)
@@ -72,7 +72,7 @@ class Sameness(unittest.TestCase):
             shutil.rmtree(folder)
 
     def assert_same(self, run):
-        """The run's log is that of the plain run, to the byte."""
+        """Assert that the run's log is that of the plain run, to the byte."""
         plain, other = self.plain.data.split(b'\n'), run.data.split(b'\n')
         for number, (line, its) in enumerate(zip(plain, other), 1):
             self.assertEqual(line, its, 'line {}'.format(number))
@@ -114,12 +114,12 @@ class Sameness(unittest.TestCase):
         self.assertNotEqual(self.run_once(COORDINATOR, parameters={'seed': SEED + 1}).data, self.plain.data)
 
     def test_twenty_runs_of_robots_that_arrive_together_are_one(self):
-        # Two robots that arrive together, and a coordinator that draws for whoever comes first from one generator.
+        # Two robots arrive together, and a coordinator draws from one generator in the order of arrivals.
         # Without an order of equal events the draws would be swapped now and then.
         scenario = {'defaults': {'max_speed': 10.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}
         runs = []
         for number in range(20):
-            with busy(number % 3):  # each fifth with an order of sets of its own
+            with busy(number % 3):  # each fifth run has another order of sets
                 run = self.run_once([sys.executable, os.path.join(NODES, 'pairs.py')], scenario=scenario,
                                     parameters={'goals': 1000, 'delay': 0.0005 * (number % 4)}, is_warm=number % 5 > 0)
             runs.append(run.data)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A run with a secret: the participants of all three kinds have it, strangers do not get in."""
+"""A run with a secret: participants of all three kinds have it, and strangers do not get in."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ lockstep.join()
 rospy.spin()
 """
 NAMES = ('/listener', '/shimmed', '/rospy_node')
-#: what the time master prints is read while it runs
+#: the test reads the output of the time master while it runs
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
 
@@ -64,7 +64,7 @@ class SecretTest(unittest.TestCase):
                                             '__name:=shimmed']),
                 self.ros.spawn('/rospy_node', [sys.executable, '-c', ROSPY_NODE])]
             insider = RawClient(address).hello('/raw', secret=b'open sesame')
-            insider.turn()  # time has started: all four are there
+            insider.turn()  # time has started, so all four are there
             wait_for('the start', lambda note=note: os.path.exists(note))
             self.assertIn("a connection was refused: HELLO must have the secret of the run, got none from '/raw'",
                           read(master))

@@ -13,7 +13,7 @@ import rostest
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@b.c">a</maintainer><license>BSD</license></package>
 """
@@ -67,7 +67,7 @@ sys.exit(7)
 
 
 class LockstepSeries(unittest.TestCase):
-    """The study is a package of its own, in a folder for the time of a test."""
+    """The study is a package of its own, in a temporary folder for each test."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix='lockstep_series_test_')
@@ -85,7 +85,7 @@ class LockstepSeries(unittest.TestCase):
         return path
 
     def run_script(self, path, *words, options=()):
-        """Return (exit code, output) of a script, started as users do."""
+        """Run a script by lockstep_series; return (exit code, output)."""
         environment = dict(os.environ, ROS_PACKAGE_PATH='{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH']))
         environment.pop('PYTHONHASHSEED', None)
         done = subprocess.run([sys.executable, find_executable('lockstep_series'), '--logs', self.logs, *options, path,
@@ -94,7 +94,7 @@ class LockstepSeries(unittest.TestCase):
         return done.returncode, done.stdout
 
     def log(self, number):
-        """Return the event log of a run, bytes."""
+        """Return the event log of a run [bytes]."""
         with open(os.path.join(self.logs, 'run_{:03d}.jsonl'.format(number)), 'rb') as stream:
             return stream.read()
 
@@ -106,7 +106,7 @@ class LockstepSeries(unittest.TestCase):
         first = self.log(1)
         self.assertEqual(first, self.log(2))
         rows = [json.loads(line) for line in first.splitlines()]
-        # 10 m at 2 m/s with 0.1 m/s^2: 15 s by the original's formula
+        # 10 m at 2 m/s with 0.1 m/s^2 take 15 s by the original's formula
         self.assertEqual([row['time_ns'] for row in rows if row.get('kind') == 'ended'], [16_000_000_000])
         end = rows[-1]['end']
         self.assertEqual((end['node'], end['at_ns'], end['repeatable']), ('/run_trials', 31_100_000_000, True))
@@ -120,7 +120,7 @@ class LockstepSeries(unittest.TestCase):
         self.assertIn('refused: another run is under way', said)
         self.assertIn('asked at 1.0', said)
         self.assertIn('ValueError: nobody cares', said)
-        self.assertIn('heard [0.0, 5.0]', said)  # at 1 s and, by its rate of 0.1 Hz, half-way at 11 s
+        self.assertIn('heard [0.0, 5.0]', said)  # at 1 s, and half-way at 11 s, by its rate of 0.1 Hz
         self.assertEqual(json.loads(self.log(2).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
         self.assertEqual(json.loads(self.log(3).splitlines()[-1])['end']['node'], '/ends')
         self.assertEqual(json.loads(self.log(1).splitlines()[-1])['end']['at_ns'], 20_000_000_000)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sets of objects: those of the program's own classes repeat, and others are told with file and line."""
+"""Sets of objects: the order repeats for the program's own classes; other sets are labelled with file and line."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ class SetsTest(unittest.TestCase):
         runs = [run_programs({'dispatcher': ['dispatcher.py']}, until=30.0) for _ in range(4)]
         assert_same(self, runs)
         given, idle, *others = runs[0].printed('dispatcher')
-        # By number: the first who asked for it comes first.
+        # In the order of numbers; the object that was hashed first comes first.
         self.assertEqual(len(given.split()), 60)
         self.assertGreater(len(idle.split()), 3)
         self.assertEqual(others, [

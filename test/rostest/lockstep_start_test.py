@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The start of a run: programs that wait for others before they are nodes, and questions about who is there."""
+"""The start of a run: programs that wait for others before init_node, and questions to the ROS master."""
 
 import os
 import shutil
@@ -16,12 +16,12 @@ LINKS = 8
 
 
 class BeforeInitNodeTest(unittest.TestCase):
-    """What a program does before rospy.init_node."""
+    """Calls of a program before rospy.init_node."""
 
     def test_who_waits_for_others_before_it_is_a_node_takes_part_from_there_on(self):
         runs = run_thrice({'stock_taker': ['stock_taker.py'], 'store': ['store.py']}, until=6.0)
         assert_same(self, runs)
-        # The service is there from 2.5 s on, the parameter from 3.005 s on, and is looked at each 10 ms.
+        # The service exists from 2.5 s on, the parameter from 3.005 s on; the program looks every 10 ms.
         self.assertEqual(runs[0].printed('stock_taker'), ["3.010000000 2500 pieces ['/store/sold']",
                                                           '4.010000000 4010 pieces'])
         self.assertEqual(runs[0].codes['stock_taker'], 0)
@@ -61,8 +61,8 @@ class WhoIsThereTest(unittest.TestCase):
 
     def test_what_is_started_at_one_instant_is_there_whoever_was_slower(self):
         links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k]
-                 for k in reversed(range(LINKS))}  # in another order than that of their names
-        links['link_3'].append('_slow:=0.3')  # by the wall
+                 for k in reversed(range(LINKS))}  # not in the order of their names
+        links['link_3'].append('_slow:=0.3')  # s, wall
         runs = run_thrice(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
                           until=5.0)
         assert_same(self, runs)
@@ -70,7 +70,7 @@ class WhoIsThereTest(unittest.TestCase):
         self.assertEqual(runs[0].printed('census'), [
             '1.000000000 %d: %s' % (LINKS, names), '1.000000000 ' + names,
             '/census /counter /late %s /time_master' % names, '2.240000000 late'])
-        # It is there from 2.234 s on; who asks all the time asks each 10 ms, in C++ each 1 ms.
+        # /late exists from 2.234 s on. A program that asks without pause asks every 10 ms, in C++ every 1 ms.
         self.assertEqual(runs[0].printed('counter'), [
             '1.000000000 topics ' + names, '1.000000000 %d nodes' % LINKS, '2.234000000 late'])
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A whole study of others by its unchanged launch file: one log, called repeatable, whatever is done to the run.
+"""Other people's study by its unchanged launch file: the same log, called repeatable, whatever disturbs the run.
 
-Nothing in test/rostest/study knows of lockstep, and no node there has a prefix. It has chance (in C++ by the time of
-day), sets of objects, loops without a sleep, a service that is called before init_node, logging everywhere, feedback
-that steers, a node that counts all topics, and rosbag beside.
+No node in test/rostest/study knows of lockstep or has a prefix. The study has chance (in C++ by the time of day), sets
+of objects, loops without sleep, a service call before init_node, much logging, feedback that changes goals, a node that
+counts all topics, and rosbag.
 """
 import os
 import random
@@ -23,11 +23,11 @@ from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 STUDY = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'study')
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class Run:
-    """One run: ``events`` and ``end`` of its log. ``disturb(process)`` is called once while it runs."""
+    """A run, with ``events`` and ``end`` of its log; ``disturb(process)`` is called once during the run."""
 
     def __init__(self, folder, *options, disturb=None):
         self.folder = tempfile.mkdtemp(dir=folder)
@@ -53,7 +53,7 @@ class Run:
 
 
 def stop_and_go_on(process):
-    """Stop one of the run's processes now and then, and let it go on."""
+    """Stop one of the run's processes eight times, each for 0.3 s of wall time."""
     chance = random.Random(1)
     for _ in range(8):
         children = [child for child in psutil.Process(process.pid).children(recursive=True) if 'queue_node' in ' '.join(
@@ -62,7 +62,7 @@ def stop_and_go_on(process):
             return
         one = chance.choice(sorted(children, key=lambda child: child.cmdline()))
         one.suspend()
-        time.sleep(0.3)  # of wall time, which must not matter
+        time.sleep(0.3)  # s, wall; it must not matter
         one.resume()
 
 
@@ -86,7 +86,7 @@ class StudyTest(unittest.TestCase):
         self.assertEqual(len(self.first.events), len(run.events), run.end)
         digests = [[bag['sha256'] for bag in one.bags['/recorder']] for one in (self.first, run)]
         self.assertEqual(len(digests[0]), 1)
-        self.assertEqual(*digests)  # all topics (-a), as the recorder finds them
+        self.assertEqual(*digests)  # all topics (-a) that the recorder finds
         self.assert_repeatable(run)
 
     def assert_repeatable(self, run):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs with a lookahead: what takes how long, and that a run is the same one whatever the machine does."""
+"""Runs with a lookahead: the times that calls and messages take, and that each run is the same on any machine."""
 import os
 import random
 import shutil
@@ -18,11 +18,11 @@ from move_base_abstract_ros.loopback import Loopback, find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
-GUARD = 240.0  # s, wall; only ends what would never end
+GUARD = 240.0  # s, wall; only ends a run that would never end
 NS, AHEAD = 1000000000, 50000000
 PACKAGE = """<package format="2"><name>study_of_windows</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
-# Programs as people write them. The first is told by a C++ node what it has said; what it sets, the last one asks for.
+# Programs as people write them. A C++ node repeats the messages of the first; the last asks for its parameters.
 SCRIPTS = {
     'tells.py': """#!/usr/bin/env python3
 import rospy
@@ -72,20 +72,20 @@ LAUNCH = """<launch>
 
 
 def descendants(pid):
-    """Return the processes that a process has started, and those that these have."""
+    """Return the ids of all processes below a process."""
     found = []
     try:
         for task in os.listdir('/proc/{}/task'.format(pid)):
             with open('/proc/{}/task/{}/children'.format(pid, task)) as stream:
                 for child in map(int, stream.read().split()):
                     found += [child, *descendants(child)]
-    except OSError:  # it has ended meanwhile
+    except OSError:  # it has ended in the meantime
         pass
     return found
 
 
 def stop_some(process):
-    """Stop one of what a process has started, let it go on, and so forth until the process ends."""
+    """Stop one process below a process for up to 0.05 s (wall), then another one, until the process ends."""
     chance = random.Random(5)
     while process.poll() is None:
         children = descendants(process.pid)
@@ -116,7 +116,7 @@ class WindowsTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def run_it(self, name, *words, prefix=(), disturb=None):
-        """Run a launch file with a lookahead; return its events, and the log's end."""
+        """Run a launch file with a lookahead; return (its events, the end of its log)."""
         command = [*prefix, find_executable('lockstep_launch'), '--lookahead', '0.05', '--log-messages',
                    '--event-log', self.path(name + '.jsonl'), *words]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -151,13 +151,13 @@ class WindowsTest(unittest.TestCase):
         self.assertEqual(ticks, [(sent + AHEAD, sent) for sent in range(3 * NS // 2, 4 * NS, NS // 40)])
         relayed = [(int(now), text) for now, topic, text in heard if topic == '/heard']
         self.assertEqual(relayed, [(sent + 2 * AHEAD, '{} heard {}'.format(sent + AHEAD, sent)) for _, sent in ticks])
-        # The request takes 0.05 s, the server 0.02 s, the answer 0.05 s; then it is told, which takes as long.
+        # The request takes 0.05 s, the server 0.02 s, the answer 0.05 s, and the message about it 0.05 s.
         answers = [(int(now), text) for now, topic, text in heard if topic == '/answers']
         self.assertEqual(answers, [(3 * NS + AHEAD, '{} not found'.format(3 * NS)),
                                    (3 * NS + 2 * AHEAD, '{} found'.format(3 * NS + AHEAD))] + [
             (called + 170000000, '{} at {}'.format(called + 120000000, called + 70000000))
             for called in range(3 * NS + AHEAD, 9 * NS, NS)])
-        # What is set is not seen before it is set, and all that was set is seen a lookahead later.
+        # A value is not seen before it is set, and it is seen one lookahead later at the latest.
         for line in runs[0][3]:
             now, told, _ = line.split(' ', 2)
             since = int(now) - 3 * NS // 2

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What robots make of the map: which goals they refuse, with which text and when, and what make_plan finds."""
+"""Robots with a map: the goals that they refuse, the texts and times of that, and the plans of make_plan."""
 import os
 import threading
 import unittest
@@ -33,7 +33,7 @@ OFF_THE_MAP = 'The goal sent to the navfn planner is off the global costmap. Pla
 
 
 def plan(robot, goal, tolerance=0.0):
-    """Return [(x, y)] of the plan of ``robot`` from (0, 0), its ends only."""
+    """Return the poses [(x, y)] of make_plan for ``robot`` from (0, 0) to ``goal`` [m]."""
     name = '/{}/move_base/make_plan'.format(robot)
     rospy.wait_for_service(name, GUARD)
     poses = rospy.ServiceProxy(name, GetPlan)(pose_stamped(), pose_stamped(*goal), tolerance).plan.poses
@@ -41,14 +41,14 @@ def plan(robot, goal, tolerance=0.0):
 
 
 class MapGoals(unittest.TestCase):
-    """Each robot looks at the map in a way of its own, see map_goals.test."""
+    """Each robot uses the map in another way, see map_goals.test."""
 
     @classmethod
     def setUpClass(cls):
         cls.log = Record('/rosout', Log)
 
     def ends(self, robot, places):
-        """Return how the goals at ``places`` end, one after the other."""
+        """Send goals to ``places``, one after the other; return their endings."""
         client = simple_client('/' + robot)
         return [go(client, pose_stamped(*place)) for place in places]
 
@@ -105,7 +105,7 @@ class MapGoals(unittest.TestCase):
         self.assertEqual(plan('plain', FREE)[-1], FREE)
         self.assertEqual(plan('plain', OCCUPIED), [])
         self.assertEqual(plan('plain', OCCUPIED, 0.2), [])
-        # the first of move_base's tries lies west; the last pose is the goal itself
+        # move_base first tries a place in the west; the last pose is the goal itself
         for tolerance, x in ((0.3, 1.95), (1.0, 1.25), (1.5, 0.75), (100.0, 0.75)):
             near, goal = plan('plain', OCCUPIED, tolerance)[-2:]
             self.assertAlmostEqual(near[0], x, places=5)
@@ -182,7 +182,7 @@ class MapGoals(unittest.TestCase):
 
 
 def plan_start(robot):
-    """Return where ``robot`` stands, from a plan that starts there."""
+    """Return the position of ``robot`` [m], from a plan that starts there."""
     request = pose_stamped(frame='')
     poses = rospy.ServiceProxy('/{}/move_base/make_plan'.format(robot), GetPlan)(
         request, pose_stamped(), 0.0).plan.poses

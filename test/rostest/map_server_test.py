@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The stand-in for map_server: topics, services, command line, exit codes and what it says of bad files."""
+"""The stand-in for map_server: topics, services, command line, exit codes, and errors about bad files."""
 import itertools
 import math
 import os
@@ -20,7 +20,7 @@ from move_base_abstract_ros.loopback import find_executable
 BLOCKS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data', 'blocks.yaml')
 YAML = {'image': 'm.pgm', 'resolution': 0.5, 'origin': [1.0, 2.0, 0.0], 'negate': 0, 'occupied_thresh': 0.65,
         'free_thresh': 0.196}
-PGM = b'P5\n3 2\n255\n\x00\xcd\xfe\xfe\xfe\x00'  # as cells, south first: 0 0 100, 100 -1 0
+PGM = b'P5\n3 2\n255\n\x00\xcd\xfe\xfe\xfe\x00'  # the cells, south first: 0 0 100, 100 -1 0
 CELLS = (0, 0, 100, 100, -1, 0)
 FAILURE = 255
 
@@ -62,11 +62,11 @@ class MapServer(unittest.TestCase):
         return process
 
     def grid(self):
-        """Return the map on the topic, as somebody sees it who comes late."""
+        """Return the latched map on the topic."""
         return rospy.wait_for_message(self.namespace + '/map', OccupancyGrid, GUARD)
 
     def service(self, name, kind):
-        """Return a proxy of a service that is there."""
+        """Wait for a service, and return its proxy."""
         rospy.wait_for_service('{}/{}'.format(self.namespace, name), GUARD)
         return rospy.ServiceProxy('{}/{}'.format(self.namespace, name), kind)
 
@@ -110,7 +110,7 @@ class MapServer(unittest.TestCase):
         image.save(os.path.join(self.folder, 'm.png'))
         self.start(self.describe(image='m.png'))
         change = self.service('change_map', LoadMap)
-        # means with alpha: 63.75, 159, 95.25, 255; in the other modes alpha is no colour
+        # means with alpha: 63.75, 159, 95.25, 255; in the other modes alpha does not count
         for mode, cells in (('trinary', (100, -1, -1, 0)), ('scale', (100, 67, -1, 0)), ('raw', (0, 127, 127, -1))):
             answer = change(self.describe(image='m.png', mode=mode))
             self.assertEqual((answer.result, answer.map.data, self.grid().data), (0, cells, cells))

@@ -23,7 +23,7 @@ from move_base_abstract_ros.nodes.orders_run.mapf_drive_node import PlanNode
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'launch', 'mapf.launch')
 GUARD = 120.0
-#: two that follow each other, one that comes behind them, one that rests; rows first, as EECBS writes them
+#: two agents that follow each other, one behind them, one that rests; (row, column), as EECBS writes them
 PLAN = """Agent 0: (0,0)->(0,1)->(0,2)->(1,2)->(2,2)->
 Agent 1: (0,1)->(0,2)->(0,3)->(0,3)->(0,4)->
 Agent 2: (1,1)->(1,1)->(1,1)->(1,1)->(1,2)->
@@ -100,7 +100,7 @@ class MapfDriveTest(unittest.TestCase):
     def test_an_event_that_no_robot_tells_so_changes_nothing(self):
         node = PlanNode.__new__(PlanNode)
         node._numbers = {'agent_0': 0}
-        for execution in (None, self):  # which has nothing of an Execution: it must not be asked
+        for execution in (None, self):  # self is no Execution, so a use of it would be an error
             node._execution = execution
             for texts in ([], ['agent_0-1'], ['agent_0-1', 'SUCCEEDED', '', '']):
                 node._on_event(RobotEvent(kind='ended', robot='agent_0', texts=texts))

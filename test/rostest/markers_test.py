@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Robots as markers: what they look like, and when how much of it is published."""
+"""Robots as markers: their looks, and the times and sizes of the messages."""
 import tempfile
 import unittest
 from dataclasses import replace
@@ -41,7 +41,7 @@ def shown(messages):
 
 
 class Looks:
-    """The builder alone, without topics."""
+    """Tests of the builder alone, without topics."""
 
     def test_the_arrow_is_centred_on_the_robot_and_points_ahead(self):
         arrow, name = marker_builder.body(LOOK, View(Pose2D(3.0, 4.0)))
@@ -76,8 +76,8 @@ class Looks:
             line, heads, sign = world_markers.draw(replace(look, one_way=one_way), world_markers.Use('a - b'))
             self.assertEqual([(p.x, p.y) for p in line.points], [*look.corners])
             self.assertEqual([(p.x, p.y) for p in heads.points[::4]], [(tip, 0.0) for tip in tips])
-            self.assertEqual({round(abs(p.y), 3) for p in heads.points[1::2]}, {0.21})  # both sides, behind the tip
-            self.assertEqual(sign.action, Marker.DELETE)  # there is nothing to be said
+            self.assertEqual({round(abs(p.y), 3) for p in heads.points[1::2]}, {0.21})  # on both sides behind the tip
+            self.assertEqual(sign.action, Marker.DELETE)  # without a text
         self.assertLess(heads.points[1].x, tips[0])
         self.assertGreater(heads.points[5].x, tips[1])
         texts = [world_markers.draw(look, world_markers.Use('a - b', inside, 1, waiting))[2]
@@ -120,7 +120,7 @@ class Looks:
 
 
 class Markers(Looks, unittest.TestCase):
-    """A fleet of three robots in one process."""
+    """Tests with a fleet of three robots in one process."""
 
     @classmethod
     def setUpClass(cls):
@@ -129,7 +129,7 @@ class Markers(Looks, unittest.TestCase):
         cls.client = RawClient('/robot_0')
 
     def wait_for(self, condition):
-        """Wait until what RViz shows fulfils ``condition``; return it."""
+        """Wait until the markers that RViz shows fulfil ``condition``; return them."""
         self.record.wait_for(lambda message: condition(shown(self.record.messages)))
         return shown(self.record.messages)
 
@@ -205,7 +205,7 @@ class Markers(Looks, unittest.TestCase):
         self.assertEqual(published[TOPIC], ['/fleet'])
 
     def test_6_what_is_no_robots_lies_under_a_name_of_its_own(self):
-        """Programs of others take what begins with the robots' names for robots: '/robot_*', split at '_' and '/'."""
+        """Other people's programs find robots by names such as '/robot_*', split at '_' and '/'."""
         master = rosgraph.Master('/test')
         publishers, subscribers, services = master.getSystemState()
         named = [name for group in (publishers, subscribers, services) for name, nodes in group

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Messages that we make and read without genpy are the same bytes as with it. Needs no node; the values are seeded."""
+"""Messages that we pack and read without genpy have the same bytes as with it. Needs no node; the values are seeded."""
 
 import math
 import random
@@ -38,7 +38,7 @@ FLOATS = (0.0, -0.0, 1e-308, 5e-324, 1e300, -1.5, 3.141592653589793)
 
 
 def genpys(message, seq=None):
-    """Return the bytes that rospy would send."""
+    """Return the bytes that genpy makes of a message."""
     if seq is not None:
         message.header.seq = seq
     buffer = BytesIO()
@@ -187,7 +187,7 @@ class MessageBytesTest(unittest.TestCase):
             except genpy.DeserializationError:
                 with self.assertRaises(genpy.DeserializationError):
                     ResultIn().deserialize(cut)
-            else:  # genpy takes a text that ends too early as far as it goes
+            else:  # genpy accepts a text that ends too early
                 self.assertEqual(ResultIn().deserialize(cut).said, expected.text)
         for kind, whole in ((GoalIn, goal), (ResultIn, result)):
             with self.assertRaises(genpy.DeserializationError):

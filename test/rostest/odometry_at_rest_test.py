@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Odometry of a robot that stands: on the scaled clock as on the way, in lockstep at the rate that is asked for."""
+"""Odometry of a robot at rest: as on the way on the scaled clock, and at the wanted rate in lockstep."""
 import sys
 import unittest
 
@@ -21,7 +21,7 @@ class OdometryAtRest(unittest.TestCase):
         cls.runs = run_thrice(PROGRAM, until=6.0, fleet=ASKED)
 
     def heard(self, run, robot, topic):
-        """Return [(stamp [ms], x [m], speed [m/s])] of what the program heard."""
+        """Return [(stamp [ms], x [m], speed [m/s])] of the messages that the program heard."""
         rows = [line.split() for line in run.printed('odometer')]
         return [(int(row[2]) / MS, float(row[3]), row[4]) for row in rows if row[:2] == [robot, topic]]
 

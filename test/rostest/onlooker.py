@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Hear the topic argv[1] of texts and take no part; set the parameter /onlooker_hears when it is connected."""
+"""An onlooker that listens to the topic argv[1] of texts, and sets /onlooker_hears when it is connected."""
 import sys
 import time
 

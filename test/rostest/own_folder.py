@@ -1,11 +1,11 @@
-"""A folder that a test has for itself, and files in it."""
+"""A temporary folder for each test, and files in it."""
 import os
 import shutil
 import tempfile
 
 
 class OwnFolder:
-    """Mixed into a TestCase: ``folder`` is there from ``setUp`` on, and goes with the test."""
+    """A mix-in for a TestCase: ``folder`` exists from ``setUp`` to the end of the test."""
 
     def setUp(self):
         """Make the folder."""
@@ -13,11 +13,11 @@ class OwnFolder:
         self.addCleanup(shutil.rmtree, self.folder)
 
     def path(self, name):
-        """Return the path of a file in it."""
+        """Return the path of a file in the folder."""
         return os.path.join(self.folder, name)
 
     def write(self, name, text, mode=0o644):
-        """Write a file; return its path."""
+        """Write a file in the folder; return its path."""
         with open(self.path(name), 'w') as stream:
             stream.write(text)
         os.chmod(self.path(name), mode)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Somebody's own simulator and controllers in lockstep, none of the nodes ours: the same bytes in each run."""
+"""A user's own simulator and controllers in lockstep, without nodes of this package: the same bytes in each run."""
 import os
 import re
 import subprocess
@@ -13,12 +13,12 @@ from busy_cores import busy
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 
 
 class OwnSimulatorTest(unittest.TestCase):
     def run_it(self, *options, load=0):
-        """Return (what was said, the event log's bytes) of a run of the example."""
+        """Run the example; return (output, bytes of the event log)."""
         folder = tempfile.mkdtemp()
         path = os.path.join(folder, 'run.jsonl')
         words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *options,

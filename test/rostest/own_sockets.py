@@ -1,4 +1,4 @@
-"""Where a process listens."""
+"""The sockets of processes: listening addresses and closed connections."""
 import xmlrpc.client
 
 import psutil
@@ -6,7 +6,7 @@ import rosgraph
 
 
 def pid_of(node, master_uri=None):
-    """Return the process id of a node of a ROS master: of that of this process, where none is given."""
+    """Return the process id of a node; master_uri: its ROS master, by default that of this process."""
     uri = rosgraph.Master('/own_sockets', master_uri=master_uri).lookupNode(node)
     return xmlrpc.client.ServerProxy(uri).getPid('/own_sockets')[2]
 
@@ -19,7 +19,7 @@ def listening_addresses(pid):
 
 
 def closed_connections(uri):
-    """Return how many connections to a server were closed within the last minute, by their clients."""
+    """Return the number of connections to a server that clients closed within the last minute."""
     port = int(uri.strip('/').rpartition(':')[2])
     return sum(one.status == psutil.CONN_TIME_WAIT and one.raddr.port == port
                for one in psutil.net_connections(kind='tcp'))

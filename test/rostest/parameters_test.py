@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a robot makes of its parameters and arguments: start-up lines, warnings, errors, exit codes, last words."""
+"""Parameters and arguments of a robot: start-up lines, warnings, errors, exit codes, last words."""
 import itertools
 import unittest
 
@@ -134,7 +134,7 @@ class Parameters(unittest.TestCase):
         end_ns = client.ending(goal_id).header.stamp.to_nsec()
         feedback.wait_for(lambda message: message.header.stamp.to_nsec() == end_ns)
         offsets = [message.feedback.base_position.header.stamp.to_nsec() - start_ns for message in feedback.messages]
-        # What a clock that leaps leaves out depends on the machine; all the rest lies on the grid.
+        # A clock that leaps may leave out some stamps, depending on the machine; all others lie on the grid.
         self.assertEqual(offsets[-1], 20_100_000_000)
         self.assertLessEqual({offset % 250_000_000 for offset in offsets[:-1]}, {0})
         self.assertEqual(offsets, sorted(set(offsets)))

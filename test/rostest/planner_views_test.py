@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Plans, footprints and the local costmap, as an RViz sees them that is there from the start, or comes later."""
+"""Plans, footprints and the local costmap, for an RViz from the start on, and for one that comes later."""
 import math
 import unittest
 
@@ -22,7 +22,7 @@ def corners(polygon):
 
 
 def latest(topic, kind):
-    """Return what somebody gets first who begins to listen."""
+    """Return the first message that a new subscriber gets."""
     return rospy.wait_for_message('{}/{}'.format(MOVE_BASE, topic), kind, GUARD)
 
 
@@ -31,7 +31,7 @@ class PlannerViews(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        # One for all: rospy may lose the first message of one that comes as soon as another has gone.
+        # One publisher for all tests: rospy may lose the first message of a new one right after another has ended.
         cls.publisher = rospy.Publisher('/robot_0/set_pose', Pose, queue_size=1, latch=True)
 
     def setUp(self):
@@ -39,7 +39,7 @@ class PlannerViews(unittest.TestCase):
         self.place(0.0)
 
     def place(self, x):
-        """Put the robot at (x, 0) and wait until it is shown there."""
+        """Put the robot at (x, 0) [m] and wait until its footprint is there."""
         shown = Record(MOVE_BASE + '/global_costmap/footprint', PolygonStamped)
         self.publisher.publish(pose_stamped(x).pose)
         nose = min(x + 0.5, 3.4e38)
@@ -48,7 +48,7 @@ class PlannerViews(unittest.TestCase):
         shown.close()
 
     def travel(self, x, y=0.0):
-        """Send the robot to a far place; return when it has set out [ns]."""
+        """Send the robot to a far place; return its time of departure [ns]."""
         goal_id = self.client.send(pose_stamped(x, y))
         start_ns = active_since_ns(self.client, goal_id)
 

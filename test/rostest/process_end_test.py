@@ -18,13 +18,13 @@ from move_base_abstract_ros.loopback import Loopback, find_executable, free_port
 
 GUARD = 60.0
 MAP = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'maps', 'field.yaml')
-#: name, executable, parameters, arguments, how the topic or service ends that it makes at last
+#: name, executable, parameters, arguments, end of the name of the topic or service that it makes last
 NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('original', 'move_base_abstract_actionserver', {}, ('robot_9',), '/move_base_simple/goal'),
          ('many', 'fleet', {'robots': [{'name': 'robot', 'count': 3}]}, (), '/reset'),
          ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/timed_task/goal'),
          ('maps', 'map_server', {}, (MAP,), '/static_map'))
-#: a node that prints whether it slept for long in init_node, and whether its registrations were woken at the end
+#: a node that prints whether init_node slept for long, and whether its registrations were woken at the end
 WAITS = """
 import time
 slept = []
@@ -65,7 +65,7 @@ def wait_for(what, condition):
 
 
 def run(*words, master='http://127.0.0.1:1/'):
-    """Return the exit code and the whole output of a program that ends by itself."""
+    """Run a program that ends by itself; return (exit code, output)."""
     environment = dict(os.environ, ROS_MASTER_URI=master)
     done = subprocess.run([find_executable(words[0]), *words[1:]], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, timeout=GUARD, env=environment, universal_newlines=True,
@@ -75,12 +75,12 @@ def run(*words, master='http://127.0.0.1:1/'):
 
 class EndTest(unittest.TestCase):
     def start(self, ros):
-        """Start one of each kind; return them with their names. (map_server adds to its name.)"""
+        """Start a node of each kind; return {name: child}. map_server adds to its name."""
         return {name: ros.run(executable, name, parameters=parameters, arguments=arguments)
                 for name, executable, parameters, arguments, _ in NODES}
 
     def ended(self, child):
-        """Return the exit code and the output of a child that ends by itself."""
+        """Wait until a child ends by itself; return (exit code, output)."""
         wait_for(child.name + ' ends', lambda: child.process.poll() is not None)
         return child.process.returncode, child.name + ' said: ' + output(child)
 
@@ -93,7 +93,7 @@ class EndTest(unittest.TestCase):
                 for topic, nodes in master.getSystemState()[1]))
 
     def wait_until_ready(self, ros):
-        """Wait until all have what they have last."""
+        """Wait until each node has the topic or service that it makes last."""
         master = rosgraph.Master('/test', master_uri=ros.uri)
         for name, _, _, _, last in NODES:
             wait_for(name + ' is ready', lambda name=name, last=last: any(
@@ -105,7 +105,7 @@ class EndTest(unittest.TestCase):
         self.assertNotIn('did not end within', log)
 
     def assert_signals_end(self, children):
-        """Signal all, SIGINT and SIGTERM in turn, and see them end in good order."""
+        """Send all nodes SIGINT or SIGTERM, in turn, and assert that they end in order."""
         for index, child in enumerate(children.values()):
             child.process.send_signal((signal.SIGINT, signal.SIGTERM)[index % 2])
         for child in children.values():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Statements of nodes in Python, in C++ and by topic become the same rows; what is broken fails the run."""
+"""Statements of nodes in Python, in C++ and by topic become the same rows; a broken one fails the run."""
 import json
 import os
 import shutil
@@ -77,7 +77,7 @@ class PropertiesTest(unittest.TestCase):
         self.environment = dict(os.environ, ROS_PACKAGE_PATH=path)
 
     def run_it(self, program, *words):
-        """Return (exit code, what it printed)."""
+        """Run a program; return (exit code, output)."""
         done = subprocess.run([sys.executable, find_executable(program), *words], env=self.environment, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False)
         return done.returncode, done.stdout

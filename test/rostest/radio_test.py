@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes as users write them, in Python and C++, on hosts of a radio: a robot drives out of reach of who calls it."""
+"""Nodes as users write them, in Python and C++, on hosts of a radio: a robot drives out of the range of its caller."""
 import json
 import os
 import re
@@ -13,7 +13,7 @@ from move_base_abstract.msg import RadioLink, RadioLinks
 from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.markers.radio_markers import RadioMarkers
 
-# On the robot's host: it answers calls, sends the robot away, and writes down what it hears, and when.
+# On the robot's host: it answers calls, sends the robot away, and writes what it hears, with times, into a file.
 SERVER = """#!/usr/bin/env python3
 import sys
 
@@ -88,7 +88,7 @@ class Radio(unittest.TestCase):
 
     @classmethod
     def run_once(cls, number, words=(), prefix=()):
-        """Return the bytes of the event log of a run, and the lines of what the server has heard."""
+        """Run once; return (bytes of the event log, lines that the server has written)."""
         path = os.path.join(cls.folder, '{}.jsonl'.format(number))
         environment = dict(os.environ, ROS_PACKAGE_PATH=cls.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
         done = subprocess.run(
@@ -114,7 +114,7 @@ class Radio(unittest.TestCase):
         self.assertEqual((end['not_repeatable_because'], end['degraded_because']), ([], []))
         departed = self.rows('departed', log)[0]['time_ns']
         down = [row['time_ns'] for row in self.rows('link', log) if row['values'][2] == 'down']
-        self.assertEqual(down, [10**9, departed + 5 * 10**9 + 1])  # nobody knows at first where the robot is
+        self.assertEqual(down, [10**9, departed + 5 * 10**9 + 1])  # at first the position of the robot is unknown
 
     def test_what_goes_over_the_radio_takes_its_delay_to_the_nanosecond_with_windows_and_without(self):
         for log, heard in (self.logs[0], self.ahead[0]):
@@ -130,7 +130,7 @@ class Radio(unittest.TestCase):
     def test_the_link_goes_down_where_the_robot_comes_to_its_range(self):
         departed = self.rows('departed')[0]['time_ns']
         states = [(row['time_ns'] - departed, row['values']) for row in self.rows('link')]
-        # From 5 m to 10 m with 1 m/s; at the range itself it still hears.
+        # It drives from 5 m to 10 m at 1 m/s; at the range itself it still hears.
         self.assertIn((5 * 10**9 + 1, ['base', 'robot_1', 'down']), [(t, sorted(v[:2]) + v[2:]) for t, v in states])
 
     def test_calls_of_a_roscpp_program_fail_from_then_on(self):
@@ -142,7 +142,7 @@ class Radio(unittest.TestCase):
         self.assertTrue(all(row['values'][5] <= down for row in calls), calls[-1])
         self.assertGreater(len(lost), 6)
         self.assertTrue(all(row['values'][5] > down and row['values'][6] == 'range' for row in lost), lost[0])
-        # Request and answer take 20 ms each, from when they are sent.
+        # Request and answer take 20 ms each from their sending.
         self.assertTrue(all(row['values'][6] - row['values'][5] == 20_000_000 for row in calls))
 
     def test_lines_for_rviz(self):

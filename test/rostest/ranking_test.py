@@ -28,7 +28,7 @@ occupancy, places = plain.map_of('farm_yard')
 print(json.dumps({policy: plain.run_mission('encounters', policy, 3, missions.make_mission(places, 7), occupancy, seed)
                   for seed, policy in enumerate(POLICIES)}))
 """
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class RankingTest(unittest.TestCase):
@@ -39,7 +39,7 @@ class RankingTest(unittest.TestCase):
         missions.main(os.path.join(SHARE, 'maps', 'farm_yard.yaml'), 7, 3, cls.mission)
 
     def in_lockstep(self, policy, seed):
-        """Return the row that the coordinator has written."""
+        """Run a mission in lockstep; return the row that the coordinator has written."""
         path = os.path.join(self.folder, policy + '.jsonl')
         words = [find_executable('lockstep_launch'), 'move_base_abstract', 'ranking.launch', 'mission:=' + self.mission,
                  'policy:=' + policy, 'output:=' + path, 'seed:={}'.format(seed), 'encounters:=calibrated']

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the README shows works as it stands there: its launch file, with a package of a user's, and its commands."""
+"""The launch file and the commands of the README work as they stand there, with a user's package."""
 import os
 import re
 import shlex
@@ -15,7 +15,7 @@ from own_folder import OwnFolder
 from move_base_abstract_ros.loopback import Loopback
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'README.md')
-GUARD = 120.0  # s, wall; only ends what would never end
+GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = '<package format="2"><name>my_package</name><version>1.0.0</version><description>x</description>' \
           '<maintainer email="me@example.org">me</maintainer><license>x</license></package>'
 COORDINATOR = """#!{python}
@@ -37,7 +37,7 @@ rospy.spin()
 
 
 def blocks(kind):
-    """Return the README's code blocks of a kind."""
+    """Return the README's code blocks of a kind, such as sh."""
     with open(README, encoding='utf-8') as stream:
         found = re.findall(r'^```(\w*)\n(.*?)^```$', stream.read(), re.DOTALL | re.MULTILINE)
     return [text for its_kind, text in found if its_kind == kind]
@@ -52,7 +52,7 @@ def commands(word):
 class Readme(OwnFolder, unittest.TestCase):
 
     def launch(self, ros, environment, *words):
-        """Start roslaunch; return its process, which is ended with the test."""
+        """Start roslaunch; return its process, which ends with the test."""
         process = subprocess.Popen(['roslaunch', *words], env=environment, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
         self.addCleanup(process.wait, GUARD)
@@ -60,7 +60,7 @@ class Readme(OwnFolder, unittest.TestCase):
         return process
 
     def run_when_there(self, words, environment, wanted):
-        """Run a command, again as long as the nodes that it wants are starting; return its output."""
+        """Run a command again until its output has ``wanted``, since nodes may still start; return the output."""
         deadline = time.monotonic() + GUARD
         while True:
             done = subprocess.run(words, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -71,7 +71,7 @@ class Readme(OwnFolder, unittest.TestCase):
             time.sleep(0.1)
 
     def run_of_the_lines(self, log):
-        """Run the README's launch file to its last goal; return what `why` and `set_factor` said."""
+        """Run the README's launch file to its last goal; return the outputs of `why` and `set_factor`."""
         text, = blocks('xml')
         self.write('system.launch', '<launch>' + text.replace('/tmp/run.jsonl', log) + '</launch>')
         with Loopback() as ros:
@@ -108,7 +108,7 @@ class Readme(OwnFolder, unittest.TestCase):
         echo, = commands('rostopic echo')
         with Loopback() as ros:
             process = self.launch(ros, ros.environment, *launch[1:])
-            self.run_when_there(echo, ros.environment, 'x: 4.0')  # it is there
+            self.run_when_there(echo, ros.environment, 'x: 4.0')  # the robot is there
             self.run_when_there(publish, ros.environment, '')
             self.run_when_there(echo, ros.environment, 'x: 20.0')
             process.terminate()

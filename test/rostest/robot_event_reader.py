@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Send robots about, and let the next goal of each depend on what ~events says of the other."""
+"""Send robots goals; the next goal of each depends on the ~events of the other."""
 import rospy
 from geometry_msgs.msg import PoseStamped
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The topic ~events has what the event log has, in its order, and programs that act upon it run the same each time."""
+"""The topic ~events has the rows of the event log in its order, and programs that react to it repeat exactly."""
 import json
 import os
 import sys
@@ -32,7 +32,7 @@ class RobotEventsTest(unittest.TestCase):
                 rows.append('{} {} {} {} {}'.format(row['time_ns'], row['robot'], row['kind'], texts, numbers))
         heard = self.runs[0].printed('event_reader')
         self.assertEqual(heard, rows[:len(heard)])
-        self.assertLess(len(rows) - len(heard), 4)  # what came at the very end was not heard
+        self.assertLess(len(rows) - len(heard), 4)  # the events at the very end were not heard
         self.assertEqual({line.split()[2] for line in heard}, set(KINDS))
         self.assertEqual({line.split()[1] for line in heard}, {'robot_0', 'robot_1'})
 

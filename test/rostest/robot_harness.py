@@ -1,4 +1,4 @@
-"""What the rostests of a robot share: recorded topics, stock clients and raw goals.
+"""Shared by the rostests of robots: recorded topics, stock clients and raw goals.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
@@ -26,13 +26,13 @@ ANOTHER_GOAL = 'This goal was canceled because another goal was received by the 
 BAD_QUATERNION = 'Aborting on goal because it was sent with an invalid quaternion'
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
 
-LoadMap = getattr(nav_msgs.srv, 'LoadMap', None)  # Debian 11's has none
+LoadMap = getattr(nav_msgs.srv, 'LoadMap', None)  # Debian 11's nav_msgs has none
 
 _ids = itertools.count(1)
 
 
 class Record:
-    """All messages of a topic in the order of their arrival, and waiting for one of them."""
+    """Keeps all messages of a topic in the order of their arrival, and waits for one of them."""
 
     def __init__(self, topic, kind):
         self.topic = topic
@@ -42,9 +42,10 @@ class Record:
 
     @classmethod
     def fresh(cls, topic, kind):
-        """Return a record that begins now: nothing published earlier can still be on its way to it, a latched one
-        aside, and the publishers know it. Nothing else in this process may listen to ``topic``: rospy would share
-        that one's connection, with all that is still under way on it.
+        """Return a record that begins now and that all publishers know.
+
+        It gets no message that was published earlier, except a latched one. Nothing else in this process may listen to
+        ``topic``, since rospy would share that connection, with all messages under way on it.
         """
         assert not get_topic_manager().has_subscription(topic), '{} has a subscriber already'.format(topic)
         before = _connections(topic)
@@ -56,7 +57,7 @@ class Record:
         return record
 
     def close(self):
-        """Listen no more."""
+        """Unsubscribe."""
         self._subscriber.unregister()
 
     def _add(self, message):
@@ -66,17 +67,17 @@ class Record:
 
     @property
     def messages(self):
-        """What has come so far."""
+        """The messages so far."""
         with self._changed:
             return list(self._messages)
 
     def clear(self):
-        """Forget what has come so far."""
+        """Forget the messages so far."""
         with self._changed:
             self._messages.clear()
 
     def wait_for(self, wanted=lambda message: True):
-        """Return the first message that is ``wanted``; an AssertionError after the guard time."""
+        """Return the first message for which ``wanted`` is true; AssertionError after GUARD [s, wall]."""
         deadline = time.monotonic() + GUARD
         seen = 0
         with self._changed:
@@ -118,7 +119,7 @@ def pose_stamped(x=0.0, y=0.0, yaw=0.0, frame='map', stamp=None, quaternion=None
 
 
 class RawClient:
-    """Sends goals and cancels on the action's topics and keeps all that comes back."""
+    """Sends goals and cancels on the topics of the action, and keeps all answers."""
 
     def __init__(self, ns='/'):
         prefix = ns.rstrip('/') + '/move_base/'
@@ -141,7 +142,7 @@ class RawClient:
         return goal_id
 
     def cancel(self, goal_id='', stamp=None):
-        """Ask for a cancel."""
+        """Publish a cancel with this id and stamp; without both, it cancels all goals."""
         self._cancel.publish(GoalID(stamp or rospy.Time(), goal_id))
 
     def ending(self, goal_id):
@@ -162,7 +163,7 @@ class RawClient:
         return array, entry(array)[0]
 
     def states(self, goal_id):
-        """Return the states that the status topic showed of ``goal_id``, repetitions left out."""
+        """Return the states of ``goal_id`` on the status topic, without repetitions."""
         shown = [status.status for array in self.status.messages for status in array.status_list
                  if status.goal_id.id == goal_id]
         return [state for state, _ in itertools.groupby(shown)]
@@ -183,7 +184,7 @@ def go(client, pose):
 
 
 def active_since_ns(client, goal_id):
-    """Return when ``goal_id`` became active [ns], from the stamp of the first status that shows it so."""
+    """Return the time at which ``goal_id`` became active [ns]: the stamp of the first status that shows it."""
     array, _ = client.wait_for_state(goal_id, GoalStatus.ACTIVE)
     return array.header.stamp.to_nsec()
 

@@ -1,4 +1,4 @@
-"""One of our executables as a process of its own: its parameters, its output, its end."""
+"""Starts an executable of this package in a process of its own, with parameters; has its output and its end."""
 import os
 import signal
 import subprocess
@@ -12,7 +12,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 
 class RobotProcess:
-    """One of our executables in a process of its own, with its output."""
+    """An executable of this package in a process of its own."""
 
     def __init__(self, executable, parameters, arguments, namespace):
         self.namespace = namespace
@@ -34,12 +34,12 @@ class RobotProcess:
 
     @property
     def output(self):
-        """All lines so far."""
+        """All lines of output so far."""
         with self._more:
             return ''.join(self._lines)
 
     def wait_for_line(self, text):
-        """Return the first line that holds ``text``."""
+        """Wait for the first line that holds ``text``, and return it."""
         deadline = time.monotonic() + GUARD
         with self._more:
             while True:
@@ -51,11 +51,11 @@ class RobotProcess:
                 self._more.wait(left)
 
     def exit_code(self):
-        """Wait for the end."""
+        """Wait for the end, and return the exit code."""
         return self._process.wait(GUARD)
 
     def end(self, with_signal=signal.SIGINT):
-        """Ask the process to end and wait for that."""
+        """End the process by a signal, and wait for its end."""
         if self._process.poll() is None:
             self._process.send_signal(with_signal)
         return self.exit_code()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Robots that go around buildings: plans, poses and durations, goals without a way, another map on the way."""
+"""Robots that drive around buildings: plans, poses and durations, goals without a way, a new map on the way."""
 import os
 import unittest
 
@@ -32,7 +32,7 @@ def yard():
 
 
 def travelled(goal, **settings):
-    """Return the corners by which a robot of the plain Python fleet goes from START to ``goal``, and how long [ns]."""
+    """Return (corners, duration [ns]) of a robot of the plain Python fleet from START to ``goal``."""
     defaults = {'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.5,
                 'start_x': START[0], 'start_y': START[1], **settings}
     fleet = Fleet(make_scenario({'defaults': defaults, 'robots': [{'name': 'bot'}]}), start_ns=0, occupancy=yard())
@@ -51,7 +51,7 @@ class Routes(unittest.TestCase):
     """Each test has a robot of its own, see routes.test."""
 
     def travel(self, robot):
-        """Send ``robot`` from START to GOAL; return how long it took [ns] and all that it told on the way."""
+        """Send ``robot`` from START to GOAL; return (duration [ns], all poses [(x, y)] that it published)."""
         odometry = Record('/{}/odom'.format(robot), Odometry)
         feedback = Record('/{}/move_base/feedback'.format(robot), MoveBaseActionFeedback)
         client = RawClient('/' + robot)
@@ -71,7 +71,7 @@ class Routes(unittest.TestCase):
             took_ns, places = self.travel(robot)
             self.assertEqual(took_ns, duration_ns)
             ways = [START, *corners, GOAL]
-            self.assertTrue(places)  # on a busy machine only a few come
+            self.assertTrue(places)  # there are only a few on a busy machine
             for place in places:
                 self.assertLess(min(distance(place, *piece) for piece in zip(ways, ways[1:])), 1e-6)
             topics = ('NavfnROS/plan', 'TrajectoryPlannerROS/global_plan', 'TrajectoryPlannerROS/local_plan')
@@ -89,7 +89,7 @@ class Routes(unittest.TestCase):
         ended = client.ending(goal_id)
         self.assertEqual((ended.status.status, ended.status.text), REACHED)
         self.assertEqual(ended.header.stamp.to_nsec() - start_ns, duration_ns)
-        self.assertGreater(duration_ns, 9.0 / 0.4 * 1e9)  # of which the last lane is slow
+        self.assertGreater(duration_ns, 9.0 / 0.4 * 1e9)  # since the last lane is slow
         plan = points(rospy.wait_for_message('/laner/move_base/NavfnROS/plan', Path, GUARD))
         self.assertEqual((plan[0], plan[-1]), (START, pen))
         self.assertTrue(set(corners) <= set(plan) and len(corners) == 3)
@@ -158,7 +158,7 @@ class Routes(unittest.TestCase):
 
 
 def area(wall=False):
-    """Return a map of 20 m x 24 m, with a wall across the way from START to GOAL or without."""
+    """Return a map of 20 m x 24 m; with ``wall``, a wall is across the way from START to GOAL."""
     cells = np.zeros((48, 40), np.int8)
     if wall:
         cells[24:26, 10:30] = 100
@@ -169,7 +169,7 @@ def area(wall=False):
 
 
 def distance(place, begin, end):
-    """Return the distance [m] of ``place`` from the straight piece between two points."""
+    """Return the distance [m] of ``place`` from the straight line between two points."""
     here, there = Pose2D(*place), Pose2D(*begin)
     length = there.distance_to(Pose2D(*end))
     along = ((place[0] - begin[0]) * (end[0] - begin[0]) + (place[1] - begin[1]) * (end[1] - begin[1]))

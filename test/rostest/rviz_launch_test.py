@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""RViz's launch file and configuration fit the robots' topics and each other. RViz itself is not started."""
+"""RViz's launch file and configuration fit each other and the robots' topics. RViz itself is not started."""
 import os
 import unittest
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Set a parameter that a node of a run has asked for, as somebody with rosparam, until the run is labelled."""
+"""Set a parameter that a node of a run has asked for, as rosparam does, until the run is labelled."""
 import sys
 import time
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Set-ups as they are found: without a map, with remaps, with planners' groups, with rivals in tf."""
+"""Existing set-ups: without a map, with remaps, with planners' groups, with rivals in tf."""
 import itertools
 import unittest
 
@@ -46,7 +46,7 @@ class WithoutAMap(unittest.TestCase):
 
 
 class Remaps(unittest.TestCase):
-    """The robot remapped, whose map is elsewhere."""
+    """The robot remapped, whose map has another name."""
 
     def test_the_map_is_taken_from_where_it_is_remapped_to(self):
         client = simple_client('/remapped', 'navigate')
@@ -58,7 +58,7 @@ class Remaps(unittest.TestCase):
         topics = {name for name, _ in rospy.get_published_topics('/remapped')}
         self.assertIn('/remapped/navigate/result', topics)
         self.assertNotIn('/remapped/move_base/result', topics)
-        self.assertIn('/remapped/move_base/current_goal', topics)  # a private one
+        self.assertIn('/remapped/move_base/current_goal', topics)  # a private topic
 
     def test_parameters_under_the_name_that_the_remap_gives_count_behind_the_nodes_own(self):
         topics = {name for name, _ in rospy.get_published_topics('/remapped')}
@@ -81,7 +81,7 @@ class Recoveries(unittest.TestCase):
             self.assertEqual([message.recovery_behavior_name for message in announced.messages],
                              ['conservative_reset', 'aggressive_reset'])
             announced.clear()
-            # What else is set brings no rotations back.
+            # A change of another parameter does not bring rotations back.
             Client('/quick/move_base', timeout=GUARD).update_configuration({'conservative_reset_dist': 2.0})
 
 
@@ -89,7 +89,7 @@ class ParameterServer(unittest.TestCase):
     """A robot that is started, reconfigured and started again."""
 
     def start(self, parameters=None):
-        """Start a robot that is ended with the test, return it."""
+        """Start a robot that ends with the test, and return it."""
         self.namespace = getattr(self, 'namespace', None) or next(_names)
         robot = RobotProcess('move_base', parameters, (), self.namespace)
         self.addCleanup(robot.end)
@@ -151,7 +151,7 @@ class TfRivals(unittest.TestCase):
 
 
 class SevenArguments(unittest.TestCase):
-    """The original's server in the original's launch file, which gives all robots one name."""
+    """The server of the original with the original's launch file, which gives all robots the same name."""
 
     def test_names_and_frames_come_from_the_namespace(self):
         buffer = tf2_ros.Buffer(debug=False)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The node soil_coordinator as a user starts it: what it shows while the mission runs, and what it leaves.
+"""The node soil_coordinator as a user starts it: its topics during the mission, and its files.
 
 GUARD [s, wall] only ends a test that would never end.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Robots on their way to the start of the mission: who gives up is sent again, but not for ever."""
+"""Robots on their way to the start of the mission: a robot that gives up is sent again, but not for ever."""
 import queue
 import sys
 import unittest
@@ -15,7 +15,7 @@ STARTS = ((3.0, 4.0), (5.0, 6.0))
 
 
 class Robot:
-    """A robot that gives up so many times; all that it is asked to do is in calls."""
+    """A robot that gives up ``failures`` times; ``calls`` has all requests to it."""
 
     def __init__(self, index, events, failures):
         self.index, self.namespace = index, f'/robot_{index}'

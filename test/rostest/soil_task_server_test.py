@@ -30,7 +30,7 @@ class TaskServer(unittest.TestCase):
             assert client.wait_for_server(GUARD)
 
     def do(self, client, seconds, feedback_cb=None):
-        """Have a task done; return the result's duration [s]."""
+        """Have a task of ``seconds`` done; return the result's duration [s]."""
         client.send_goal(TimedTaskGoal(duration=rospy.Duration(seconds)), feedback_cb=feedback_cb)
         self.assertTrue(client.wait_for_result(GUARD))
         return client.get_result().duration.to_sec()
@@ -41,7 +41,7 @@ class TaskServer(unittest.TestCase):
         self.assertEqual(self.clients[0].get_goal_status_text(), 'Task done.')
 
     def test_the_servers_own_durations_are_those_of_the_seed_robot_by_robot(self):
-        # No other test has the server draw.
+        # This is the only test in which the server draws.
         for robot, client in enumerate(self.clients):
             drawn = DrawnDurations(2.0, 0.5, 3, robot)
             expected = [drawn.draw_ns() for _ in range(3)]

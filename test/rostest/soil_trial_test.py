@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Trials of the study by its command line: the same on both engines and at any speed; ends that are no ends.
+"""Trials of the study by its command line: the same on both engines and at any speed, and after interruptions.
 
 GUARD [s, wall] only ends a test that would never end.
 """
@@ -49,7 +49,7 @@ class Trials(unittest.TestCase):
 
     @classmethod
     def study(cls, *words):
-        """Run `study` with these words; return what subprocess.run does."""
+        """Run `study` with these words; return what subprocess.run returns."""
         return subprocess.run([find_executable('study'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True, timeout=GUARD, check=False)
 
@@ -126,7 +126,7 @@ class Trials(unittest.TestCase):
         self.assertGreater(about['metrics']['samples'], 5)
 
     def end_by(self, number, name):
-        """Start a slow trial and end it by a signal in the middle; return its code when all its processes are gone."""
+        """Start a slow trial, end it by a signal in the middle, wait for its processes; return its exit code."""
         path = self.path(name)
         process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--output', path, '--limit', '2'],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
@@ -145,7 +145,7 @@ class Trials(unittest.TestCase):
         path = self.path('after')
         process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--pictures', '--output', path],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
-        # The first file of the record: then the mission is over.
+        # When the first file of the record exists, the mission is over.
         wait_for(lambda: os.path.exists(path + '.unfinished/events.csv') or os.path.exists(path))
         process.send_signal(signal.SIGINT)
         process.wait(GUARD)
@@ -163,7 +163,7 @@ class Trials(unittest.TestCase):
 
     @NEEDS_MESA
     def test_a_disk_that_is_full_is_named_and_the_missions_events_stay(self):
-        # Bytes that a file may have, in place of those that a disk has: the maps are larger than that.
+        # A limit for the size of files stands in for a full disk; the maps are larger than that.
         done = subprocess.run(['prlimit', '--fsize=100000', find_executable('study'), 'trial', *MISSION, '--engine',
                                'mesa', '--output', self.path('full')], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, timeout=GUARD, check=False)
@@ -231,7 +231,7 @@ class Trials(unittest.TestCase):
 
 
 def processes_with(word):
-    """Return the ids of processes whose command line or environment names the word (this one's children gone)."""
+    """Return the ids of the processes whose command line has the word."""
     found = []
     for number in filter(str.isdigit, os.listdir('/proc')):
         try:

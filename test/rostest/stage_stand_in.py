@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Plays stage_ros, as a process of its own that can be killed and started anew: clock, truth, odometry, tf, cmd_pose.
+"""A stand-in for stage_ros as a process that can be killed and started again: clock, truth, odometry, tf, cmd_pose.
 
-usage: stage_stand_in.py BEGIN NAME X Y [NAME X Y ...]    (m; where each robot stands in Stage's world at the start)
+usage: stage_stand_in.py BEGIN NAME X Y [NAME X Y ...]    (X, Y [m]: start of a robot in Stage's world)
 
-Time begins at BEGIN [s], which is 0 for a Stage that has just been started, and moves 0.1 s every 0.02 s of wall time.
-As Stage does, it dates by its own clock whatever comes on /clock, and its odometry, with "gps", is the pose in its
+Time begins at BEGIN [s], which is 0 for a Stage that has just started, and moves by 0.1 s every 0.02 s of wall time.
+Like Stage, it uses its own clock for stamps, whatever comes on /clock, and its odometry, with "gps", is the pose in its
 world.
 """
 import sys
@@ -37,7 +37,7 @@ class Robot:
         self._pose = conversions.from_pose(message)
 
     def tell(self, stamp_ns):
-        """Publish where the robot is; return odom -> base_link."""
+        """Publish the pose of the robot; return odom -> base_link."""
         frame = f'{self._name}/odom'
         message = Odometry(header=conversions.to_header(frame, stamp_ns))
         message.pose.pose = conversions.to_pose(self._pose)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The time master in lockstep when something goes wrong: who is named, what goes on, and how it ends.
+"""The time master in lockstep when something goes wrong: the nodes that it names, the rest of the run, its end.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
@@ -183,7 +183,7 @@ class LockstepFaultsTest(LockstepCase):
         client = self.join('/a')
         self.assertEqual(self.state.all()[-1].event_log_error, '')
         size = os.path.getsize(path + '.part') + 100000
-        # Like a full disk: no file grows beyond.
+        # Like a full disk: no file can grow beyond this.
         resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, size))
         client.turn(items=b''.join(raw.log('robot', 'x' * 1000, '[]') for _ in range(200)), next_ns=START + SECOND)
         words = f'event log {path}.part cannot be written: File too large; it ends there'
@@ -213,7 +213,7 @@ class LockstepFaultsTest(LockstepCase):
         for stranger in strangers:
             self.addCleanup(stranger.close)
         wait_for('the first ones taken', lambda: self.descriptors() >= 256)
-        client = RawClient(self.address)  # in the kernel's queue
+        client = RawClient(self.address)  # waits in the kernel's queue
         self.addCleanup(client.close)
         self.assertLess(self.descriptors(), 300)
         strangers[0].sendall(struct.pack('<I', 4097))

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Lockstep over a network: ROS master and time master in one network namespace, participants in another.
 
-Two namespaces of our own with a cable (veth) between them, made and removed here. Without the right to make them, the
-tests are skipped and say so.
+The tests make and remove two namespaces with a cable (veth) between them. Without the right to make them, the tests are
+skipped with a message.
 """
 
 import os
@@ -27,14 +27,14 @@ while not rosgraph.is_master_online(sys.argv[1]):
 rosgraph.Master('/setting', master_uri=sys.argv[1]).setParam('/use_sim_time', True)
 """
 FOREIGN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'foreign')
-# Node and what it is started by. The two of C++ tell each other what they have heard of tasks that are done.
+# {node: its command}. The two C++ nodes repeat to each other the messages about tasks that are done.
 SYSTEM = {
     **{f'/robot_{i}/move_base': ['move_base', '_max_speed:=2.0', f'_start_y:={5.0 * i}'] for i in range(3)},
     '/coordinator': ['task_coordinator.py', '_tasks:=8'], '/metrics': ['way_metrics.py'],
     **{f'/robot_{i}/task_queue': ['task_queue.py'] for i in range(3)},
     '/relay': ['shim_listener', 'ticks:=/done'], '/second_relay': ['shim_listener', 'ticks:=/heard', 'heard:=/ticks']}
 
-# The participant: finds the time master by the parameter, as any node does. argv: folder, ROS master.
+# The participant finds the time master by the parameter, as any node does. argv: folder, ROS master.
 PARTICIPANT = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
@@ -110,7 +110,7 @@ class LockstepNetworkTest(unittest.TestCase):
             self.assertEqual(len(stream.readlines()), LEAPS + 2)
 
     def run_system(self, name, places, lookahead):
-        """Run a system of Python and C++ nodes, unmodified, each where it is said; return its events."""
+        """Run a system of unmodified Python and C++ nodes, each at its place in ``places``; return its events."""
         self.run_in(self.home, HOME, ['rosmaster', '--core', '-p', str(PORT)])
         setting = [sys.executable, '-c', SIM_TIME, f'http://{HOME}:{PORT}/']
         self.assertEqual(self.run_in(self.home, HOME, setting).wait(GUARD), 0)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a run in lockstep leaves and tells: the event log and compare, why, nodes that do not take part, the end.
+"""The results of a run in lockstep: the event log and compare, why, nodes that do not take part, the end.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
@@ -22,7 +22,7 @@ class LockstepResultsTest(LockstepCase):
     # ---- event log ----
 
     def run_with_log(self, name, order=(0, 1, 2), value=1.5, number=signal.SIGTERM):
-        """Make a run of three participants that report in this order of time, and return its log's path."""
+        """Make a run of three participants that report in this order of wall time; return the path of its log."""
         path = self.path(name)
         self.start(participants=['/r2', '/r10', '/a'], event_log=path)
         clients = [self.join(name) for name in ('/r10', '/r2', '/a')]
@@ -120,7 +120,7 @@ class LockstepResultsTest(LockstepCase):
         first.turn(next_ns=3 * SECOND, waiting=1, items=raw.note(1, 'the end of goal 7'))
         second.turn(next_ns=2 * SECOND)
         second.grant()
-        # Not its HELLO, which it owed before: that state may still be the last one heard.
+        # Not the state in which it owed its HELLO, which may still be the last one heard.
         self.state.wait('b owing in round 2', lambda state: (
             state.rounds == 2 and [one.name for one in state.waiting_for] == ['/b']))
         answer = self.why()
@@ -148,7 +148,7 @@ class LockstepResultsTest(LockstepCase):
         self.assertEqual((done.returncode, done.stdout), (1, ''))
         self.assertIn('no time master answers on /time_master/state within 0.5 s', done.stderr)
 
-    # ---- who does not take part ----
+    # ---- nodes that do not take part ----
 
     def test_nodes_that_use_the_clock_and_do_not_take_part_are_listed_and_warned_of(self):
         self.start(participants=['/a'])
@@ -158,7 +158,7 @@ class LockstepResultsTest(LockstepCase):
         state = self.state.wait('an onlooker', lambda state: '/onlooker' in state.bystanders)
         self.assertNotIn('/a', state.bystanders)
         self.assertNotIn('/time_master', state.bystanders)
-        for name in state.bystanders:  # in one line, or in one each: as they came
+        for name in state.bystanders:  # in one line, or in a line for each, as they came
             wait_for(f'a warning of {name}', lambda name=name: any(
                 'time does not wait for' in line and name in line for line in self.output().splitlines()))
         self.assertIn('do not take part): ' + ', '.join(state.bystanders), self.why())

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The time master in lockstep, spoken to byte by byte: start, rounds, messages, gate, modes and /clock.
+"""The time master in lockstep, by its protocol, byte by byte: start, rounds, messages, gate, modes and /clock.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
@@ -41,7 +41,7 @@ class LockstepTest(LockstepCase):
         begin = time.monotonic()
         second = self.join('/b')
         second.turn()
-        self.assertGreaterEqual(time.monotonic() - begin, 3.0)  # a busy machine makes it longer only
+        self.assertGreaterEqual(time.monotonic() - begin, 3.0)  # a busy machine can only make it longer
         self.assertEqual(first.turn().time_ns, START)
         state = self.state.wait('the start', lambda state: state.phase == 'idle')
         self.assertFalse(state.repeatable)
@@ -156,7 +156,7 @@ class LockstepTest(LockstepCase):
         self.assertFalse(self.call('set_factor', SetFactor, -1.0).success)
 
     def publisher_of_factors(self):
-        """Return a publisher on /sim_time_factor, as an existing study has it, once the time master listens."""
+        """Return a publisher on /sim_time_factor, as existing studies have, when the time master listens to it."""
         publisher = rospy.Publisher('/sim_time_factor', Float64, queue_size=10)
         self.addCleanup(publisher.unregister)
         wait_for('the time master to listen', publisher.get_num_connections)
@@ -174,7 +174,7 @@ class LockstepTest(LockstepCase):
         client.leave()
         self.state.wait('nobody', lambda state: not state.participants)
         self.assertTrue(self.call('set_mode', SetMode, 'scaled').success)
-        publisher.publish(33.0)  # there it has its effect, and the messages before it have been handled
+        publisher.publish(33.0)  # in this mode it has an effect, and the messages before it are handled
         self.state.wait('the factor', lambda state: state.wanted_factor == 33.0)
         limits = {state.wanted_factor for state in self.state.all() if state.mode == 'lockstep'}
         self.assertEqual(limits, {0.0})

@@ -20,7 +20,7 @@ import rostest
 from move_base_abstract_ros.loopback import Loopback, free_port
 
 GUARD = 30.0
-#: what the time master prints is read while it runs
+#: the tests read the output of the time master while it runs
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
 
@@ -38,7 +38,7 @@ def wait_for(what, condition):
 
 
 class DyingMaster:
-    """Stands in front of a ROS master, and for its clients dies when it gets its Nth request."""
+    """A proxy of a ROS master that, for its clients, dies at its Nth request."""
 
     def __init__(self, uri, requests):
         self._target = rosgraph.network.parse_http_host_and_port(uri)
@@ -77,7 +77,7 @@ class DyingMaster:
             pass
 
     def die(self):
-        """Refuse connections and reset those that there are, as the kernel does for a process that is killed."""
+        """Refuse new connections and end the others, as the kernel does for a process that is killed."""
         for one in self._sockets:
             try:
                 one.shutdown(socket.SHUT_RDWR)
@@ -91,11 +91,11 @@ class StartTest(unittest.TestCase):
         return ros.run('time_master', 'time_master', parameters=parameters)
 
     def ended(self, child):
-        """Return the exit code and the output of a child that ends by itself."""
+        """Wait until a child ends by itself; return (exit code, output)."""
         return child.process.wait(GUARD), output(child)
 
     def running(self, ros, child):
-        """Wait until the time master publishes /clock; return what it has printed."""
+        """Wait until the time master publishes /clock; return its output so far."""
         self.wait_for_publisher(ros, '/time_master')
         self.assertIsNone(child.process.poll())
         return output(child)
@@ -107,7 +107,7 @@ class StartTest(unittest.TestCase):
                              if topic == '/clock'))
 
     def other_publisher(self, ros):
-        """Start a stock publisher of /clock, and return it when the master lists it."""
+        """Start a stock publisher of /clock; return it when the ROS master lists it."""
         command = [shutil.which('rostopic'), 'pub', '-r', '20', '/clock', 'rosgraph_msgs/Clock', 'clock: {secs: 5}']
         process = subprocess.Popen(command, env=ros.environment, stdout=subprocess.DEVNULL)
         self.addCleanup(process.wait)

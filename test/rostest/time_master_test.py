@@ -50,7 +50,7 @@ with TimeMasterClient().hold('doomed', 2.0):
 
 
 class Record:
-    """All messages of a topic, and waiting for one of them."""
+    """Keeps all messages of a topic, and waits for one of them."""
 
     def __init__(self, topic, kind):
         self._messages = []
@@ -63,7 +63,7 @@ class Record:
             self._changed.notify_all()
 
     def mark(self):
-        """Return the number of messages so far, to be given to wait and since."""
+        """Return the number of messages so far, for wait() and since()."""
         with self._changed:
             return len(self._messages)
 
@@ -72,7 +72,7 @@ class Record:
             return self._messages[mark:]
 
     def wait(self, what, wanted, mark=0):
-        """Return the first message after mark for which wanted(message) is true."""
+        """Return the first message after ``mark`` for which wanted(message) is true."""
         deadline = time.monotonic() + GUARD
         with self._changed:
             while True:
@@ -184,7 +184,7 @@ class TimeMasterTest(unittest.TestCase):
     # ---- step and run until ----
 
     def end_of(self, target):
-        """Return the last time on /clock once the time master is paused again."""
+        """Wait until the time master is paused at ``target``; return the last time on /clock."""
         self.state.wait('the target', lambda state: state.paused and state.sim_time == target)
         mark = self.clock.mark()
         return self.clock.wait_for_count(2, mark)[-1].clock
@@ -287,13 +287,13 @@ class TimeMasterTest(unittest.TestCase):
         master = psutil.Process(pid_of('/time_master'))
         master.suspend()
         try:
-            time.sleep(2.0)  # what is tested: not a wait for anything
+            time.sleep(2.0)  # the tested pause, not a wait for anything
         finally:
             master.resume()
         self.log.wait('a warning', lambda line: line.level == Log.WARN and 'did not run for a while' in line.msg, log)
         self.clock.wait_for_count(10, self.clock.mark())
         times = self.times(mark)
-        # The longest gap that counts is 0.25 s; two advances may lie between two messages.
+        # A gap counts for at most 0.25 s, and two advances may lie between two messages.
         self.assertLessEqual(max(b - a for a, b in zip(times, times[1:])), 2 * 0.25 * factor * 1e9)
 
     def test_it_listens_on_the_announced_address_only(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Verify: runs that are the same, a program whose runs differ, a run without an end, and what it leaves behind."""
+"""Verify: runs that are the same, a program whose runs differ, a run without an end, and refused arguments."""
 import os
 import shutil
 import subprocess
@@ -13,7 +13,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
-GUARD = 300.0  # s, wall; only ends what would never end
+GUARD = 300.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'
@@ -149,7 +149,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
     def test_what_is_not_called_repeatable_is_said(self):
         code, said = self.verify('--runs', '2', '--until', '10', self.launch_file(
             NODE.format('ticks'), NODE.format('quiet'), '<param name="quiet/lockstep_charge" value="measured"/>'))
-        self.assertEqual(code, 4, said)  # it sends nothing, so that nothing is charged
+        self.assertEqual(code, 4, said)  # the node sends nothing, so nothing is charged
         self.assertEqual(said.count('s of wall time; labelled\n'), 2, said)
         self.assertEqual(said.count('charges what it measures'), 1, said)
         self.assertRegex(said, r'but not called repeatable: .*charges what it measures.* \(all runs\)')

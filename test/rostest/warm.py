@@ -1,12 +1,12 @@
-"""ROS masters and Python nodes that are forks of a process which has imported all, and so are there sooner.
+"""ROS masters and Python nodes as forks of a process that has imported all modules, so that they start sooner.
 
-    from warm import Loopback            # in the place of that of move_base_abstract_ros.loopback
+    from warm import Loopback            # instead of the one of move_base_abstract_ros.loopback
 
-What Loopback is told to start runs in such a fork where that is the same for it: a Python script, and our launcher. It
-finds the environment, the files, the signals and the group that it would have found; what asks for another Python,
-other options of Python or another environment of it gets that. There are two such processes, each started when it is
-first needed: the launcher's forks have the order of sets, the layout of memory and the library that it starts again
-with; all others have what the test has. `Loopback(is_warm=False)` starts everything anew.
+This Loopback starts Python scripts and the launcher as such forks, if that makes no difference for them. A fork has the
+environment, files, signals and process group that it would have otherwise. A command that needs another Python, other
+options of Python or another environment of Python is started anew. There are two processes to fork from; each starts
+when it is first needed. Forks for the launcher have the order of sets, the layout of memory and the library with which
+the launcher would start again; all others have those of the test. `Loopback(is_warm=False)` starts everything anew.
 """
 import functools
 import importlib
@@ -26,14 +26,14 @@ _HERE = os.path.dirname(os.path.abspath(__file__))
 _MASTER = 'a ROS master'
 _CODE = ('import sys; path = sys.path[1:]; sys.path[0] = {!r}; from warm import main; del sys.modules["warm"]; '
          'become = main({!r}, {}, path); become and become()')
-_SPACE = ' ' * 4000  # of the command line, in which each fork shows its own
+_SPACE = ' ' * 4000  # room in the command line, in which each fork shows its own
 
 
 class Loopback(loopback.Loopback):
     """A Loopback whose ROS master and Python nodes are forks."""
 
     def __init__(self, use_sim_time=True, is_warm=True):
-        """is_warm: whether they are; else each is started as ever."""
+        """Make a Loopback; is_warm: whether processes are forks, otherwise each is started anew."""
         super().__init__(use_sim_time)
         self.is_warm = is_warm
 
@@ -61,7 +61,7 @@ class Loopback(loopback.Loopback):
 
 
 def kind_of(command):
-    """Return of which process (or None) a command line's is a fork, and its words without those of Python."""
+    """Return (kind of the process to fork from, or None; words of the command line without Python's)."""
     if command[0] == sys.executable and os.path.isfile(command[1]):
         words = command[1:]
     elif processes.interpreter_of(command[0]) == sys.executable or (
@@ -74,7 +74,7 @@ def kind_of(command):
 
 @functools.lru_cache(maxsize=None)
 def launcher():
-    """Return the path of our launcher."""
+    """Return the path of the launcher."""
     return loopback.find_executable('lockstep')
 
 
@@ -84,7 +84,7 @@ def _parent(kind):
 
 
 class _Parent:
-    """A process that is forked from. To be made in the main thread: the kernel ends it with that."""
+    """A process to fork from. Make it in the main thread, since the kernel ends it with that thread."""
 
     def __init__(self, kind):
         processes.adopt_orphans()
@@ -100,13 +100,13 @@ class _Parent:
         its.close()
 
     def fork(self, words, environment, outputs):
-        """Return the processes.Forked of a command line."""
+        """Fork for a command line; return the processes.Forked."""
         request.send(self._socket, request.Request(words, environment, os.getcwd(), outputs))
         return processes.Forked(request.receive_answer(self._socket))
 
 
 def main(kind, descriptor, path):
-    """Serve until the test has ended. In a fork return what that one is to call. path: Python's own sys.path[1:]."""
+    """Serve until the test ends; in a fork, return the function that it must call. path: Python's own sys.path[1:]."""
     processes.die_with(os.getppid())
     if kind == LAUNCHER and address_layout.choose(os.environ):
         native_library.preload(os.environ)
@@ -121,21 +121,21 @@ def main(kind, descriptor, path):
     warm_nodes.log_settings()
     own_launcher = launcher()
     if kind == PLAIN:
-        sys.path[1:] = path  # without what imports have put before it
+        sys.path[1:] = path  # without the entries that imports have added
     else:
         sys.path[sys.path.index(_HERE)] = os.path.dirname(own_launcher)
     return warm_process.serve(socket.socket(fileno=descriptor), lambda asked: _become(asked, own_launcher))
 
 
 def _become(asked, own_launcher):
-    """Be what was asked for; where that is no fork, start it."""
+    """Become the program that was asked for; if a fork cannot be it, start it anew."""
     processes.die_with(os.getppid())
     if asked.words == [_MASTER]:
         _be_master(asked)
         return
     environment = warm_nodes.with_log_settings(asked.environment)
     if asked.words[0] == own_launcher:
-        environment = {'PYTHONHASHSEED': os.environ['PYTHONHASHSEED'], **environment}  # else it would start again
+        environment = {'PYTHONHASHSEED': os.environ['PYTHONHASHSEED'], **environment}  # otherwise it would start again
     processes.show_name('python3', sys.executable, *asked.words)
     if warm_nodes.may_become(asked.words, environment, own_launcher):
         warm_nodes.become(asked.words, environment)
@@ -144,7 +144,7 @@ def _become(asked, own_launcher):
 
 
 def _be_master(asked):
-    """Write the URI to the standard output, close it, and be a ROS master."""
+    """Become a ROS master, and write its URI to the standard output, which is then closed."""
     processes.show_name('rosmaster', 'rosmaster', '--core')
     os.environ.clear()
     os.environ.update(asked.environment)

@@ -1,4 +1,4 @@
-"""What a page says is held to what is shown: a page that says something else is found out."""
+"""Tests of the runner of tutorials: it finds a page whose text differs from what its commands show."""
 import pytest
 from typing_of_pages import differences, run
 

@@ -1,4 +1,4 @@
-"""The commands of each tutorial do what its page says: a stranger who types them sees the same."""
+"""The commands of each tutorial show what its page says."""
 import pytest
 from typing_of_pages import ENVIRONMENTS, differences, run, tutorials
 

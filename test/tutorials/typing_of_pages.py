@@ -1,8 +1,8 @@
-"""Type the commands of a page, and compare what the shell shows with what the page says.
+"""Runs the commands of a page, and compares their output with the text of the page.
 
-Blocks ``sh`` of a page are typed, all of them in one shell and in one folder that was empty. A block ``text`` that
-comes next is what the shell then shows; ``...`` in it stands for any text, and on a line of its own for any lines. The
-first command that fails ends the page. Blocks of other kinds are not run: those need a screen, the network or time.
+All ``sh`` blocks of a page run in one shell and in one folder, which is empty at first. If a ``text`` block comes next,
+it is the expected output. In it, ``...`` stands for any text, and on a line of its own for any lines. The first command
+that fails ends the page. Blocks of other kinds do not run, since they need a screen, the network or much time.
 """
 import os
 import re
@@ -10,8 +10,8 @@ import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-LIMIT = 1500.0  # wall s; only ends what would never end
-#: environments that pages have their readers make, {page: folder}: pip needs the network
+LIMIT = 1500.0  # wall s; only ends a page that would never end
+#: environments that readers of a page make by pip, {page: folder}; made beforehand, as pip needs the network
 ENVIRONMENTS = {'plain_python': ROOT / '.ws' / 'plain'}
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$', re.DOTALL | re.MULTILINE)
 COLOUR = re.compile(r'\x1b\[[0-9;]*m|\x1b\][^\x07]*\x07')
@@ -25,27 +25,27 @@ def tutorials():
 
 
 def steps(text):
-    """Return [(commands, what is shown, or None)] of a page."""
+    """Return [(commands, expected output or None)] for a page."""
     blocks = FENCE.findall(text)
     return [(words, after[1] if after[0] == 'text' else None)
             for (kind, words), after in zip(blocks, [*blocks[1:], ('', '')]) if kind == 'sh']
 
 
 def pattern(told):
-    """Return the regular expression of what a page says is shown."""
+    """Return the regular expression for the expected output of a page."""
     lines = [r'(?:.*\n)*?' if line.strip() == '...' else '.*?'.join(map(re.escape, line.split('...'))) + r'\n'
              for line in told.splitlines()]
     return re.compile(''.join(lines))
 
 
 def shown(folder, number):
-    """Return what a terminal would show of a step, without colours and spaces at the ends of lines."""
+    """Return the output of a step as a terminal shows it, without colours and spaces at the ends of lines."""
     text = COLOUR.sub('', (folder / str(number)).read_text(encoding='utf-8'))
     return ''.join(line.rpartition('\r')[2].rstrip() + '\n' for line in text.splitlines())
 
 
 def run(page, folder, outputs, python=None):
-    """Type the commands of a page in a folder, and return [(commands, told, shown)] of the steps that were begun."""
+    """Run the commands of a page in a folder; return [(commands, expected, shown)] for the steps that began."""
     todo = steps(page)
     script = ['set -e', *(f'exec >{outputs / str(number)} 2>&1\n{words}' for number, (words, _) in enumerate(todo))]
     environment = dict(os.environ, ROS_LOG_DIR=str(outputs / 'log'))
@@ -60,6 +60,6 @@ def run(page, folder, outputs, python=None):
 
 
 def differences(done):
-    """Return the steps that show something else than their page says."""
+    """Return a text for each step whose output differs from its page."""
     return [f'{words}\nshows\n{seen}\ninstead of\n{told}' for words, told, seen in done
             if told is not None and not pattern(told).fullmatch(seen)]

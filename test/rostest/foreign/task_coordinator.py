@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Hands out tasks as text, some at once and some when others are done."""
+"""Publishes tasks as text, some at once and some when others are done."""
 import random
 
 import rospy
@@ -31,7 +31,7 @@ def main():
             publishers[robot].publish('goto %.1f %.1f' % (random.uniform(-20, 20), random.uniform(-20, 20)))
             sent += 1
     finished.publish('all %d tasks are done' % total)
-    rospy.sleep(2.0)  # let everybody hear it
+    rospy.sleep(2.0)  # let all nodes hear it
 
 
 if __name__ == '__main__':

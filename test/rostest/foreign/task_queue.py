@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One robot's queue of tasks; drives it with move_base."""
+"""The queue of tasks of one robot, which it drives with move_base."""
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Adds up how far the robots have driven, every five seconds."""
+"""Publishes every five seconds how far each robot has driven."""
 import math
 
 import rospy

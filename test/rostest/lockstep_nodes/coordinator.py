@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Sends robots about, with cancels and pre-emptions: the policy of test/cpp_nodes/lockstep_coordinator_cpp.cpp.
+"""Sends goals to robots, with cancels and pre-emptions: the policy of test/cpp_nodes/lockstep_coordinator_cpp.cpp.
 
-Parameters: ~robots, ~goals (in all), ~seed, ~patient (a goal's end is followed by the next only if none is open),
-~delay (the longest wall time [s] that is lost in callbacks, in sending and in connecting; its length is the wall
-clock's business, not the policy's).
+Parameters: ~robots, ~goals (in all), ~seed, ~patient (the end of a goal leads to the next goal only if the robot has no
+other open goal), ~delay (the longest random pause [wall s] in callbacks, in sending and in connecting; the policy does
+not depend on it).
 """
 import random
 import threading
@@ -31,7 +31,7 @@ class Generator:
 
 
 class Coordinator:
-    """One goal after the other for each robot; a tenth of them is cancelled, a tenth is replaced."""
+    """Sends one goal after the other to each robot; a tenth of the goals is cancelled, a tenth is replaced."""
 
     def __init__(self):
         self._count = rospy.get_param('~robots')
@@ -104,7 +104,7 @@ class Coordinator:
 
     @staticmethod
     def _later(pause_ns, action):
-        """Not a rospy.Timer: that goes through a rate [Hz], and may be off by a nanosecond."""
+        """Call ``action`` after the pause; a rospy.Timer computes with a rate [Hz], and may be off by 1 ns."""
         def run():
             participant = lockstep.participant()
             participant.scheduler.wait(participant.now_ns + pause_ns)

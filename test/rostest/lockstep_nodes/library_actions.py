@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles about actions, tf2 and message_filters, and a node that does a bit of everything."""
+"""Roles with actions, tf2 and message_filters, and nodes that do some of everything."""
 
 import random
 import threading
@@ -51,7 +51,7 @@ def simple_client(say):
 
 
 def two_at_once(say):
-    """Two handles of one ActionClient, and a stock ActionServer that ends each in a thread of its own."""
+    """Send four goals by one ActionClient to a stock ActionServer, which ends each in a thread of its own."""
     client = actionlib.ActionClient('many', TestAction)
     say('server', client.wait_for_server(rospy.Duration(5)))
     open_goals = set()
@@ -140,7 +140,7 @@ def right(_say):
     _points('right', 1.0, 4)
 
 
-# A bit of everything, drawn from generators whose seeds are fixed; what is drawn when depends on the order of events.
+# Some of everything, drawn from generators with fixed seeds. The drawn values depend on the order of events.
 
 def mixed_1(say):
     _mixed(say, 1)
@@ -155,7 +155,7 @@ def mixed_3(say):
 
 
 class _Mixed:
-    """Shared by the threads and callbacks of one node."""
+    """The state that the threads and callbacks of one node share."""
 
     def __init__(self, say, number):
         self.say = say
@@ -169,7 +169,7 @@ class _Mixed:
         self.proxies = [rospy.ServiceProxy('ask_{}'.format(other), Trigger) for other in (1, 2, 3)]
 
     def draw(self, longest):
-        """Return a number that tells in which order things happened."""
+        """Return a random number, which depends on the order of the draws."""
         self.count += 1
         return round(self.random.uniform(0.0, longest), 1)
 

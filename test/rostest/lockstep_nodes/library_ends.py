@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles that go on until somebody ends them."""
+"""Roles that go on until they are ended from outside."""
 
 import time
 
@@ -9,7 +9,7 @@ from std_msgs.msg import String
 
 
 def ticks(say):
-    """Tell others of each second, also at the end."""
+    """Publish a tick every second, and a last word at the end."""
     publisher = rospy.Publisher('ticks', String, queue_size=1)
     rospy.on_shutdown(lambda: (publisher.publish('a last word'), say('a last word')))
     number = 0
@@ -27,7 +27,7 @@ def _compute():
 
 
 def thinks(say):
-    """Its main thread, which takes signals, is nearly always in the middle of a round when one comes."""
+    """Compute in the main thread, so that a signal nearly always comes in the middle of a round."""
     while not rospy.is_shutdown():
         rospy.sleep(1.0)
         _compute()
@@ -35,7 +35,7 @@ def thinks(say):
 
 
 def computes(say):
-    """A callback of it is."""
+    """Compute in a callback, so that a signal nearly always comes in the middle of a round."""
     def on_tick(message):
         _compute()
         say('has computed', message.data)
@@ -44,14 +44,14 @@ def computes(say):
 
 
 def shuts_down_late(say):
-    """Takes its time, of the wall clock, to end."""
+    """Take 1.5 s of wall time to end."""
     rospy.Subscriber('ticks', String, lambda message: say('hears', message.data))
     rospy.spin()
     time.sleep(1.5)
 
 
 def ends_soon(_say):
-    """Has a mission that is over at 3.5 s."""
+    """Run a mission that is over at 3.5 s."""
     rospy.sleep(2.5)
 
 

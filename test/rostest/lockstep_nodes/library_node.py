@@ -1,4 +1,4 @@
-"""What the small nodes of the library's tests share: joining, playing a role, and losing wall time here and there."""
+"""Functions that the small nodes of the library's tests share: joining, playing a role, and random wall delays."""
 
 import random
 import sys
@@ -10,7 +10,7 @@ from move_base_abstract_ros import lockstep
 
 
 def play(roles):
-    """Be the node that argv[1] names, one of the functions in ``roles``.
+    """Run the node that argv[1] names, one of the functions in ``roles``.
 
     It takes part if there is an argv[2], the longest wall delay [s].
     """
@@ -30,14 +30,14 @@ def play(roles):
 
 
 class Said:
-    """The participant, and what its node says in the event log."""
+    """The participant, and its lines in the event log."""
 
     def __init__(self, participant, role):
         self.participant = participant
         self._role = role
 
     def __call__(self, kind, *values):
-        """Say something; the event log knows when."""
+        """Write a line with the present time into the event log."""
         self.participant.log(self._role, kind, values)
 
     @property
@@ -47,7 +47,7 @@ class Said:
 
 
 def _lose_time(longest):
-    """Have wall time pass at random in sending and in connecting."""
+    """Let sending, receiving, calling and connecting take random wall time, up to ``longest`` [s]."""
     chance = random.SystemRandom()
 
     def slow(function):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles whose programs ask who listens."""
+"""Roles with programs that look at their subscribers."""
 
 import rospy
 from library_node import play
@@ -7,7 +7,7 @@ from std_msgs.msg import String
 
 
 class Told(rospy.SubscribeListener):
-    """Greets who comes, and says so."""
+    """Greets each new subscriber, and logs that."""
 
     def __init__(self, say):
         super().__init__()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles about services."""
+"""Roles with services."""
 
 import sys
 
@@ -61,7 +61,7 @@ def _errors(say):
 
 
 def outside_errors():
-    """The same errors as stock rospy makes them, printed."""
+    """Print the same errors as stock rospy makes them."""
     rospy.wait_for_service('wrong')
     _errors(lambda *words: print('STOCK', *words, sep='|', flush=True))
 
@@ -89,7 +89,7 @@ def waiter(say):
 
 
 def node_a(say):
-    """Offers /a; calls /b, which calls /a, while a timer of its own goes on."""
+    """Offer /a and call /b, which calls /a, while a timer goes on."""
     rospy.Service('a', Trigger, lambda request: (rospy.sleep(0.25), TriggerResponse(True, 'a'))[1])
     rospy.Timer(rospy.Duration(0.5), lambda event: say('tick'))
     rospy.wait_for_service('b')
@@ -126,7 +126,7 @@ def left_behind(say):
 
 
 def timer_caller(say):
-    """Calls in the callback of a timer, and from the main thread, at the same instant."""
+    """Call in the callback of a timer and from the main thread at the same instant."""
     rospy.wait_for_service('slow')
     proxy = rospy.ServiceProxy('slow', SetBool)
     rospy.Timer(rospy.Duration(1), lambda event: say('timer', proxy(False).message), oneshot=True)
@@ -135,7 +135,7 @@ def timer_caller(say):
 
 
 class _Config:
-    """What the generator of dynamic_reconfigure would write for one parameter."""
+    """The class that the generator of dynamic_reconfigure writes for one parameter."""
 
     defaults = {'speed': 1}
     min, max, type, level = {'speed': 0}, {'speed': 10}, {'speed': 'int'}, {'speed': 0}

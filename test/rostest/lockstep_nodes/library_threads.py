@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles about threads of one's own, and about the ends of nodes."""
+"""Roles with threads of their own, and roles about the ends of nodes."""
 
 import queue
 import sys
@@ -17,7 +17,7 @@ def pool(say):
     def work(index):
         rospy.sleep(3 - index)
         return index
-    executor = pool.kept = ThreadPoolExecutor(2)  # kept: it is there at the end
+    executor = pool.kept = ThreadPoolExecutor(2)  # kept until the end
     futures = [executor.submit(work, index) for index in range(3)]
     say('done', *[future.result() for future in as_completed(futures)])
     say('mapped', *executor.map(work, range(3)))
@@ -29,7 +29,7 @@ def pool(say):
 
 
 def waits(say):
-    """Everything that threads may wait for, with times out."""
+    """Wait in all ways that threads have, with time-outs."""
     box, event, semaphore = queue.Queue(), threading.Event(), threading.Semaphore(0)
     condition, lock = threading.Condition(), threading.Lock()
 
@@ -59,7 +59,7 @@ def waits(say):
 
 
 class SlowToEnd(threading.Thread):
-    """Python takes long to end it."""
+    """A thread that Python takes long to end."""
 
     def _delete(self):
         time.sleep(0.05)
@@ -92,7 +92,7 @@ def main_ends_first(say):
 
 
 def counter_with_lock(say):
-    """Contention, and messages whose callbacks take the same lock."""
+    """Threads and callbacks of messages compete for one lock."""
     lock = threading.RLock()
     publisher = rospy.Publisher('chat', String, queue_size=1)
 
@@ -117,7 +117,7 @@ def counter_with_lock(say):
 
 
 def stops_at_its_end(say):
-    """A hook that is called at the end publishes a last word; what is due at that instant still happens."""
+    """Publish a last word in a hook at the end; what is due at that instant still happens."""
     publisher = rospy.Publisher('chat', String, queue_size=1)
     rospy.on_shutdown(lambda: publisher.publish('stop'))
     rospy.sleep(2)
@@ -125,7 +125,7 @@ def stops_at_its_end(say):
 
 
 def speaks_at_its_end(_say):
-    """Interrupted while it waits, it has a last word too."""
+    """Publish a last word when the wait is interrupted."""
     publisher = rospy.Publisher('chat', String, queue_size=1)
     rospy.on_shutdown(lambda: publisher.publish('stop'))
     rospy.spin()
@@ -158,7 +158,7 @@ def shuts_down(say):
 
 
 def speaks_too_late(_say):
-    """Publishes on a topic that its own end has closed, as threads with a heart beat do."""
+    """Publish on a topic that the own end has closed, as threads with a heart beat do."""
     topic = rospy.Publisher('/late', String, queue_size=1)
     rospy.sleep(1)
     rospy.signal_shutdown('enough')
@@ -214,7 +214,7 @@ def in_thread(_say):
 
 
 def stuck(_say):
-    """Does not look whether the node has ended, as some state machines."""
+    """Wait for ever without a look whether the node has ended, as some state machines do."""
     def wait():
         while True:
             threading.Event().wait(0.1)
@@ -223,7 +223,7 @@ def stuck(_say):
 
 
 def works_on(_say):
-    """Has something to do after the end, for longer than it would be let wait."""
+    """Compute after the end, for longer than a wait would be allowed."""
     rospy.spin()
     until = time.monotonic() + 7.0
     while time.monotonic() < until:

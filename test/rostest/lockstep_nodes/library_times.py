@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles about sleeping: rospy.sleep, Rate, Timer, and the order at one instant."""
+"""Roles with rospy.sleep, Rate and Timer, and the order of events at one instant."""
 
 import sys
 import threading
@@ -50,7 +50,7 @@ def timers(say):
 
 
 def order(say):
-    """A message, a thread that it wakes, a timer and the main thread, all at the same instant."""
+    """Have a message, a thread that it wakes, a timer and the main thread at the same instant."""
     woken = threading.Event()
     publisher = rospy.Publisher('chat', String, queue_size=1)
     rospy.Subscriber('chat', String, lambda message: (say('message', message.data), woken.set()))

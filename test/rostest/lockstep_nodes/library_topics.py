@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Roles about topics."""
+"""Roles with topics."""
 
 import time
 
@@ -9,7 +9,7 @@ from std_msgs.msg import Int32, String
 
 
 class Peers(rospy.SubscribeListener):
-    """Says who comes and goes."""
+    """Logs subscribers that come and go."""
 
     def __init__(self, say):
         self._say = say
@@ -32,7 +32,7 @@ def talker(say):
     rospy.sleep(1)
     say('connections', chatter.get_num_connections(), note.get_num_connections())
     for index in range(5):
-        chatter.publish(str(index))  # more than queue_size at one instant: none is lost
+        chatter.publish(str(index))  # more than queue_size at one instant, and none is lost
     rospy.sleep(2)
     say('connections', chatter.get_num_connections(), note.get_num_connections())
     chatter.unregister()
@@ -68,7 +68,7 @@ def any_listener(say):
 
 
 def slow_listener(say):
-    """A callback that takes 1 s, with a queue of two: what is newest is kept."""
+    """Listen with a callback that takes 1 s and a queue of two, which keeps the newest messages."""
     def on_number(message):
         say('begins', message.data)
         rospy.sleep(1.0)
@@ -115,7 +115,7 @@ def poller(say):
 
 
 def itself(say):
-    """Publishes to itself; a callback publishes in turn."""
+    """Publish to itself, also from the callback."""
     publisher = rospy.Publisher('numbers', Int32, queue_size=1)
 
     def on_number(message):
@@ -132,7 +132,7 @@ def itself(say):
 
 
 def hearer(say):
-    """Hears two who speak at the same instant."""
+    """Listen to nodes that publish at the same instant."""
     rospy.Subscriber('names', String, lambda message: say('hears', message.data))
     rospy.sleep(10)
 

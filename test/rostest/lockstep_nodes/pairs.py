@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Sends two robots to places at the same distance, again and again; who arrives first draws first.
+"""Sends two robots to places at the same distance, again and again; the robot that arrives first draws first.
 
-Parameters: ~goals (in all), ~delay (the longest wall time [s] that is lost in a callback), ~seed.
+Parameters: ~goals (in all), ~delay (the longest random pause in a callback [wall s]), ~seed.
 """
 import random
 import time
@@ -13,7 +13,7 @@ from move_base_abstract_ros.goal_client import GoalClient
 
 
 class Pairs:
-    """A new direction for each, drawn from one generator in the order of the arrivals."""
+    """Sends each robot in a new direction, drawn from one generator in the order of the arrivals."""
 
     def __init__(self):
         self._random = random.Random(rospy.get_param('~seed'))
@@ -24,7 +24,7 @@ class Pairs:
         self.clients = [GoalClient('robot_{}'.format(i), self._on_end) for i in range(2)]
 
     def send(self, client):
-        """Send a robot 10 m further."""
+        """Send a robot to a place 10 m away."""
         self._left -= 1
         self.open += 1
         x, y = self._places.get(client.name, (0.0, 0.0))

@@ -1,8 +1,8 @@
-"""A program that notes what rospy and Python's library are made of, is launched, and prints what has changed.
+"""Notes the functions and classes of rospy and Python's library, launches a program, and prints the changes.
 
-replaced_probe.py NAME: the node's name. Prints a JSON line: names that have changed, names that the table says so.
+usage: replaced_probe.py NAME_OF_THE_NODE. It prints a JSON line: the changed names, and those of the product's table.
 """
-import _imp  # noqa: F401 - to be looked at, as those below
+import _imp  # noqa: F401 - imported so that it is compared, as those below
 import _posixsubprocess  # noqa: F401
 import asyncio  # noqa: F401
 import concurrent.futures  # noqa: F401
@@ -34,7 +34,7 @@ FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, s
 
 
 def contents():
-    """Return {dotted name: what it is} of all functions and classes of the watched modules."""
+    """Return {dotted name: identity} for all functions and classes of the watched modules."""
     found = {}
     for name, module in sorted(sys.modules.items()):
         if name in WATCHED or name.split('.')[0] in WATCHED:
@@ -56,17 +56,17 @@ def add(found, name, value, module):
 
 def identity(value):
     code = getattr(value, '__code__', None)
-    # A function that was replaced from within is told under its own name, not under those by which it was imported.
+    # A function whose code was replaced is listed under its own name, not under the names of its imports.
     return (value, None) if code is None else (value, code)
 
 
 def changes(before, after):
-    """Return the names that have changed."""
+    """Return the names whose identity has changed."""
     found = set()
     for name, (value, code) in after.items():
         old, old_code = before.get(name, (None, None))
         if old is None and name.rsplit('.', 1)[0] in sys.modules:
-            continue  # something that a module has got meanwhile
+            continue  # a name that a module has got in the meantime
         if old is not value:
             found.add(name)
         elif old_code is not code:
@@ -75,7 +75,7 @@ def changes(before, after):
 
 
 def main():
-    """Note, be launched, compare."""
+    """Note the contents, launch the program, and compare."""
     name = sys.argv[1]
     before = contents()
 

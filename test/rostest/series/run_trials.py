@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs trials as published studies do: a launch file by ROSLaunchParent, until a topic says that its time is over."""
+"""Runs trials as published studies do: a launch file by ROSLaunchParent, until a topic reports the end of its time."""
 import os
 import sys
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sends the robot somewhere, and says when the trial's time is over; then it sleeps, as people do before they go."""
+"""Sends the robot to a place, reports when the trial's time is over, then sleeps, as many programs do at the end."""
 import sys
 from time import sleep
 

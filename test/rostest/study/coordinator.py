@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Finds the robots by their topics, and gives each idle one a task."""
+"""Finds the robots by their topics, and gives each idle robot a task."""
 import random
 
 import rospy
@@ -8,7 +8,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 
 class Robot:
-    """Robots lie in sets; they are compared as objects are."""
+    """A robot. Robots are kept in a set, and compared as objects are."""
 
     def __init__(self, name):
         self.name = name

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts all that the robots say, topic by topic; a topic that it has not seen is a mistake."""
+"""Counts the messages on each topic of the robots; a topic that it does not know is an error."""
 import rospy
 from std_msgs.msg import String
 

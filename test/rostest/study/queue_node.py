@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives a robot to its tasks, one after the other, and steers round the others by their feedback."""
+"""Drives a robot to its tasks, one after the other, and waits if their feedback shows that others are near."""
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionFeedback, MoveBaseGoal

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Keep accounts of jobs, and log every step: one callback opens the account, another one needs it."""
+"""Keep accounts of jobs and log every step: one callback opens an account, and another callback needs it."""
 import rospy
 from std_msgs.msg import String
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calls everything that a SimpleActionClient has."""
+"""Calls all methods of a SimpleActionClient."""
 import actionlib
 import rospy
 from actionlib.msg import TestAction, TestGoal

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Action servers of every kind that actionlib has, for TestAction: a goal of n takes n seconds, negative ones fail."""
+"""Action servers of each kind in actionlib, for TestAction: a goal of n takes n seconds, and a negative goal fails."""
 import actionlib
 import rospy
 from actionlib.msg import TestAction, TestFeedback, TestResult
 
 
 class Executing:
-    """execute_cb in a thread of its own."""
+    """A server with an execute_cb, which runs in a thread of its own."""
 
     def __init__(self):
         self.server = actionlib.SimpleActionServer('executing', TestAction, self.execute, auto_start=False)
@@ -27,7 +27,7 @@ class Executing:
 
 
 class Accepting:
-    """Goal and pre-empt callbacks, and a timer for the work."""
+    """A server with goal and pre-empt callbacks, and a timer for the work."""
 
     def __init__(self):
         self.end = None
@@ -53,7 +53,7 @@ class Accepting:
 
 
 class Handling:
-    """Many goals at a time, by handles."""
+    """A server with many goals at a time, by handles."""
 
     def __init__(self):
         self.server = actionlib.ActionServer('handling', TestAction, self.on_goal, self.on_cancel, auto_start=False)

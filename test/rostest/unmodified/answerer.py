@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A depot that hands out tools; a request takes a while."""
+"""A depot that gives out tools; a request takes 0.3 s."""
 import rospy
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calls a service of another node as soon as that is there."""
+"""Calls a service of another node as soon as the service is there."""
 import time
 
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calls a service that takes its time."""
+"""Calls a service that takes long to answer."""
 import rospy
 from std_msgs.msg import String
 from std_srvs.srv import Trigger

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plays a bag as fast as it was recorded, when it is there."""
+"""Waits for a bag, and plays it as fast as it was recorded."""
 import rosbag
 import rospy
 from std_msgs.msg import Float64

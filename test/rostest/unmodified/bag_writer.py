@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Records what is said into a bag, and reads it again at the end."""
+"""Records a topic into a bag, and reads the bag at the end."""
 import rosbag
 import rospy
 from std_msgs.msg import Float64

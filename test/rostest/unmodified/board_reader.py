@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Read a board of parameters at a rate, in all ways there are."""
+"""Read parameters at a rate, in all ways that rospy has."""
 import sys
 
 import rosgraph

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write on a board of parameters at a rate, and read what it has written; clean up now and then."""
+"""Write parameters at 10 Hz and read them again; delete them now and then."""
 import sys
 
 import rospy

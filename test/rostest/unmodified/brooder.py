@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Never come to an end of one thought."""
+"""Compute for ever in one call."""
 import itertools
 
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""See who is there at the start, in three ways, and later who has come."""
+"""List the topics and nodes at the start in three ways, and wait for a late topic."""
 import time
 from xmlrpc.client import ServerProxy
 
@@ -15,7 +15,7 @@ publishers, _, services = rosgraph.Master('/census').getSystemState()
 print('%.9f %s' % (rospy.get_time(), ' '.join(name for name, nodes in publishers if name.startswith('/link_'))))
 print(' '.join(dict(publishers)['/rosout']))
 assert [name for name, nodes in services] == sorted(name for name, nodes in services)
-# In whichever way it is asked.
+# The answer is the same in each way of asking.
 assert topics == [name for name, kind in ServerProxy(rosgraph.get_master_uri()).getTopicTypes('/census')[2]
                   if name.startswith('/link_')]
 assert rostopic.find_by_type('std_msgs/String') == topics

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sends each robot its next goal in the callback of the end of the last one (actionlib.ActionClient)."""
+"""Sends each robot its next goal in the callback at the end of the last goal (actionlib.ActionClient)."""
 import random
 
 import actionlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A tour: the end of a goal starts a short break, and the end of the break sends the next goal."""
+"""A tour in which the end of a goal starts a short break, and the end of the break sends the next goal."""
 import threading
 
 import actionlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Open and close jobs at one instant."""
+"""Publish that jobs are opened and closed, all at one instant."""
 import rospy
 from std_msgs.msg import String
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Three states beside each other, each in a thread of its own, until one of them ends the others; then once more.
+"""Run three states at the same time, each in a thread, until one of them ends the others; then do so again.
 
-Written as concurrent states are in libraries of state machines: threads that are no daemons wait for an event, each
-tells under a condition how it has ended, and who waits for them looks ten times a second whether they are alive.
+The program is written like concurrent states in libraries of state machines. The threads are no daemons and wait for an
+event. Each stores its outcome under a condition. The main thread checks ten times a second whether they are alive.
 """
 import threading
 

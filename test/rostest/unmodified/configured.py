@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A node with a dynamic_reconfigure server, built without a .cfg file, for a speed that others may change."""
+"""A dynamic_reconfigure server for a speed, without a .cfg file, or a client that changes the speed."""
 import rospy
 from dynamic_reconfigure import client
 from dynamic_reconfigure.server import Server
 
 
 class Speed:
-    """What a .cfg file with one parameter makes."""
+    """The class that a .cfg file with one parameter makes."""
     min = {'speed': 0.0}
     max = {'speed': 10.0}
     defaults = {'speed': 1.0}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Give jobs to whoever of a set of idle robots comes first; robots are plain objects."""
+"""Give each job to the first robot of a set of idle robots, which are plain objects."""
 import enum
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Robot(Agent):
     def __init__(self, number):
         self.name = 'robot_%d' % number
         self.kind = Kind.SCOUT if number % 2 else Kind.CARRIER
-        self.padding = 'x' * (number * 37 % 11)  # no two of them lie at like distances
+        self.padding = 'x' * (number * 37 % 11)  # so that the distances of robots in memory differ
 
     def take(self, job):
         idle.remove(self)
@@ -47,7 +47,7 @@ class Error(Exception):
     pass
 
 
-class Odd(Robot, dict):  # of a built-in type
+class Odd(Robot, dict):  # derived from a built-in type
     pass
 
 

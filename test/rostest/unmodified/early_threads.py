@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Start threads before ROS, which work when ROS is there."""
+"""Start threads before ROS, which do their work after rospy.init_node."""
 import concurrent.futures
 import random
 import tempfile

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Read a parameter at each 0.1 s, and when it is told to."""
+"""Read a parameter every 0.1 s, and when a message asks for it."""
 import rospy
 from std_msgs.msg import String
 

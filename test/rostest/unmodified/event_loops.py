@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Do by asyncio what programs do: a loop in the main thread, one in a thread of its own, called from rospy's callbacks.
+"""Use asyncio as programs do: a loop in the main thread, or a loop in a thread that rospy's callbacks call.
 
-event_loops.py main | thread | cancel
+usage: event_loops.py main | thread | cancel
 """
 import asyncio
 import concurrent.futures
@@ -24,7 +24,7 @@ def compute(number):
 
 
 class Room:
-    """What coroutines share."""
+    """The objects that the coroutines share."""
 
     def __init__(self):
         self.jobs = asyncio.Queue(maxsize=2)
@@ -82,7 +82,7 @@ async def main():
 
 
 class Agent:
-    """A loop in a thread of its own, for callbacks."""
+    """An event loop in a thread of its own, for use from callbacks."""
 
     def __init__(self):
         self.loop = asyncio.new_event_loop()

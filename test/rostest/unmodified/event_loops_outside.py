@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Have asyncio wait for what comes when it comes: a child, a pipe, connections, signals; and for what never comes.
+"""Have asyncio wait for events from outside (a child, a pipe, connections, signals), or for ever.
 
-event_loops_outside.py child | pipe | server | signal | early | forever
+usage: event_loops_outside.py child | pipe | server | signal | early | forever
 """
 import asyncio
 import os

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wait for frontiers, a map and a partner in loops without sleep, as programs do that were written in a hurry."""
+"""Wait for frontiers and for a partner in loops without sleep, as hastily written programs do."""
 import threading
 import time
 
@@ -47,5 +47,5 @@ if rospy.get_param('~asks', False):
 while heard < 3000:
     time.sleep(0)
 print('%.9f heard' % rospy.get_time())
-while True:  # until somebody ends the system
+while True:  # until another program ends the system
     pass

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Has a mistake that shows after a while."""
+"""A program with a mistake that shows after 1.5 s."""
 import rospy
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One program of a study that comes to the end which its argument names, or does not end though something went wrong."""
+"""A program that ends in the way that its argument names, or does not end although something went wrong."""
 import _thread
 import asyncio
 import atexit
@@ -21,7 +21,7 @@ DAY = 86400.0
 
 
 def at(tick, action):
-    """Have something done at a tick of the clock node, in a callback."""
+    """Call ``action`` in a callback, at a tick of the clock node."""
     rospy.Subscriber('/ticks', Int32, lambda message: action() if message.data == tick else None)
 
 
@@ -30,7 +30,7 @@ def fail():
 
 
 def client():
-    """Two goals; something is wrong with what is done when the second has ended."""
+    """Send two goals; the callback at the end of the second one fails."""
     goals = actionlib.SimpleActionClient('/robot/move_base', MoveBaseAction)
     goals.wait_for_server()
     results = []
@@ -68,7 +68,7 @@ def service():
 
 
 def called_back():
-    """An action whose goal and preempt callbacks are wrong; actionlib itself catches what the first raises."""
+    """Serve an action whose goal and preempt callbacks fail; actionlib itself catches the exception of the first."""
     failing = actionlib.SimpleActionServer('called_back', MoveBaseAction, auto_start=False)
     failing.register_goal_callback(lambda: (failing.accept_new_goal(), fail()))
     failing.register_preempt_callback(fail)
@@ -96,9 +96,9 @@ async def awaits(one):
 
 
 def jobs():
-    """Fourteen exceptions: of callbacks, and of jobs for which nobody asks how they end."""
+    """Raise fourteen exceptions: in callbacks, and in jobs whose outcome is never asked for."""
     executor = ThreadPoolExecutor(2)
-    kept = [executor.submit(job)]  # the first: it stays to the end
+    kept = [executor.submit(job)]  # the first job; its future is kept to the end
     rospy.sleep(3.0)
     executor.submit(job)
     executor.submit(rospy.sleep, 0.5).add_done_callback(lambda future: fail())
@@ -111,7 +111,7 @@ def jobs():
     try:
         rospy.ServiceProxy('~leave', Trigger)()
     except rospy.ServiceException:
-        pass  # it is not waited for for ever
+        pass  # the caller does not wait for ever
     kept.append(called_back())
 
     async def main():
@@ -124,7 +124,7 @@ def jobs():
 
 
 def derived():
-    """Three exceptions that are no Exception, and one in what a library in C calls."""
+    """Raise three exceptions that are not of class Exception, and one in a callback of a C library."""
     class Stop(BaseException):
         pass
 
@@ -140,7 +140,7 @@ def derived():
 
 
 def items():
-    """Of three items of pools whose jobs fail one is taken."""
+    """Take one of three items of pools whose jobs fail."""
     pool, other = ThreadPool(1), ThreadPool(1)
     kept = pool.imap(lambda _: fail(), [1, 2]), other.imap_unordered(lambda _: fail(), [1])
     rospy.sleep(1.0)
@@ -151,7 +151,7 @@ def items():
 
 
 def taken():
-    """All items are taken, sooner or later."""
+    """Take all items of pools whose jobs fail, after a while."""
     pool = ThreadPool(1)
     for results in (pool.imap(lambda _: job(), [1, 2]), pool.imap_unordered(lambda _: job(), [1])):
         rospy.sleep(5.0)
@@ -166,7 +166,7 @@ def taken():
 
 
 def saves():
-    """It shuts itself down, and fails in writing down what came out."""
+    """Shut the node down, then fail while the results are saved."""
     at(2, lambda: rospy.signal_shutdown('all is done'))
     try:
         rospy.sleep(DAY)
@@ -175,13 +175,13 @@ def saves():
 
 
 def odd():
-    """What rospy calls takes no message."""
+    """Subscribe with a callback that takes no message."""
     rospy.Subscriber('/ticks', Int32, lambda: None)
     rospy.spin()
 
 
 def asked():
-    """The same, but somebody asks, sooner or later."""
+    """Run jobs that fail, and ask for the outcome of each after a while."""
     executor, pool, answers = ThreadPoolExecutor(3), ThreadPool(1), []
     first, second, third = (executor.submit(job) for _ in range(3))
     third.add_done_callback(lambda future: answers.append(future.exception()))
@@ -218,7 +218,7 @@ def asked():
 
 
 def unsaved():
-    """It ends with 0, but what it calls at the end is wrong."""
+    """End with exit code 0, although the functions that are called at the end fail."""
     atexit.register(fail)
     rospy.on_shutdown(lambda: {}['results'])
     at(2, lambda: rospy.signal_shutdown('all is done'))
@@ -244,7 +244,7 @@ def shut_down():
 
 
 def looks_on():
-    """It does not take part: after the error it says that it was made."""
+    """Look on without taking part; publish a message after the error."""
     said = rospy.Publisher('/seen', Int32, queue_size=1)
     heard = []
 
@@ -256,7 +256,7 @@ def looks_on():
 
 
 def last_round():
-    """The run ends with it, and the error is the last that happens."""
+    """End the run with an error that is its last event."""
     rospy.sleep(30.0)
     rospy.wait_for_message('/seen', Int32)
     fail()

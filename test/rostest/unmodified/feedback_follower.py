@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives robots and goes by what it hears on the way: feedback makes it change its mind, odometry and tf are counted."""
+"""Drives robots and reacts to messages on the way: feedback changes its goals, and it counts odometry and tf."""
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus

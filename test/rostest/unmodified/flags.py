@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drive to a place and back; callbacks set flags, the main loop looks at them."""
+"""Drive to a place and back; callbacks set flags, and the main loop reads them."""
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal

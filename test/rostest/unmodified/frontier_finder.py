@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Find frontiers at 200 Hz from 2 s on, and call a partner now and then."""
+"""Publish frontiers at 200 Hz from 2 s on, and a word for a partner now and then."""
 import rospy
 from std_msgs.msg import Float64, String
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Everything that a script had better not do in simulated time."""
+"""A script with all the habits that do not suit simulated time."""
 import datetime
 import multiprocessing
 import os

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Gives jobs and counts what is done; waits for the workshop with a sleep."""
+"""Publishes jobs and counts those that are done; sleeps until the workshop is there."""
 import threading
 
 import rospy

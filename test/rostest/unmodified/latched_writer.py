@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Keeps the settings of the others as latched topics, and changes one now and then."""
+"""Publishes settings for other nodes on latched topics, and changes one now and then."""
 import rospy
 from std_msgs.msg import Float32, String
 

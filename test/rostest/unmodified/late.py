@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Come late."""
+"""Advertise a topic late."""
 import rospy
 from std_msgs.msg import String
 

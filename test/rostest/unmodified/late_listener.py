@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sends goals, without and with a feedback callback, and listens to poses, tf and status now and then."""
+"""Sends goals with and without a feedback callback, and listens to poses, tf and status now and then."""
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatusArray
@@ -22,7 +22,7 @@ def goal_at(x):
 
 
 def listen_for(seconds):
-    """Listen to what robot_1 tells, from this moment on, for a while."""
+    """Listen to the topics of robot_1 for ``seconds``, from now on."""
     topics = (('/robot_1/odom', Odometry), ('/robot_1/amcl_pose', PoseWithCovarianceStamped))
     heard = [rospy.Subscriber(topic, kind, lambda message, topic=topic: say(
         topic, message.header.stamp, message.pose.pose.position.x)) for topic, kind in topics]

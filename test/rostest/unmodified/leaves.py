@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a temporary file that it does not remove, and says its name."""
+"""Writes a temporary file that it does not remove, and publishes its name."""
 import tempfile
 
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Keep a book of jobs: one callback makes the entry, with many lines of the log and notes, the other one needs it."""
+"""Keep a book of jobs: one callback makes an entry, with many log lines and notes, and the other needs it."""
 import rospy
 from std_msgs.msg import String
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A link of a chain: says what the one before says, as soon as that is there."""
+"""A link of a chain: publishes the message of the link before as soon as it comes."""
 import sys
 import time
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Leaves objects in cycles behind, which publish when they are finalized, and one that waits then."""
+"""Leaves objects in cycles that publish when they are finalized; one of them also waits then."""
 import rospy
 from std_msgs.msg import String
 
@@ -27,7 +27,7 @@ last_words = rospy.Publisher('last_words', String, queue_size=100)
 rospy.Subscriber('last_words', String, lambda text: None)
 for i in range(30):
     Litter(i)
-    for j in range(1000):  # the collector would not wait for that many
+    for j in range(1000):  # so many that the collector would run
         cycle = []
         cycle.append(cycle)
 print('at once %d' % (30 - left))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drive to and fro and wait without sleeping: by a flag, by the goal's state, by the time, by the number of listeners."""
+"""Drive to and fro, and wait without sleep for a flag, for the goal's state, for a time, for a listener."""
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal

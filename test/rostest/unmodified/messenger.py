@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Set a parameter in the middle of a turn that lasts by the wall; tell another node; have a program look at it."""
+"""Set a parameter in the middle of a turn that takes wall time; send a message; have a program read it."""
 import subprocess
 import sys
 import time
@@ -13,7 +13,7 @@ rospy.init_node('messenger')
 said = rospy.Publisher('/said', String, queue_size=1)
 rospy.sleep(1.0)
 rospy.set_param('/errand', 'half')
-time.sleep(0.3)  # the wall's
+time.sleep(0.3)  # s, wall
 rospy.set_param('/errand', 'done')
 said.publish('look')
 rospy.sleep(1.0)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ask what libraries in C see: by ctypes, which lets go of Python's lock, and by a module, which keeps it."""
+"""Ask libraries in C what they see: by ctypes, which releases Python's lock, or by a module, which keeps it."""
 import ctypes
 import sys
 import time

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What Python itself and its library need of the machine, and what the program gets of it beside libraries of its own."""
+"""Print what Python and its library get from the machine, and what the program gets, beside its own C libraries."""
 import ctypes
 import os
 import ssl

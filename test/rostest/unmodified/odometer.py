@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print what robots tell of where they are, and drive one of them for a while."""
+"""Print the poses that robots publish, and drive one robot for a while."""
 import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry

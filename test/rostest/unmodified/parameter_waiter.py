@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wait for a parameter that somebody sets."""
+"""Wait for a parameter that another node sets."""
 import sys
 
 import rospy

@@ -1,4 +1,4 @@
-"""A partner that says words; a module of a program."""
+"""A module of a program: a partner that sends words."""
 import threading
 
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Look where the robot is, once a second."""
+"""Print the robot's position once a second."""
 import rospy
 from nav_msgs.msg import Odometry
 

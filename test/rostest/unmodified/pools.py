@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Have pools of threads work, and threads race, and say what came when."""
+"""Have thread pools work and threads race, and publish the order of their results."""
 import concurrent.futures
 import multiprocessing.pool
 import random
@@ -34,7 +34,7 @@ def race(name, shared):
 with concurrent.futures.ThreadPoolExecutor(3) as pool:
     say(*pool.map(job, range(8)))
     futures = [pool.submit(job, number) for number in range(9)]
-    for _ in range(2):  # as they come, and when all are there
+    for _ in range(2):  # while they end, then when all have ended
         say(*[future.result()[0] for future in concurrent.futures.as_completed(futures)])
     say(*[future.result()[0] for future in concurrent.futures.wait(futures).done])
 with concurrent.futures.ThreadPoolExecutor(3) as pool:

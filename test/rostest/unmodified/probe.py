@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Says what it is started as."""
+"""Prints how it was started."""
 import inspect
 import pickle
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Have pools of processes work."""
+"""Have pools of processes and single processes work."""
 import concurrent.futures
 import multiprocessing
 
@@ -15,7 +15,7 @@ if __name__ == '__main__':
     rospy.sleep(1.0)
     with concurrent.futures.ProcessPoolExecutor(2) as pool:
         print('%.9f %s' % (rospy.get_time(), list(pool.map(square, range(5)))))
-    with multiprocessing.get_context('fork').Pool(2) as pool:  # its end ends its processes by SIGTERM
+    with multiprocessing.get_context('fork').Pool(2) as pool:  # at its end it ends its processes by SIGTERM
         print('%.9f %s' % (rospy.get_time(), pool.map(square, range(5))))
     forked = multiprocessing.get_context('fork').Process(target=multiprocessing.Semaphore(0).acquire)
     forked.start()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Jobs come by topic into a queue; two workers take them out."""
+"""Put jobs from a topic into a queue, from which two workers take them."""
 import queue
 import threading
 

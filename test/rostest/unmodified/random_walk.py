@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Goes to random places, with numpy's and Python's generators as they are."""
+"""Drives to random places, drawn by the default generators of numpy and Python."""
 import random
 
 import actionlib
@@ -12,7 +12,7 @@ client = actionlib.SimpleActionClient('move_base', MoveBaseAction)
 client.wait_for_server()
 names = {'north', 'east', 'south', 'west'}
 for i in range(5):
-    for name in names:  # a set, in whatever order it comes
+    for name in names:  # a set, in its own order
         pass
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = 'map'

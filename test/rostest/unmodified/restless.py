@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wait for flags without a sleep that takes any time, one way after the other; a timer raises each a second later."""
+"""Wait for flags in several ways without sleeping for any time; a timer raises each flag after a second."""
 import os
 import sys
 import threading

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Hear what another one tells, and wait for it in a loop without sleep, as that one does."""
+"""Wait for the messages of another node in a loop without sleep, as that node does itself."""
 import rospy
 from std_msgs.msg import String
 

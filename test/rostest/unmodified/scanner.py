@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Print what a robot's laser measures and where tf has it at that very instant, while another one drives by."""
+"""Print a robot's laser scans and its pose from tf at the same instants, while another robot drives by."""
 import hashlib
 import struct
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sensor with a rate, a delay and an AnyMsg counter of the other one."""
+"""A sensor with a rate and a delay, which counts the messages of the other sensor by AnyMsg."""
 import rospy
 from geometry_msgs.msg import PointStamped
 

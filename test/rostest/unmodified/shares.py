@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write files in all the ways that programs have, or look at them: shares.py writes|reads FOLDER."""
+"""Write files in all the ways that programs have, or read them: shares.py writes|reads FOLDER."""
 import json
 import logging
 import os
@@ -59,7 +59,7 @@ def main():
     WAYS['note']('of_' + what)
     for name, way in WAYS.items():
         (way if what == 'writes' else look)(name)
-        rospy.init_node('shares')  # what was before is told, too
+        rospy.init_node('shares')  # files that were used before it are reported, too
     (note if what == 'writes' else look)(b'odd \xff')
 
 

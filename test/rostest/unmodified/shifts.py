@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Go through sets of threads and of functions, which lie where they lie."""
+"""Go through sets of threads and functions, whose order depends on addresses."""
 import threading
 
 import rospy

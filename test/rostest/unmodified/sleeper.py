@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Give the others some seconds, then become a node and ask."""
+"""Wait some seconds for the others, then become a node and call a service."""
 import time
 
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ask for time and chance in every way that is followed, before ROS and in it, and publish what was said."""
+"""Ask for time and chance in all ways that lockstep follows, before and after init_node; publish the answers."""
 import concurrent.futures
 import datetime as dates
 import email.utils
@@ -65,7 +65,7 @@ def drawn():
 
 
 def itself():
-    """What a program learns of its own threads, of the computer, and of dates by the way."""
+    """Return what a program learns about its threads and the computer, and dates in logs and databases."""
     stream = io.StringIO()
     handler = logging.StreamHandler(stream)
     handler.setFormatter(logging.Formatter('%(asctime)s %(message)s'))
@@ -94,7 +94,7 @@ def names():
 
 
 def waits():
-    """Wait in ways that time out; each is followed by what the clock of the wall says then."""
+    """Wait in ways that time out; after each comes the reading of the monotonic clock."""
     told = []
     for wait in (lambda: queue.Queue().get(timeout=0.25), lambda: threading.Event().wait(0.125),
                  lambda: select.select([], [], [], 0.0625), lambda: time.sleep(0.03125), timed_futures, scheduled, spin):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A little state machine: try to get there in time, else cancel, rest, and try again with more patience."""
+"""A small state machine: drive to a goal in time; otherwise cancel, rest, and try again with more patience."""
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus

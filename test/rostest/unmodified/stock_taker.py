@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Wait for the store, ask it for its stock and look who is there; only then become a node."""
+"""Wait for the store, ask for its stock and list its topics; become a node only after that."""
 import time
 
 import rospy
 from std_srvs.srv import Trigger
 
-time.sleep(0.2)  # let the others come up
+time.sleep(0.2)  # let the others start
 rospy.wait_for_service('/store/stock')
 answer = rospy.ServiceProxy('/store/stock', Trigger)()
 topics = sorted(name for name, kind in rospy.get_published_topics() if name.startswith('/store'))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Brings together what two sensors have measured at the same time, and at about the same time."""
+"""Combines the measurements of two sensors at the same time, and at about the same time."""
 import message_filters
 import rospy
 from geometry_msgs.msg import PointStamped

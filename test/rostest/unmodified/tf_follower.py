@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints how far the robot is from a landmark that it broadcasts itself, as in the tf2 tutorial."""
+"""Prints the distance of the robot from a landmark that the node itself broadcasts, as in the tf2 tutorial."""
 import math
 
 import rospy

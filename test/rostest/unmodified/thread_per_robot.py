@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One thread per robot; each drives its robot around and adds to a common list."""
+"""One thread for each robot, which drives its robot around and adds to a common list."""
 import threading
 
 import actionlib
@@ -31,7 +31,7 @@ def main():
     names = rospy.get_param('~robots')
     threads = []
     for i, name in enumerate(names):
-        # all of the same length, so that they end at the same instant
+        # all ways have the same length, so that they end at the same instant
         places = [Point(x=1.0 * k, y=10.0 * i) for k in (3, 1, 20)]
         threads.append(threading.Thread(target=drive, args=(name, places)))
     for t in threads:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publishes a number every second until it is told to end."""
+"""Publishes a number every second until it is shut down."""
 import rospy
 from std_msgs.msg import Int32
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publishes a battery level from a Timer; somebody else charges it by a topic."""
+"""Publishes a battery level from a Timer; another node charges the battery by a topic."""
 import rospy
 from std_msgs.msg import Float32, Empty
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Do all that differs from run to run."""
+"""Make all calls whose results differ from run to run."""
 import ctypes
 import getpass
 import multiprocessing

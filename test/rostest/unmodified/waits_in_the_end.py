@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does some work, and then waits for ever: for more of it, or for something that never comes (the first argument)."""
+"""Does some work and then waits for ever, for more work or for an event that never comes (the first argument)."""
 import queue
 import sys
 import threading
@@ -42,7 +42,7 @@ def wait_for_itself():
 
 
 def wait_for_a_goal():
-    """Somebody takes the goal and does nothing about it; its client waits for the end by an event."""
+    """Send a goal to a server that ignores it; the client waits for its end by an event."""
     rospy.Subscriber('go/goal', TestActionGoal, lambda _goal: None)
     rospy.Publisher('go/result', TestActionResult, queue_size=1)
     rospy.Subscriber('go/result', TestActionResult, lambda _result: closed.set())

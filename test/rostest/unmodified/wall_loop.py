@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Waits for something with time.sleep."""
+"""Waits for three messages in a loop with time.sleep."""
 import time
 
 import rospy
