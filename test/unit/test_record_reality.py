@@ -5,6 +5,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -163,3 +164,92 @@ def test_the_packed_missions_of_the_ranking_are_whole():
         assert int(mission['missed_loops']) == 0
         assert (float(mission['mission_s']) == 900.0) == (mission['ended'] == '0')
         assert mission['ended'] == '0' or int(mission['done']) + int(mission['failed']) == 12
+
+
+class Topics:
+    """Takes the place of rospy: publishers keep their messages, and ``heard`` hands one to the subscriber of a topic."""
+
+    def __init__(self, monkeypatch):
+        import robots
+        self._hears, self.sent = {}, []
+        monkeypatch.setattr(robots.rospy, 'Publisher', lambda topic, _kind, queue_size: SimpleNamespace(
+            publish=lambda message: self.sent.append((topic, message))))
+        monkeypatch.setattr(robots.rospy, 'Subscriber',
+                            lambda topic, _kind, hear, queue_size: self._hears.update({topic: hear}))
+
+    def heard(self, topic, message):
+        """Hand a message to the robot 0."""
+        self._hears['/robot_0/' + topic](message)
+
+
+def goal_of(goal_id, x):
+    """Return a goal [m] of a coordinator."""
+    from robots import MoveBaseActionGoal
+    message = MoveBaseActionGoal()
+    message.goal_id.id = goal_id
+    message.goal.target_pose.pose.position.x, message.goal.target_pose.pose.orientation.w = x, 1.0
+    return message
+
+
+def plan_to(x):
+    """Return a plan of navfn along x, from 0 to ``x`` [m]."""
+    from geometry_msgs.msg import PoseStamped
+    from robots import Path as Plan
+    plan = Plan()
+    for n in range(int(10 * x) + 1):
+        plan.poses.append(PoseStamped())
+        plan.poses[-1].pose.position.x = 0.1 * n
+    return plan
+
+
+def result_of(goal_id, state):
+    """Return the result of a goal."""
+    from robots import MoveBaseActionResult
+    message = MoveBaseActionResult()
+    message.status.goal_id.id, message.status.status = goal_id, state
+    return message
+
+
+@pytest.fixture
+def watched(monkeypatch):
+    """Return (the topics, a robot at the origin whose goals come from another program)."""
+    topics = Topics(monkeypatch)
+    from robots import Odometry, WatchedRobot
+    robot = WatchedRobot(0, SimpleNamespace(clearance=lambda _x, _y: 1.0), 'run')
+    standing = Odometry()
+    standing.pose.pose.orientation.w = 1.0
+    topics.heard('odom', standing)
+    robot.take(0.0)
+    return topics, robot
+
+
+@pytest.mark.parametrize('first', ['the goal', 'the plan'])
+def test_a_goal_of_another_program_and_its_plan_are_one_leg_whichever_is_heard_first(watched, first):
+    topics, robot = watched
+    messages = [('move_base/goal', goal_of('a', 3.0)), ('move_base/NavfnROS/plan', plan_to(3.0))]
+    for topic, message in messages if first == 'the goal' else messages[::-1]:
+        topics.heard(topic, message)
+    robot.take(1.0)
+    assert (robot.leg.goal[0], robot.leg.sent, robot.leg.first_plan) == (3.0, 1.0, 1.0)
+    topics.heard('move_base/result', result_of('another', 3))
+    robot.take(2.0)
+    assert robot.leg is not None
+    topics.heard('move_base/result', result_of('a', 3))
+    robot.take(5.0)
+    assert robot.leg is None
+    assert len(robot.rows) == 1
+    assert topics.sent == []  # it only listens
+
+
+def test_a_goal_that_is_sent_while_one_is_under_way_begins_its_leg_when_that_has_ended(watched):
+    topics, robot = watched
+    topics.heard('move_base/goal', goal_of('a', 3.0))
+    robot.take(1.0)
+    topics.heard('move_base/goal', goal_of('b', 2.0))
+    topics.heard('move_base/NavfnROS/plan', plan_to(2.0))  # of the second: not one of the leg under way
+    robot.take(2.0)
+    assert (robot.leg.goal[0], robot.leg.plans) == (3.0, 0)
+    topics.heard('move_base/result', result_of('a', 2))
+    robot.take(3.0)
+    assert (robot.leg.goal[0], robot.leg.sent, robot.leg.first_plan, robot.leg.number) == (2.0, 3.0, 3.0, 2)
+    assert len(robot.rows) == 1
