@@ -3,6 +3,7 @@ import gzip
 import math
 import random
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -94,6 +95,18 @@ def test_calibrate_says_what_it_lacks(tmp_path, capsys):
     with pytest.raises(SystemExit) as end:
         command.main([str(tmp_path), '--encounters', 'move_base_dwa_stage', '-o', str(tmp_path / 'new.yaml')])
     assert end.value.code == 2 and 'got 2 legs that met a robot' in capsys.readouterr().err
+
+
+def test_legs_of_several_folders_meet_those_of_their_own_folder(tmp_path, monkeypatch):
+    for name in ('monday', 'tuesday'):
+        (tmp_path / name).mkdir()
+        write_recording(tmp_path / name, HEAD_ON)
+    monkeypatch.setattr(encounter_report, 'fit_encounters', lambda *_: SimpleNamespace(values={}, counts={'head_on': 4}))
+    monkeypatch.setattr(encounter_report, 'map_scores', lambda *_: [])
+    folders = [str(tmp_path / name) for name in ('monday', 'tuesday')]
+    values, _, _, legs = encounter_report.calibrate_encounters(folders, 'move_base_dwa_stage', 0.4)
+    assert [[one.other for one in leg.meetings] for leg in legs] == [[2], [], [0], [5], [], [3]]
+    assert values['encounters']['source'] == '4 encounters on 4 of 6 legs of 1 maps'
 
 
 def test_what_else_the_calibration_says_stays(tmp_path, monkeypatch):

@@ -167,7 +167,7 @@ def test_the_packed_missions_of_the_ranking_are_whole():
 
 
 class Topics:
-    """Takes the place of rospy: publishers keep their messages, and ``heard`` hands one to the subscriber of a topic."""
+    """Takes the place of rospy: publishers keep their messages, and ``heard`` calls the subscriber of a topic."""
 
     def __init__(self, monkeypatch):
         import robots
@@ -193,12 +193,10 @@ def goal_of(goal_id, x):
 
 def plan_to(x):
     """Return a plan of navfn along x, from 0 to ``x`` [m]."""
-    from geometry_msgs.msg import PoseStamped
     from robots import Path as Plan
     plan = Plan()
     for n in range(int(10 * x) + 1):
-        plan.poses.append(PoseStamped())
-        plan.poses[-1].pose.position.x = 0.1 * n
+        plan.poses.append(goal_of('', 0.1 * n).goal.target_pose)
     return plan
 
 
