@@ -101,7 +101,8 @@ def test_legs_of_several_folders_meet_those_of_their_own_folder(tmp_path, monkey
     for name in ('monday', 'tuesday'):
         (tmp_path / name).mkdir()
         write_recording(tmp_path / name, HEAD_ON)
-    monkeypatch.setattr(encounter_report, 'fit_encounters', lambda *_: SimpleNamespace(values={}, counts={'head_on': 4}))
+    fitted = SimpleNamespace(values={}, counts={'head_on': 4})
+    monkeypatch.setattr(encounter_report, 'fit_encounters', lambda *_: fitted)
     monkeypatch.setattr(encounter_report, 'map_scores', lambda *_: [])
     folders = [str(tmp_path / name) for name in ('monday', 'tuesday')]
     values, _, _, legs = encounter_report.calibrate_encounters(folders, 'move_base_dwa_stage', 0.4)
