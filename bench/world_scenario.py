@@ -1,4 +1,5 @@
 """The world that bench/world measures: a map of blocks, stations in its streets, scenarios with one part or all."""
+import json
 import os
 import random
 
@@ -32,6 +33,9 @@ _WORLD = {
 PARTS = ('none', *(part for part, keys in _SETTINGS.items() if set(keys) <= set(OWN_NAMES)), *_WORLD, 'all')
 #: calibrated robots, without and with encounters; their motion differs, so they are not in "all"
 CALIBRATED = ('calibrated', 'encounters')
+#: all parts, and lanes instead of ways around what the map shows
+LANES = 'lanes and all'
+_ROWS, _COLUMNS, _GAP = 25, 40, 2.5  # of the net of lanes, which has room for two robots on each; m
 
 
 def make_map(cells=CELLS):
@@ -75,6 +79,26 @@ def make(robots, part):
         scenario['defaults'] = {'calibration': 'move_base_dwa_stage'}
         scenario['encounters'] = 'calibrated' if part == 'encounters' else 'none'
     return scenario, _MAP if 'routes' in chosen else None
+
+
+def make_lanes(robots, folder):
+    """Return (scenario of ``robots`` robots on a net of 1,000 nodes with all other parts, places [m] to which they go).
+
+    The net is written into ``folder``.
+    """
+    nodes = {(row, column): {'name': f'{row} {column}', 'x': column * _GAP, 'y': row * _GAP}
+             for row in range(_ROWS) for column in range(_COLUMNS)}
+    edges = [{'from': node['name'], 'to': nodes[to]['name'], 'capacity': 2}
+             for (row, column), node in nodes.items() for to in ((row, column + 1), (row + 1, column)) if to in nodes]
+    path = os.path.join(folder, 'net.yaml')
+    with open(path, 'w', encoding='utf-8') as stream:
+        json.dump({'nodes': list(nodes.values()), 'edges': edges}, stream)
+    stations = [(node['x'], node['y']) for node in random.Random(7).sample(list(nodes.values()), robots)]
+    scenario, _ = make(0, 'all')
+    scenario['defaults'].update({'routes': 'lanes', 'lanes': path, 'use_map': False})
+    scenario['robots'] = [{'name': f'robot_{index}', 'start_x': x, 'start_y': y}
+                          for index, (x, y) in enumerate(stations)]
+    return scenario, stations
 
 
 def write_map(occupancy, folder):
