@@ -60,7 +60,7 @@ class ExplorerTest(unittest.TestCase):
             with open(relay, 'w') as script:
                 script.write(RELAY.format(os.path.join(FOLDER, 'explorer.py')))
             runs = run_thrice({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
-                              until=30.0)
+                              until=17.5)
         assert_same(self, runs)
         # Frontiers come at 200 Hz from 2 s on, with a word after each 300th. A looking thread sees the end of another
         # one 10 ms later, or at the next event.

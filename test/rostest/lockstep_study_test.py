@@ -96,7 +96,7 @@ class StudyTest(unittest.TestCase):
     def test_the_study_comes_to_its_end_and_is_called_repeatable(self):
         self.assert_repeatable(self.first)
         self.assertIn('/coordinator', self.first.end['reason'])
-        self.assertIn('12 tasks in', self.first.said)
+        self.assertIn('6 tasks in', self.first.said)
         self.assertNotIn('Traceback', self.first.said)
 
     def test_the_log_is_the_same_under_load_and_with_processes_stopped(self):
