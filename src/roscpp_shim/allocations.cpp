@@ -185,7 +185,7 @@ void* reallocate(void* address, std::size_t size, const void* caller) {
   return moved;
 }
 
-/** Lock the heap around fork(), since the child has one thread only, and would wait for others. */
+/** Lock the heap around a fork, since the child has one thread only, and would wait for others. */
 __attribute__((constructor)) void prepareForForks() {
   ::pthread_atfork([] { heap.lock(); }, [] { heap.unlock(); }, [] { heap.unlock(); });
 }

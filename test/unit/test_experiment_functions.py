@@ -177,7 +177,7 @@ def test_of_a_package_that_is_named_itself_all_modules_go(tmp_path):
 
 
 def test_a_module_goes_nowhere_else(tmp_path):
-    with pytest.raises(ConfigurationError, match='beside the experiment'):
+    with pytest.raises(ConfigurationError, match="in the experiment's folder"):
         functions.place(job_of(folder=str(tmp_path), sources={'../x.py': ''}), str(tmp_path / 'own'))
 
 
