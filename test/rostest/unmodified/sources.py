@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ask for time and chance in all ways that lockstep follows, before and after init_node; publish the answers."""
+"""Ask for time and chance in all ways whose answers are followed, before and after init_node; publish the answers."""
 import concurrent.futures
 import datetime as dates
 import email.utils
