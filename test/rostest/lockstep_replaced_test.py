@@ -3,6 +3,7 @@
 
 import json
 import os
+import subprocess
 import sys
 import unittest
 
@@ -12,6 +13,7 @@ from lockstep_launcher_run import HERE, run_programs
 from move_base_abstract_ros.replacing import replaced
 
 PROBE = os.path.join(HERE, 'lockstep_nodes', 'replaced_probe.py')
+STARTS = os.path.join(HERE, 'lockstep_nodes', 'early_threads.py')
 
 
 class ReplacedTest(unittest.TestCase):
@@ -37,6 +39,10 @@ class ReplacedTest(unittest.TestCase):
     def test_the_sources_of_this_system_are_known(self):
         self.assertEqual(self.told['unknown'], '')
         self.assertEqual([line for line in self.launched.logged('probe', 'WARN') if 'stands in for' in line], [])
+
+    def test_a_thread_that_rospy_starts_while_a_program_begins_to_take_part_is_no_early_one(self):
+        done = subprocess.run([sys.executable, STARTS], stdout=subprocess.PIPE, text=True, check=True)
+        self.assertEqual(done.stdout.split(), ['asked', 'ran', 'ran', '1'])
 
 
 if __name__ == '__main__':

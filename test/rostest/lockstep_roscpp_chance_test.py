@@ -144,8 +144,8 @@ class LockstepRoscppChanceTest(unittest.TestCase):
 
     def assert_shared(self, run, path):
         self.assertEqual(len(run.labels), 1, run.labels)
-        self.assertRegex(run.labels[0], "^'/(one|two)' (reads|writes) {}, which '/(one|two)' (reads|writes): what "
-                                        'passes between them'.format(re.escape(path)))
+        self.assertRegex(run.labels[0], "^'/(one|two)' (reads|writes) {}, which '/(one|two)' (reads|writes): data "
+                                        'that passes between them'.format(re.escape(path)))
 
     def test_strict_ends_the_run_with_the_first_label_and_its_program_with_an_error(self):
         script = Program('loop', WALL_LOOP, options=['--strict'])
