@@ -93,7 +93,7 @@ class PropertiesTest(unittest.TestCase):
             self.assertEqual([[one.time_ns // 10 ** 9, json.loads(one.values)] for one in events
                               if one.kind == 'property' and one.robot == node], ROWS, node + said)
             self.assertIn('broken: always: at 5.000000000 s, {}: k stays small (a "b"=0.5, k=3)'.format(node), said)
-        self.assertRegex(said, 'a message of /topic on /properties is not a statement: got .*; allowed: an object with kind ')
+        self.assertRegex(said, 'a message of /topic on /properties is not a statement: got .*; allowed: an object with')
 
     def test_a_run_that_breaks_something_fails_as_a_test_in_words(self):
         results = os.path.join(self.folder, 'results.xml')
