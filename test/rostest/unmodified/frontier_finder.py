@@ -8,7 +8,7 @@ frontiers = rospy.Publisher('/frontiers', Float64, queue_size=10)
 partner = rospy.Publisher('/partner', String, queue_size=10)
 rospy.sleep(1.0)
 rate = rospy.Rate(200)
-for number in range(3400):
+for number in range(3060):
     frontiers.publish(0.5 * number)
     if number % 300 == 299:
         partner.publish('come')
