@@ -1,8 +1,8 @@
 """The world that bench/world measures: a map of blocks, stations in its streets, scenarios with one part or all."""
-import json
 import os
 import random
 
+import lane_net
 import numpy as np
 
 from move_base_abstract.config.robot_table import OWN_NAMES
@@ -35,7 +35,7 @@ PARTS = ('none', *(part for part, keys in _SETTINGS.items() if set(keys) <= set(
 CALIBRATED = ('calibrated', 'encounters')
 #: all parts, and lanes instead of ways around what the map shows
 LANES = 'lanes and all'
-_ROWS, _COLUMNS, _GAP = 25, 40, 2.5  # of the net of lanes, which has room for two robots on each; m
+_GAP = 2.5  # m, between nodes of the net
 
 
 def make_map(cells=CELLS):
@@ -86,14 +86,8 @@ def make_lanes(robots, folder):
 
     The net is written into ``folder``.
     """
-    nodes = {(row, column): {'name': f'{row} {column}', 'x': column * _GAP, 'y': row * _GAP}
-             for row in range(_ROWS) for column in range(_COLUMNS)}
-    edges = [{'from': node['name'], 'to': nodes[to]['name'], 'capacity': 2}
-             for (row, column), node in nodes.items() for to in ((row, column + 1), (row + 1, column)) if to in nodes]
-    path = os.path.join(folder, 'net.yaml')
-    with open(path, 'w', encoding='utf-8') as stream:
-        json.dump({'nodes': list(nodes.values()), 'edges': edges}, stream)
-    stations = [(node['x'], node['y']) for node in random.Random(7).sample(list(nodes.values()), robots)]
+    path, places = lane_net.write(folder, _GAP, capacity=2)
+    stations = random.Random(7).sample(places, robots)
     scenario, _ = make(0, 'all')
     scenario['defaults'].update({'routes': 'lanes', 'lanes': path, 'use_map': False})
     scenario['robots'] = [{'name': f'robot_{index}', 'start_x': x, 'start_y': y}

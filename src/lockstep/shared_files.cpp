@@ -55,7 +55,7 @@ std::string SharedFiles::add(const std::string& member, const wire::Note& note) 
   }
   return quote(member) + (writes ? " writes " : " reads ") + shown(note.text) + ", which " +
          quote(other) + (writer.empty() ? " reads" : " writes") +
-         ": data that passes between them so is not in the order of simulated time";
+         ": data that passes between them is not in the order of simulated time";
 }
 
 }  // namespace move_base_abstract

@@ -109,7 +109,7 @@ class LabelledTest(unittest.TestCase):
             run = run_programs({what: ['shares.py', what, folder] for what in ('writes', 'reads')}, until=10.0)
             self.assertEqual(run.codes, {'writes': 0, 'reads': 0}, run.outputs)
             names = [re.sub(r"^'/(?:writes|reads)' (?:writes|reads) {}/(.+), which .+: data that passes between them "
-                            'so is not in the order of simulated time$'.format(folder), r'\1', label)
+                            'is not in the order of simulated time$'.format(folder), r'\1', label)
                      for label in run.state.not_repeatable_because]
         self.assertEqual(sorted(names), ['copy', 'create', 'log', 'note', r'odd \xff', 'replace', 'save', 'store'])
 

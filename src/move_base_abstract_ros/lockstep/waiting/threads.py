@@ -32,7 +32,7 @@ _numbers = itertools.count(1)  # of threads without a name, in the names that Py
 def install(participant, own_threads):
     """Make locks use the scheduler of ``participant``; with ``own_threads``, replace locks and follow threads."""
     Process.scheduler = participant.scheduler
-    _watch.take_part = None  # rospy may start threads of its own before its participant is known to the labels
+    _Watch.take_part = None  # rospy may start threads of its own before its participant is known to the labels
     if own_threads:
         replace_locks()
         _follow_threads(participant.scheduler)
@@ -52,7 +52,7 @@ def watch_start(take_part):
 
     If that is not possible, lockstep does not order the thread, and the run is labelled.
     """
-    _watch.take_part = take_part
+    _Watch.take_part = take_part
     replace('threading.Thread.start', _starting_early)
 
 
@@ -62,12 +62,9 @@ class _Watch:
     take_part = None
 
 
-_watch = _Watch()
-
-
 def _starting_early(start):
     def _start(self):
-        take_part = _watch.take_part
+        take_part = _Watch.take_part
         frame = None if take_part is None else own_frame(sys._getframe(1))
         if frame is None or _is_foreign(self, ''):
             start(self)
