@@ -24,14 +24,12 @@ TEST(SharedFiles, OneThatTwoHaveAndOneWritesLabelsTheRun) {
   EXPECT_EQ(files.add("/b", {kReads, "/home/map"}), "");
   EXPECT_EQ(files.add("/a", {kWrites, "/home/own"}), "");
   EXPECT_EQ(files.add("/a", {kReads, "/home/own"}), "");
-  EXPECT_EQ(
-      files.add("/b", {kWrites, "/home/map"}),
-      "'/b' writes /home/map, which '/a' reads: data that passes between them is not in the "
-      "order of simulated time");
-  EXPECT_EQ(
-      files.add("/c", {kReads, "/home/map"}),
-      "'/c' reads /home/map, which '/b' writes: data that passes between them is not in the "
-      "order of simulated time");
+  EXPECT_EQ(files.add("/b", {kWrites, "/home/map"}),
+            "'/b' writes /home/map, which '/a' reads: data that passes between them is not in the "
+            "order of simulated time");
+  EXPECT_EQ(files.add("/c", {kReads, "/home/map"}),
+            "'/c' reads /home/map, which '/b' writes: data that passes between them is not in the "
+            "order of simulated time");
 }
 
 TEST(SharedFiles, WhatIsTheSameForAllOrIsToldOfInAnotherWayDoesNot) {
