@@ -52,6 +52,7 @@ class Difference(NamedTuple):
     sides: tuple = ()  # the Sides, first and second
     against: tuple = ()  # (group, Estimate) of the groups in which the difference has the opposite sign
     order: object = None  # the orders.Order if there is no mean and values are lower bounds; p is then of its test
+    is_everywhere: bool = False  # whether each pair, also of groups that are not used, has the sign of the mean
 
     @property
     def needed(self):
@@ -220,7 +221,7 @@ def _of_groups(experiment, metric, what, groups, signs):
     counts = tuple(int(count) for count in (~np.isnan(rows)).sum(axis=1))
     found = Difference(metric, *what, NOTHING, math.nan, math.nan, math.nan, tuple(groups), counts, is_cut, None,
                        _sides(experiment, metric, groups))
-    used = np.array([count >= found.needed for count in counts])
+    seen, used = intervals.known(rows.ravel()), np.array([count >= found.needed for count in counts])
     if not used.any():
         return _ordered(experiment, found)
     tables, rows, left = [table[used] for table in tables], rows[used], left[used]
@@ -228,6 +229,7 @@ def _of_groups(experiment, metric, what, groups, signs):
     base = np.where(np.isnan(rows), math.nan, tables[0])
     blocks = rows[:, ~np.isnan(rows).any(axis=0)].mean(axis=0)
     return found._replace(estimate=comparison.estimate, p=comparison.p,
+                          is_everywhere=bool((np.sign(seen) == np.sign(comparison.estimate.value)).all()),
                           reference=float(np.mean([np.mean(intervals.known(row)) for row in base])),
                           median=intervals.median_estimate(blocks) if intervals.is_skewed(blocks) else None,
                           against=_against(metric, found.used, tables, rows, left, comparison.estimate.value))

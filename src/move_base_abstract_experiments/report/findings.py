@@ -87,7 +87,8 @@ def _of_factor(experiment, factor, own, scale):
         told = [_comparison(experiment, each, scale, own, 'the baseline') for each in against[:MOST_WITH_BASELINE]]
     if len({level for each in own for level in (each.first, each.second)}) <= FEW_LEVELS:
         return told or [_comparison(experiment, each, scale, own) for each in own]
-    return [_best(experiment, own, scale), *told]
+    best = _best(experiment, own, scale)
+    return [best, *told] if best else [_comparison(experiment, each, scale, own) for each in own[:effects.ALL_PAIRS]]
 
 
 def _comparison(experiment, difference, scale, family, aside=''):
@@ -97,12 +98,17 @@ def _comparison(experiment, difference, scale, family, aside=''):
 
 
 def _best(experiment, own, scale):
-    """Return the Finding that names the best of several levels, and by how much it leads."""
+    """Return the Finding that names the best of several levels, and by how much it leads.
+
+    None if no level leads all that it is compared with: the means of its pairs are over other trials each time.
+    """
     metric = own[0].metric
     found = ranking(own, metric.better)
     if found is None:
         return _by_order(experiment, own, scale)
     lead = found.leads[0]
+    if lead.estimate.value * (-1.0 if metric.better == 'higher' else 1.0) > 0.0:
+        return None
     by_verdict = {}
     for each in found.leads:
         by_verdict.setdefault(verdict_of(each), []).append(each)
@@ -149,8 +155,8 @@ _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none':
            'weak': 'A difference that is too weak to count separates it from', 'same': 'It is the same as',
            'negligible': 'At most a negligible difference separates it from',
            'part': 'In the combinations that can be compared it is ahead of',
-           'survivors': 'Among complete trials it is ahead of', 'worse': 'It is behind',
-           'average': 'On average it is ahead of', 'always': 'In too few pairs for a test it is ahead of',
+           'survivors': 'Among complete trials it is ahead of', 'average': 'On average it is ahead of',
+           'even': 'On average it is the same as', 'always': 'In too few pairs for a test it is ahead of',
            'small': 'A difference that may be negligible separates it from'}
 
 

@@ -26,7 +26,7 @@ class Estimate(NamedTuple):
     high: float
     n: int
     # 't', 'wilson', 'newcombe', 'order', 'none', 'cut' (of effects.summary), 'constant' (all values are the same) or
-    # 'fixed' (the values of each row are the same)
+    # 'fixed' (the mean over the rows is the same in each column)
     method: str
 
     @property
@@ -172,7 +172,7 @@ def clustered(rows, left=0.0):
     error = size * math.sqrt(math.fsum(shares ** 2))
     fewest = int(counts.min())
     if error == 0.0:
-        is_one = np.ptp(means) <= limits.max()
+        is_one = not rest.any() and np.ptp(means) <= limits.max()
         return Comparison(Estimate(value, value, value, n, 'constant' if is_one else 'fixed'),
                           1.0 if value == 0.0 else 2.0 ** (1 - fewest))
     reach = float(special.stdtrit(fewest - 1, 0.5 + LEVEL / 2.0)) * error  # as scipy.stats' t, but faster

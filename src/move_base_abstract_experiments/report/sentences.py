@@ -62,12 +62,12 @@ def _amount(experiment, difference, scale, names):
     first, second, than, aside = names
     size, interval = amount(difference.estimate, scale,
                             float('nan') if difference.metric.is_share else difference.reference)
-    if difference.estimate.value == 0.0:
-        size = 'the same'
+    is_same = difference.estimate.value == 0.0
     only = _only(experiment, difference)
     over = over_text(experiment, difference)
     aside = f', {aside}' if aside else ''
-    return f'{only}{size} with {second} than with {than}{aside}{over} ' \
+    size = f'the same with {second} as' if is_same else f'{size} with {second} than'
+    return f'{only}{size} with {than}{aside}{over} ' \
            f'({interval}; {pairs_text(difference)}).'
 
 
@@ -103,11 +103,14 @@ def _same(experiment, difference, scale, names):
 
 def _untold(experiment, difference, scale, names):
     first, second, than, aside = names
+    if difference.estimate.has_interval:  # the same in each replication, but not in each pair
+        return (_amount if difference.estimate.value else _same)(experiment, difference, scale, names)
     if not difference.estimate.n:
         return f'no pair of complete trials of {second} and {than} has a value on both sides.'
     size = f'{amount(difference.estimate, scale)[0]} with {second} than with {than}' if difference.estimate.value else \
         f'the same with {second} and {than}'
-    what = 'in the only pair' if difference.estimate.n == 1 else f'in {pairs_text(difference)}'
+    is_only = difference.estimate.n == 1 and len(difference.used) == 1
+    what = 'in the only pair' if is_only else f'in {pairs_text(difference)}'
     return f'{_only(experiment, difference)}{size} {what}{over_text(experiment, difference)}; no interval, so ' \
            'this says nothing about other seeds.'
 
@@ -208,9 +211,13 @@ def _other_factors(experiment, difference):
 
 def _rest(experiment, difference, scale, verdict):
     """Return the sentences that must follow a difference: what is left out, opposite, too small, lost, or skewed."""
-    return ''.join((_left_out(experiment, difference), _against(experiment, difference, scale),
-                    _perhaps_small(difference, scale, verdict), _lost(experiment, difference, verdict),
-                    _skewed(difference, scale, verdict)))
+    return ''.join((exceptions(experiment, difference, scale), _perhaps_small(difference, scale, verdict),
+                    _lost(experiment, difference, verdict), _skewed(difference, scale, verdict)))
+
+
+def exceptions(experiment, difference, scale):
+    """Return the sentences about combinations that a difference leaves out, or in which its sign is the opposite."""
+    return _left_out(experiment, difference) + _against(experiment, difference, scale)
 
 
 def _left_out(experiment, difference):

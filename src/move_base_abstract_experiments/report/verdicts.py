@@ -4,12 +4,12 @@
 VERDICTS = {
     'best': 'best', 'among': 'among the best', 'better': 'better', 'worse': 'worse', 'differs': 'differs',
     'fails': 'fails more', 'survivors': 'of the complete', 'part': 'in part', 'average': 'on average',
-    'depends': 'depends', 'always': 'in all pairs', 'small': 'may be negligible', 'negligible': 'negligible',
-    'weak': 'too weak', 'none': 'not told apart', 'same': 'the same', 'untold': 'too few trials', 'cut': 'not compared',
-    'order': 'by order', 'mean': 'mean'}
+    'even': 'the same on average', 'depends': 'depends', 'always': 'in all pairs', 'small': 'may be negligible',
+    'negligible': 'negligible', 'weak': 'too weak', 'none': 'not told apart', 'same': 'the same',
+    'untold': 'too few trials', 'cut': 'not compared', 'order': 'by order', 'mean': 'mean'}
 ORDER = {'best': 0, 'among': 0, 'better': 0, 'worse': 0, 'differs': 0, 'fails': 0, 'mean': 0, 'survivors': 1, 'part': 1,
-         'average': 1, 'depends': 1, 'always': 1, 'order': 1, 'cut': 2, 'small': 2, 'weak': 2, 'negligible': 3,
-         'none': 3, 'same': 3, 'untold': 4}
+         'average': 1, 'even': 1, 'depends': 1, 'always': 1, 'order': 1, 'cut': 2, 'small': 2, 'weak': 2,
+         'negligible': 3, 'none': 3, 'same': 3, 'untold': 4}
 _LAST_RESULT = 1
 
 
@@ -26,13 +26,13 @@ def verdict_of(difference):
     if not estimate.has_interval:
         return 'untold'
     if estimate.method == 'constant' and estimate.value == 0.0:
-        return 'same'
+        return 'same' if difference.is_everywhere else 'untold'
     if smallest and -smallest < estimate.low and estimate.high < smallest and _is_whole(difference):
         return 'negligible'
     if difference.is_shown:
         return _of_shown(difference)
     if estimate.method in ('constant', 'fixed'):  # the same in each replication; the test of signs needs more of them
-        return 'average' if difference.against else 'always'
+        return 'always' if difference.is_everywhere else 'untold' if estimate.value else 'even'
     return 'weak' if difference.is_hint else 'none'
 
 

@@ -6,7 +6,7 @@ from ..outcome import COMPLETE, FAILED
 from ..parts import Table
 from ..phrases import amount, between, with_level
 from ..ranking import turned
-from ..sentences import difference_scale, over_text, pairs_text, sentence_case, spoken
+from ..sentences import difference_scale, exceptions, over_text, pairs_text, sentence_case, spoken
 from ..wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
 
 MOST_TOLD = 6  # the most shown differences per way of ending that have sentences; all are in tables/endings.csv
@@ -57,29 +57,32 @@ def _finding(experiment, difference):
     metric = difference.metric
     first, second, than = spoken(experiment, difference)
     counts = [_counted(experiment, difference, side) for side in (1, 0)]
+    scale = difference_scale(metric, SCALE)
     over, pairs = over_text(experiment, difference), pairs_text(difference)
+    rest = exceptions(experiment, difference, scale)
     held = listed(with_level(experiment.factors, *each) for each in difference.at)
     where = f' (both with {held})' if difference.at else ''
     text = f'{counts[0]} {_DONE[metric.outcome]} with {second}, {counts[1].replace(" trials", "")} with {than}{where}'
-    scale = difference_scale(metric, SCALE)
     if difference.is_shown:
         size, interval = amount(difference.estimate, scale)
         size = size.replace('higher', 'more')
-        return Finding(metric.title, 'fails' if metric.outcome == 'failed' else 'differs',
-                       sentence_case(f'{text}: {size}{over} ({interval}; {pairs}).'), None)
+        verdict = 'average' if difference.against else 'part' if len(difference.used) < len(difference.groups) else \
+            'fails' if metric.outcome == 'failed' else 'differs'
+        return Finding(metric.title, verdict, sentence_case(f'{text}: {size}{over} ({interval}; {pairs}).') + rest,
+                       None)
     if difference.estimate.value == 1.0:  # every pair shows it, but there are too few pairs for the test
         return Finding(metric.title, 'always', sentence_case(
-            f'{text}: in every pair, but there are too few pairs for a test ({pairs}).'), None)
+            f'{text}: in every pair, but there are too few pairs for a test ({pairs}).') + rest, None)
     why = f'too weak to count (Holm p{NBSP}{probability(difference.p_holm)})' \
         if difference.is_hint else 'not told apart'
     return Finding(metric.title, 'weak' if difference.is_hint else 'none', sentence_case(
         f'{text}: {why}, the difference lies between {between(difference.estimate, scale)}'
-        f'{over} (95 % interval; {pairs}).'), None)
+        f'{over} (95 % interval; {pairs}).') + rest, None)
 
 
 def _counted(experiment, difference, side):
     """Return the words '15 of 30 trials' about one side (0: first, 1: second) of a Difference."""
-    places = sorted({group[side] for group in difference.groups})
+    places = sorted({group[side] for group in difference.used})
     values = intervals.known(experiment.values(difference.metric)[places])
     return f'{whole(int(values.sum()))} of {counted(len(values), "trials")}'
 
