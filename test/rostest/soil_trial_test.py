@@ -193,7 +193,7 @@ class Trials(unittest.TestCase):
         stamps = {path: os.stat(path).st_mtime_ns for path in trials - {removed}}
         done = self.study(*words)
         self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertIn('8 of 8 trials are complete; run twice: 1 identical, 0 different', done.stdout)
+        self.assertIn('8 of 8 trials are complete; run twice: 2 identical, 0 different', done.stdout)
         self.assertTrue(os.path.exists(removed))
         self.assertEqual({path: os.stat(path).st_mtime_ns for path in stamps}, stamps)
         with open(self.path('study', 'report.html'), encoding='utf-8') as stream:

@@ -11,6 +11,7 @@ import sys
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract_experiments import records
 from move_base_abstract_experiments.carrying import jobs
 from move_base_abstract_experiments.description import ingredients, plan, program_files, spec, worker_files
 from move_base_abstract_experiments.description.experiment import Metrics
@@ -263,6 +264,25 @@ def test_trials_of_another_program_run_again_or_stay_labelled(workspace):
     again, said, about = resume(workspace, False)
     assert (again, 'have changed: 3 trials run again (--keep-old keeps them, labelled)' in said) == (first, True)
     assert not any(one.kept for one in about.trials)
+
+
+def test_a_trial_that_has_run_twice_keeps_its_mark_whatever_is_chosen_now(workspace, monkeypatch):
+    (workspace / 'walk.yaml').write_text(EXPERIMENT + 'replications: 8\nverify: 0.5\n')
+    monkeypatch.setattr(plan, '_condition', lambda number, *rest: ('', 'delays')[number % 2])  # as another version may
+    assert len(resume(workspace, False)[0]) == 8
+    monkeypatch.setattr(plan, '_condition', lambda number, *rest: ('', 'hash')[number in (1, 3, 6)])
+    none, said, about = resume(workspace, True)
+    assert (none, said) == ([], '') and not any(one.kept for one in about.trials)
+    again, said, _ = resume(workspace, False)
+    assert [one[:4] for one in again] == ['0006']
+    assert said == 'experiment: 1 trial that has run once shall run twice (verify): it runs again (--keep-old keeps ' \
+                   'it as it is)\n'
+    (workspace / 'walk.yaml').write_text(EXPERIMENT + 'replications: 8\n')
+    monkeypatch.setattr(plan, '_condition', lambda number, *rest: '')
+    assert resume(workspace, False)[:2] == ([], '')
+    chosen = plan.trials(spec.read(str(workspace / 'walk.yaml')))
+    assert [resumption.changed_since(str(workspace / 'out'), one, outputs.read_planned(
+        workspace / 'out', records.Planned(one.id))) for one in chosen] == [''] * 8
 
 
 def test_rows_of_an_old_program_are_in_no_table_before_they_have_run_again(workspace, monkeypatch):

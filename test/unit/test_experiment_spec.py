@@ -120,12 +120,38 @@ def test_more_replications_change_no_trial_that_was_there():
     assert len({one.id for one in many}) == 10
 
 
-def test_the_share_that_runs_twice_is_the_same_choice_each_time():
-    experiment = read_used({'a': [1, 2]}, replications=50, verify=0.05)
-    chosen = [one.id for one in plan.trials(experiment) if one.verified_by]
-    assert len(chosen) == 5
-    assert chosen == [one.id for one in plan.trials(experiment) if one.verified_by]
-    assert {one.verified_by for one in plan.trials(experiment)} == {'', *plan.CONDITIONS}
+def conditions_of(**others):
+    """Return the condition under which each trial runs twice, by its configuration and replication."""
+    return {(tuple(one.configuration.values()), one.replication): one.verified_by
+            for one in plan.trials(read_used(**others))}
+
+
+@pytest.mark.parametrize('more', [
+    {'replications': 60}, {'factors': {'a': [1, 2, 3]}}, {'factors': {'a': [1, 2, 3]}, 'replications': 31}])
+def test_a_plan_that_grows_runs_the_same_trials_twice_under_the_same_conditions(more):
+    few = {'factors': {'a': [1, 2]}, 'replications': 30, 'verify': 0.2}
+    before, after = conditions_of(**few), conditions_of(**{**few, **more})
+    assert len(after) > len(before) and {key: after[key] for key in before} == before
+
+
+def test_a_larger_share_has_the_trials_of_a_smaller_one():
+    few, many = (conditions_of(factors={'a': [1, 2]}, replications=50, verify=share) for share in (0.1, 0.3))
+    assert 0 < sum(map(bool, few.values())) < sum(map(bool, many.values()))
+    assert all(many[key] == condition for key, condition in few.items() if condition)
+
+
+def test_the_share_that_runs_twice_holds_on_average_under_each_condition():
+    chosen = [condition for condition in conditions_of(factors={'a': [1, 2]}, replications=5000, verify=0.1).values()
+              if condition]
+    assert len(chosen) == pytest.approx(1000, abs=5 * 30)  # five standard deviations of 10,000 draws
+    for condition in plan.CONDITIONS:
+        assert chosen.count(condition) == pytest.approx(250, abs=5 * 14)
+
+
+@pytest.mark.parametrize('share, first', [(0, False), (1e-9, True)])
+def test_the_first_trial_runs_twice_if_any_does(share, first):
+    found = conditions_of(factors={'a': [1, 2]}, replications=20, verify=share)
+    assert [bool(each) for each in found.values()] == [first] + [False] * 39
 
 
 def test_trials_run_twice_under_all_conditions_of_verify_that_disturb_no_trial_beside_them():

@@ -198,7 +198,7 @@ class Experiment(RunOptions):
     report: Tuple[str, ...] = option(
         either(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)), [],
         '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
-    verify: float = option(number(0, 1), 0, 'the share of trials that run twice, to compare them')
+    verify: float = option(number(0, 1), 0, 'the share of trials that [run twice](#a-trial), to compare them')
     time_limit: float = option(number(1, 1e7, unit='s, wall'), 600, 'the time that a run may take [s, wall]')
 
     @functools.cached_property

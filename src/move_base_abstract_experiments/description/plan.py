@@ -3,6 +3,8 @@
 Replication k has the same seed in every configuration (common random numbers), so configurations can be compared pair
 by pair. All configurations of replication 0 come first. The numbers of replications that a configuration does not have
 stay unused. So with more replications the IDs of the trials stay the same.
+
+Whether a trial runs twice follows from the trial alone, so a plan that grows runs no other trials twice than before.
 """
 from __future__ import annotations
 
@@ -11,7 +13,6 @@ import functools
 import hashlib
 import importlib.metadata
 import json
-import math
 import os
 import platform
 import re
@@ -25,10 +26,11 @@ from .spec import configurations
 from .trial import Trial
 
 FORMAT = 1
-#: the conditions under which trials run a second time, in turn: those of `verify` that do not disturb other trials
+#: the conditions under which trials run a second time: those of `verify` that do not disturb other trials
 CONDITIONS = ('addresses', 'delays', 'hash', 'order')
 FUNCTION_CONDITION = 'hash'  # a function runs again in a new Python process with another hash seed
 _KEY_DIGITS = 6
+_DRAW_DIGITS = 12  # of a digest, in base 16; a float holds them
 
 
 def trials(experiment: Experiment) -> List[Trial]:
@@ -40,24 +42,27 @@ def trials(experiment: Experiment) -> List[Trial]:
             number += 1
             if replication < replications:
                 seed = experiment.seed + replication
-                found.append(Trial(experiment, f'{number:04d}-{_key(configuration, replication, seed)}', configuration,
-                                   replication, seed))
-    chosen = _chosen(found, experiment.verify)
-    conditions = (FUNCTION_CONDITION,) if experiment.function else CONDITIONS
-    return [dataclasses.replace(one, verified_by=conditions[chosen[one.id] % len(conditions)]) if one.id in chosen
-            else one for one in found]
+                key = json.dumps([configuration, replication, seed], sort_keys=True)
+                found.append(Trial(experiment, f'{number:04d}-{_digest(key)[:_KEY_DIGITS]}', configuration,
+                                   replication, seed, _condition(number, key, experiment)))
+    return found
 
 
-def _key(configuration: Dict[str, Any], replication: int, seed: int) -> str:
-    text = json.dumps([configuration, replication, seed], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:_KEY_DIGITS]
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _chosen(found: List[Trial], share: float) -> Dict[str, int]:
-    """Return {id: place} of the trials that run twice: a share of all, those with the smallest digests."""
-    count = math.ceil(share * len(found))
-    ordered = sorted(found, key=lambda one: hashlib.sha256(('verify ' + one.id).encode()).hexdigest())
-    return {one.id: place for place, one in enumerate(ordered[:count])}
+def _condition(number: int, key: str, experiment: Experiment) -> str:
+    """Return the condition under which a trial runs a second time, or '' if it runs once.
+
+    The digest of its key decides, as a draw. The first trial of the plan runs twice in each case, so that at least one
+    does.
+    """
+    digest = _digest('verify ' + key)
+    draw = int(digest[:_DRAW_DIGITS], 16) / 16 ** _DRAW_DIGITS
+    if draw >= experiment.verify and (number > 1 or not experiment.verify):
+        return ''
+    return FUNCTION_CONDITION if experiment.function else CONDITIONS[int(digest[_DRAW_DIGITS:], 16) % len(CONDITIONS)]
 
 
 def describe(experiment: Experiment, chosen: List[Trial], text: bytes) -> Plan:
@@ -112,6 +117,12 @@ def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
                ingredients.by_content(made),
                *experiment.later_parts]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
+
+
+def made_of_each(trial: Trial, made: Dict[str, str]) -> Dict[str, str]:
+    """Return {condition: made_of() of a trial that runs a second time under it}; '': if it runs once."""
+    return {condition: made_of(dataclasses.replace(trial, verified_by=condition), made)
+            for condition in ('', *CONDITIONS)}
 
 
 def forget() -> None:

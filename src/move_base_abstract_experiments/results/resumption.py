@@ -28,8 +28,9 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
     """Return the Trials that must run. Print why some run again although they were complete.
 
     With keep_old those stay instead, and ``planned`` gets a label for each, which says that its program has changed.
+    A trial that has run twice stays, whether and how it shall run twice now.
     """
-    programs, wanted = _read(folder.path), set()
+    programs, wanted, once = _read(folder.path), set(), 0
     old: Dict[str, List[Trial]] = {}
     for one, entry in zip(chosen, planned.trials):
         made = ingredients.of_trial(one)
@@ -38,7 +39,14 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
         was = outputs.read_planned(folder.path, Planned(one.id))
         if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ALLOW):
             wanted.add(one.id)
-        elif was.made_of != entry.made_of:
+        elif was.made_of == entry.made_of:
+            continue
+        elif one.verified_by and not keep_old and was.made_of == plan.made_of_each(one, made)['']:
+            once += 1
+            wanted.add(one.id)
+        elif was.made_of in plan.made_of_each(one, made).values():  # the same, but for its second run
+            entry.made_of = was.made_of
+        else:
             what = _what(programs, was.program, name)
             old.setdefault(what, []).append(one)
             if keep_old:
@@ -46,6 +54,8 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
                 entry.kept = f'kept from before: {what} changed since'
             else:
                 wanted.add(one.id)
+    if once:
+        print(f'experiment: {_once_text(once)}', file=stream, flush=True)
     for what, those in old.items():
         if len(those) == 1:
             then = '1 trial is kept, labelled' if keep_old else '1 trial runs again (--keep-old keeps it, labelled)'
@@ -57,13 +67,20 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
     return [one for one in chosen if one.id in wanted]
 
 
+def _once_text(count: int) -> str:
+    if count == 1:
+        return '1 trial that has run once shall run twice (verify): it runs again (--keep-old keeps it as it is)'
+    return f'{count} trials that have run once shall run twice (verify): they run again (--keep-old keeps them as ' \
+           'they are)'
+
+
 def changed_since(output: str, trial: Trial, was: Result) -> str:
     """Return in words which ingredients of a Trial have changed since ``was``, its trial.json; '' if none has.
 
     The text ends with 'has' or 'have'.
     """
     made = ingredients.of_trial(trial)
-    if was.made_of == plan.made_of(trial, made):
+    if was.made_of in plan.made_of_each(trial, made).values():
         return ''
     name = ingredients.name_of(made)
     return _what({**_read(output), name: made}, was.program, name)

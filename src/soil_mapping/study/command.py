@@ -213,7 +213,7 @@ def _add_run(parser):
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='a running Dask scheduler that runs the trials instead, tcp://HOST:PORT')
     parser.add_argument('--verify', type=_share, default=0.05, metavar='SHARE',
-                        help='run this share of the trials twice, 0..1 (default: %(default)s)')
+                        help='chance that a trial runs twice, 0..1; the first trial always does (default: %(default)s)')
     parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
                         help='folder of the study; complete trials in it are kept (default: %(default)s)')
     _add_mission(parser, pictures=False)
