@@ -196,7 +196,7 @@ def test_errors_of_complete_trials_are_told(tmp_path):
 def test_the_verified_share_is_told_with_what_it_says(tmp_path):
     said = report(tmp_path, {}, 20, lambda c, k: {
         'status': 'complete', 'metrics': {}, 'verified': 'identical' if k < 18 else None}).said
-    assert 'identical: 18 of 18. So at least 82.4 % of such trials repeat' in said
+    assert 'or by the numbers that a function returns: identical: 18 of 18. So at least 82.4 % of such trials' in said
 
 
 def test_a_configuration_has_one_colour_on_the_whole_page(tmp_path):

@@ -325,7 +325,8 @@ def _repeatable(experiment):
     if again:
         same = sum(trial.verified == 'identical' for trial in again)
         low = intervals.share_estimate([trial.verified == 'identical' for trial in again]).low
-        parts.append('Trials were run again under other conditions, and the event logs compared byte by byte: '
+        parts.append('Trials were run again under other conditions, and compared by their event logs, recorded '
+                     'messages and bags, or by the numbers that a function returns: '
                      f'identical: {whole(same)} of {whole(len(again))}. So at least '
                      f'{digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials repeat (Wilson, 95 % interval).')
     else:
