@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tarfile
 import threading  # noqa: TID251 - of the client, whose threads are Dask's
-from typing import Callable, Iterator, List, Optional, Set, TextIO, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Tuple
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -44,7 +44,8 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
         text = source.read()
     chosen = plan.trials(experiment)
     if scheduler is None:
-        check(experiment, chosen)
+        for note in check(experiment, chosen):
+            print(f'experiment: note: {note}', file=stream, flush=True)
     with outputs.OutputFolder(output) as out:
         planned = plan.describe(experiment, chosen, text)
         missing, count = resumption.missing(chosen, out, planned, keep_old, stream), len(chosen)
@@ -58,25 +59,27 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
         return _tell(out, summary, stream)
 
 
-def check(experiment: Experiment, chosen: List[Trial]) -> None:
-    """Check the launch file, functions and inputs of an experiment before anything starts.
+def check(experiment: Experiment, chosen: List[Trial]) -> List[str]:
+    """Check the launch file, functions and inputs of an experiment before anything starts. Return notes for the user.
 
     :raises ConfigurationError: naming what cannot be used.
     """
     if not (experiment.function or warm_ros.is_there()):
         raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not installed; without ROS a trial must "
                                  "be a 'function'")
+    notes: Dict[Tuple[str, str], str] = {}
     with _asked_functions(experiment) as complain:
         seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():
             key = (one.launch, *one.arguments)
             if one.replication == 0 and key not in seen:  # other replications differ only in their seeds
                 seen.add(key)
-                _check_launch(one)
+                _check_launch(one, notes)
         for name in experiment.inputs:
             if not os.path.isfile(os.path.join(experiment.folder, name)):
                 raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')
         complain()
+    return list(filter(None, notes.values()))
 
 
 _LOAD = """
@@ -119,7 +122,8 @@ def _asked_functions(experiment: Experiment) -> Iterator[Callable[[], None]]:
             process.kill()
 
 
-def _check_launch(trial: Trial) -> None:
+def _check_launch(trial: Trial, notes: Dict[Tuple[str, str], str]) -> None:
+    """Check a trial's launch file. Add a note for the user to ``notes`` for each kind of node, '' if there is none."""
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
@@ -142,6 +146,10 @@ def _check_launch(trial: Trial) -> None:
         for name in nodes:
             if name not in names:
                 raise kinds.unknown(f'{key}: the node', name, names)
+    for node, name in zip(config.nodes, names):
+        kind = (node.package, node.type)
+        if kind not in notes and name not in experiment.leave_out and '/'.join(kind) not in experiment.replace:
+            notes[kind] = roles.choice_of_program(node)
 
 
 def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,

@@ -120,7 +120,7 @@ def plan_of(config, wishes):
         role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
         found.append(role)
         _prepare(node, role, launcher, wishes)
-        notes += _look_at_recorder(config, node, role)
+        notes += [*filter(None, [roles.choice_of_program(node)]), *_look_at_recorder(config, node, role)]
     if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))

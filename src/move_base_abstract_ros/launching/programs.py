@@ -152,6 +152,11 @@ def _sources(path):
                     waiting.append(found)
 
 
+def different(paths):
+    """Return the paths of those programs that are files of their own: no relays to, or links to, others of them."""
+    return list({os.path.realpath(_behind_relay(path)): path for path in reversed(paths)}.values())[::-1]
+
+
 def _behind_relay(path):
     found = _RELAY.search(_read(path))
     return os.fsdecode(found.group(1)) if found else path

@@ -153,11 +153,28 @@ def is_nodelet_loader(node):
 
 def program_of(node):
     """Return the path of a roslaunch Node's program, or None."""
+    return next(iter(_programs_of(node)), None)
+
+
+def _programs_of(node):
     try:
-        found = packages.find_node(node.package, node.type)
+        return packages.find_node(node.package, node.type)
     except Exception:  # roslaunch reports the error when it starts the node
-        return None
-    return found[0] if found else None
+        return []
+
+
+def choice_of_program(node):
+    """Return a line for the user if a package has several programs of a node's name, otherwise ''.
+
+    roslaunch starts the first one that it finds. If none is installed in lib/PACKAGE, this depends on the order of
+    folders on the disk.
+    """
+    found = [] if node.package == PACKAGE else programs.different(_programs_of(node))
+    if len(found) < 2 or os.path.dirname(found[0]).endswith(os.path.join(os.sep, 'lib', node.package)):
+        return ''
+    return "the package '{}' has {} programs '{}'; {} is {}, as roslaunch would start it, and not {}. On another " \
+           'disk it may be another one'.format(node.package, len(found), node.type, name_of(node), found[0],
+                                               ' or '.join(found[1:]))
 
 
 def prefix_of(node, launcher):
