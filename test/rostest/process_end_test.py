@@ -3,6 +3,7 @@
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
+import errno
 import os
 import signal
 import subprocess
@@ -47,6 +48,24 @@ while not woken:
     sleep(0.001)
 rospy.signal_shutdown('it is over')
 print(woken[-1])
+"""
+#: a node that ends before the thread that accepts connections has run its first line, which forgets the end
+ENDS_EARLY = """
+import threading
+from move_base_abstract_ros.replacing import rospy_start
+rospy_start.prepare()
+from rospy.impl import tcpros_base
+server = tcpros_base.TCPServer(None)
+server.shutdown()
+thread = threading.Thread(target=server.run)
+thread.start()
+thread.join()
+other = tcpros_base.TCPServer(None)
+other.server_sock.shutdown(2)  # accept fails, although nobody has closed the socket
+try:
+    other.run()
+except OSError as error:
+    print('still an error:', error.errno)
 """
 WITHOUT_ARGUMENTS = ('fleet', 'task_server', 'soil_coordinator')
 
@@ -163,6 +182,13 @@ class EndTest(unittest.TestCase):
             done = subprocess.run([sys.executable, '-c', WAITS], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                   timeout=GUARD, env=environment, universal_newlines=True, check=False)
         self.assertEqual(done.stdout.split(), ['no', 'long', 'look', 'True'])
+
+    def test_an_end_before_the_first_connection_is_no_error(self):
+        environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+        done = subprocess.run([sys.executable, '-c', ENDS_EARLY], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=GUARD, env=environment, universal_newlines=True,
+                              check=False)
+        self.assertEqual(done.stdout, 'still an error: {}\n'.format(errno.EINVAL))
 
     def test_a_time_master_that_is_killed_is_named_once(self):
         with Loopback() as ros:

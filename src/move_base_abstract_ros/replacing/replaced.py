@@ -251,6 +251,8 @@ _ROWS = (
         'is the address that ROS announces, also if that is not a loopback address', ('023e614c77a8',)),
     Row('rospy.impl.init.time', NODES,
         'sleeps 1 ms between two checks whether the node is registered'),
+    Row('rospy.impl.tcpros_base.TCPServer.run', NODES,
+        'ends without an error if rospy shuts down before this thread has run its first line'),
     Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,
         'makes one connection to a publisher; rospy may make two and lose messages on the first', ('6b2504f73639',)),
     Row('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled', START,
