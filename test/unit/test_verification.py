@@ -1,10 +1,12 @@
 """Verify: which runs can be compared with each other, and what it is told of a run."""
+import json
 from types import SimpleNamespace
 
 import pytest
 
 from move_base_abstract_ros.fleet.fleet_scenario import why_one_process  # noqa: TID251 - it knows no ROS
 from move_base_abstract_ros.launching import verification  # noqa: TID251 - it knows no ROS
+from move_base_abstract_ros.launching.conditions import CONDITIONS  # noqa: TID251 - it knows no ROS
 
 
 @pytest.mark.parametrize('fleets, crashes, can, said', [
@@ -20,6 +22,35 @@ def test_a_fleet_that_crashed_or_counts_robots_is_not_compared_with_one_in_two_p
     run = verification.Verification([], [], str(tmp_path), 1.0, told.append)
     run.runs.append(SimpleNamespace(fleets=fleets, crashes=crashes))
     assert (run._can_split(), told) == (can, said)
+
+
+def concluded(folder, names, events=1, bags=()):
+    """Return (exit code, lines) of a verification whose runs were equal, under these conditions."""
+    told = []
+    verify = verification.Verification([], ['x.launch'], str(folder), 1.0, told.append)
+    log = folder / 'events.jsonl'
+    row = '{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n'
+    sent = '{"time_ns":2,"robot":"/a","kind":"message","values":["/a","/b",4,"00"]}\n'
+    end = {'events': events + 1, 'not_repeatable_because': [], 'degraded_because': []}
+    log.write_text('{"event_log":1}\n' + row * events + sent + json.dumps({'end': end}) + '\n')
+    verify.runs += [verification.Run(one, str(log), '', end, 1.0, str(folder / 'none'), dict.fromkeys(bags), [], [])
+                    for one in CONDITIONS if one.name in names]
+    return verify._conclude(), told
+
+
+def test_what_was_not_compared_is_not_called_identical(tmp_path):
+    assert concluded(tmp_path, ['plain', 'again'], bags=['a'])[1][0] == (
+        'identical: 2 runs (plain, again), 1 events and 1 messages each, and the same bytes in 1 bag')
+    assert concluded(tmp_path, ['plain', 'again', 'split'], bags=['a', 'b'])[1][0] == (
+        'identical: 3 runs (plain, again, split), 1 events and 1 messages each, and the same bytes in 2 bags; of split '
+        'only the events')
+    code, told = concluded(tmp_path, ['plain', 'split'], bags=['a'])
+    assert (code, told[0]) == (verification.IDENTICAL, 'identical: 2 runs (plain, split), 1 events each; messages and '
+                               'bags are not compared')
+    code, told = concluded(tmp_path, ['plain', 'split'], events=0)
+    assert code == verification.LABELLED and any('there was nothing to compare' in line for line in told)
+    code, told = concluded(tmp_path, ['plain'])
+    assert (code, told[0]) == (verification.LABELLED, 'nothing is compared: only one run was made (plain)')
 
 
 def test_bags_are_numbered_by_their_nodes():

@@ -176,18 +176,19 @@ class Verification:
         counts = run_difference.compare(self.runs[0].log, self.runs[0].log)
         names = ', '.join(run.condition.name for run in self.runs)
         is_compared = len(self.runs) > 1
-        self._say('identical: {} runs ({}), {} events and {} messages each{}'.format(
-            len(self.runs), names, counts.events, counts.messages, self._told_of_bags())
-            if is_compared else 'nothing is compared: only one run was made ({})'.format(names))
+        self._say('identical: {} runs ({}), {}'.format(len(self.runs), names, self._told_of_equal(counts)) if is_compared else
+                  'nothing is compared: only one run was made ({})'.format(names))
         self._say('not compared: other files that nodes write, and what they print')
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
         labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
         if not is_compared:
             labels.append('but one run has no other to be compared with: more --conditions make more runs')
-        if not (counts.events or counts.messages or self.runs[0].bags):
-            labels.append('but there was nothing to compare: no robot did anything, and no message went from one '
-                          'participant to another')
+        has_messages = len(self._with_messages()) > 1 and (counts.messages or self.runs[0].bags)
+        if is_compared and not (counts.events or has_messages):
+            labels.append('but there was nothing to compare: no robot did anything, and ' + (
+                'messages are not compared' if counts.messages else
+                'no message went from one participant to another'))
         for label in labels:
             self._say(label)
         if labels:
@@ -204,11 +205,19 @@ class Verification:
         told = [shlex.quote(word) for word in words]
         self._say('next: ' + text.format(*(told if text.count('{}') == len(told) else [' '.join(told)])))
 
-    def _told_of_bags(self):
+    def _with_messages(self):
+        return [run.condition.name for run in self.runs if run.condition.with_messages]
+
+    def _told_of_equal(self, counts):
+        """Return in words what is equal in all runs, and of which runs only the events were compared."""
+        names = self._with_messages()
+        without = [run.condition.name for run in self.runs if run.condition.name not in names]
+        if len(names) < 2:
+            return '{} events each; messages and bags are not compared'.format(counts.events)
         number = len(self.runs[0].bags)
-        without = ', '.join(run.condition.name for run in self.runs if not run.condition.with_messages)
-        return ', and the same bytes in {} bag{}{}'.format(
-            number, 's' * (number > 1), ' but for ' + without if without else '') if number else ''
+        bags = ', and the same bytes in {} bag{}'.format(number, 's' * (number > 1)) if number else ''
+        return '{} events and {} messages each{}{}'.format(
+            counts.events, counts.messages, bags, '; of {} only the events'.format(', '.join(without)) * bool(without))
 
 
 def _outcome(path):
