@@ -20,7 +20,7 @@ from .description.job import Job
 from .description.trial import Trial
 from .records import Plan, Result
 from .results import outputs, resumption
-from .trials import execution
+from .trials import execution, termination
 from .trials.run_folders import LOG
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
@@ -138,7 +138,8 @@ def _compare_function(left: _Left, before: str, was: Result, stream: TextIO) -> 
         return DIFFERENT
     if had_log:
         return _compare(left, before, False, stream)
-    print('rerun: the same trial, by its metrics', file=stream)
+    print('rerun: the same trial, by its metrics' if was.metrics else
+          'rerun: nothing to compare: the function gave no number and no event log', file=stream)
     return SAME
 
 
@@ -150,6 +151,7 @@ def _compare(left: _Left, before: str, is_part: bool, stream: TextIO) -> int:
         path = os.path.join(folder, LOG)
         with open(path, 'wb') as target:
             target.write(left.log or b'')
+        is_part = is_part and left.result.ended_by == termination.SECONDS  # otherwise it came to an end of its own
         difference, count = _difference(before, path, is_part)
     if difference is None:
         print(f'rerun: the same trial: {count} events' + (' up to there' if is_part else ''), file=stream)

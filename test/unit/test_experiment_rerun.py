@@ -32,13 +32,25 @@ def left(metrics, *logs):
 @pytest.mark.parametrize('was, now, logs, said', [
     ({'a': 1}, {'a': 1}, (), 'the same trial, by its metrics'), ({'a': 1}, {'a': 2}, (), 'different: a: 1 / 2'),
     ({'a': 1, 'b': 2}, {'a': 1}, (), "different: b: 2 / 'none'"),
+    ({}, {}, (), 'nothing to compare'),
     ({'a': 1}, {'a': 1}, (('events.jsonl', ''),), 'different: an event log the second time only')])
 def test_a_function_is_compared_by_all_that_it_gave(tmp_path, was, now, logs, said):
     stream = io.StringIO()
     before = str(tmp_path / 'events.jsonl')
     code = rerun._compare_function(left(now, *logs), before, records.Result(ID, metrics=was), stream)
     assert said in stream.getvalue()
-    assert code == (rerun.SAME if 'the same' in said else rerun.DIFFERENT)
+    assert code == (rerun.DIFFERENT if 'different' in said else rerun.SAME)
+
+
+@pytest.mark.parametrize('ended_by, until, said', [
+    ('seconds', True, 'the same trial: 1 events up to there'), ('idle', True, 'different: no more events after 1, but'),
+    ('seconds', False, 'different: no more events after 1, but')])
+def test_a_trial_that_ends_earlier_by_itself_is_not_the_beginning_of_the_other(tmp_path, ended_by, until, said):
+    head, row = '{"event_log":1}\n', '{"time_ns":%d,"robot":"a","kind":"arrived","values":[]}\n'
+    (tmp_path / 'events.jsonl').write_text(head + row % 1 + row % 2)
+    result, stream = records.Result(ID, status='complete', ended_by=ended_by), io.StringIO()
+    code = rerun._compare(rerun._Left(result, (head + row % 1).encode()), str(tmp_path / 'events.jsonl'), until, stream)
+    assert said in stream.getvalue() and code == (rerun.SAME if 'same' in said else rerun.DIFFERENT)
 
 
 def test_a_log_that_a_function_left_is_missed(tmp_path):

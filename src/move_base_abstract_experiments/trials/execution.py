@@ -15,6 +15,7 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
 from move_base_abstract.runs import ends, event_log, run_difference
+from move_base_abstract.runs.event_log import EventLog
 
 from ..description import ingredients, launch_files, plan, worker_files
 from ..description.experiment import BATCH
@@ -209,6 +210,10 @@ def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[s
             result.difference = compare(folders, again) or _other_end(result, ended, again)
     except SimulatorError as problem:
         result.difference = f'the second run did not come to its end: {_first_line(str(problem), again)}'
+    if result.difference is None and not (job.trial.experiment.function and first) and _is_empty(folders):
+        result.labels = [*result.labels, 'it ran twice, but there was nothing to compare: no metric, event, message '
+                         'or bag']
+        return
     result.verified = IDENTICAL if result.difference is None else DIFFERENT
     if result.difference is not None:
         result.difference = f'{job.trial.verified_by}: {result.difference}'
@@ -234,9 +239,22 @@ def other_metrics(first: Dict[str, Number], second: Dict[str, Number]) -> Option
     return None
 
 
+def _is_empty(folders: Folders) -> bool:
+    """Return whether a run has left nothing that compare() could compare."""
+    if not os.path.exists(folders.log):
+        return True
+    with event_log.open_text(folders.log) as stream:
+        log = EventLog(stream, folders.log)
+        return next(iter(log), None) is None and not log.bags and not (
+            os.path.exists(folders.messages) and os.path.getsize(folders.messages))
+
+
 def compare(folders: Folders, again: Folders) -> Optional[str]:
     """Return the first difference of two runs in one line, or None. A function without an event log has none."""
-    if not os.path.exists(folders.log):
+    has_log, has_again = (os.path.exists(one.log) for one in (folders, again))
+    if has_log != has_again:
+        return f'an event log the {"first" if has_log else "second"} time only'
+    if not has_log:
         return None
     compared = run_difference.compare(folders.log, again.log)
     if compared.difference is not None:

@@ -176,8 +176,8 @@ class Verification:
         counts = run_difference.compare(self.runs[0].log, self.runs[0].log)
         names = ', '.join(run.condition.name for run in self.runs)
         is_compared = len(self.runs) > 1
-        self._say('identical: {} runs ({}), {}'.format(len(self.runs), names, self._told_of_equal(counts)) if is_compared else
-                  'nothing is compared: only one run was made ({})'.format(names))
+        self._say('identical: {} runs ({}), {}'.format(len(self.runs), names, self._told_of_equal(counts))
+                  if is_compared else 'nothing is compared: only one run was made ({})'.format(names))
         self._say('not compared: other files that nodes write, and what they print')
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
