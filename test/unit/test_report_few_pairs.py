@@ -65,6 +65,16 @@ def test_a_pair_that_is_left_out_counts_where_all_are_named(tmp_path, change, re
     assert [each[0] for each in found] == ['none', verdict] and found[1][1].startswith(says)
 
 
+@pytest.mark.parametrize('measured, says', [
+    (FAILED, '3 trials failed, 100 % of those that have run. So there are no figures.'), (None, '3 trials of the plan'),
+    ({'makespan_s': None}, 'No complete trial has a value.')])
+def test_trials_without_values_are_not_called_too_few(tmp_path, measured, says):
+    assert told(tmp_path, {'method': ['greedy', 'auction']}, 3, lambda c, k: measured, 'auction and greedy has') == [
+        ('empty', 'No pair of complete trials of auction and greedy has a value on both sides.')]
+    found = outcome.read(tmp_path)
+    assert says.replace('3', '6') in ' '.join(page.render(page.analyse(found), ()).split())
+
+
 def test_one_pair_of_each_combination_is_not_the_only_pair(tmp_path):
     (verdict, text), = told(tmp_path, FACTORS, 1, by_pairs({2: [5], 8: [-5]}))
     assert (verdict, text) == ('untold', 'The same with auction and greedy in 1 pair with each, on average over 2 and '

@@ -162,7 +162,7 @@ _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none':
 
 def _others(experiment, verdict, leads, scale):
     """Return the sentence that compares the best level with those levels that have the same verdict."""
-    if not leads or verdict == 'untold':
+    if not leads or verdict in ('untold', 'empty'):
         return ''
     texts = []
     for each in leads:
@@ -211,7 +211,7 @@ def _means(experiment, metric, scale):
         failed = int(experiment.count(FAILED)[place])
         lost = f' {whole(failed)} more failed.' if failed else ''
         value, low, high = estimate_texts(estimate, scale)
-        verdict = 'mean' if estimate.n > 1 else 'untold'
+        verdict = 'mean' if estimate.n > 1 else 'untold' if estimate.n else 'empty'
         if not estimate.n:
             text = f'no complete trial{where} has a value.'
         elif estimate.method == 'cut':

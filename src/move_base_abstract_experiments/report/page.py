@@ -132,9 +132,10 @@ def _warnings(experiment):
     missing = sum(trial.status == MISSING for trial in experiment.trials)
     if failed:
         share = 100.0 * failed / (len(experiment.trials) - missing)
-        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. The figures '
-                     'of all metrics are of the other trials only: if it is the hard trials that failed, the figures '
-                     'look too good. A pair counts in a comparison only if both of its trials are complete.')
+        rest = 'So there are no figures.' if not experiment.complete else \
+            'The figures of all metrics are of the other trials only: if it is the hard trials that failed, the ' \
+            'figures look too good. A pair counts in a comparison only if both of its trials are complete.'
+        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. {rest}')
     kept = sum(bool(trial.kept) for trial in experiment.complete)
     if kept:
         texts.append(f'{counted(kept, "trials")} {"was" if kept == 1 else "were"} kept from before: what '

@@ -53,7 +53,7 @@ def sentence(experiment, difference, scale, aside=''):
     verdict = verdict_of(difference)
     first, second, than = spoken(experiment, difference)
     words = _WORDS.get(verdict, _amount)(experiment, difference, scale, (first, second, than, aside))
-    if verdict == 'untold' and not difference.estimate.n:
+    if verdict == 'empty':
         return words
     return words + _rest(experiment, difference, scale, verdict)
 
@@ -105,8 +105,6 @@ def _untold(experiment, difference, scale, names):
     first, second, than, aside = names
     if difference.estimate.has_interval:  # the same in each replication, but not in each pair
         return (_amount if difference.estimate.value else _same)(experiment, difference, scale, names)
-    if not difference.estimate.n:
-        return f'no pair of complete trials of {second} and {than} has a value on both sides.'
     size = f'{amount(difference.estimate, scale)[0]} with {second} than with {than}' if difference.estimate.value else \
         f'the same with {second} and {than}'
     is_only = difference.estimate.n == 1 and len(difference.used) == 1
@@ -156,8 +154,13 @@ def _order_seen(difference):
            f'({whole(order.larger)} to {whole(order.smaller)}; Holm p{NBSP}{probability(difference.p_holm)}).'
 
 
-_WORDS = {'none': _none, 'weak': _weak, 'negligible': _negligible, 'same': _same, 'untold': _untold, 'cut': _cut,
-          'order': _order}
+def _empty(experiment, difference, scale, names):
+    _, second, than, _ = names
+    return f'no pair of complete trials of {second} and {than} has a value on both sides.'
+
+
+_WORDS = {'none': _none, 'weak': _weak, 'negligible': _negligible, 'same': _same, 'untold': _untold,
+          'empty': _empty, 'cut': _cut, 'order': _order}
 
 
 def _smallest(difference, scale):

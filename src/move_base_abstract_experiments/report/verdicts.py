@@ -6,10 +6,10 @@ VERDICTS = {
     'fails': 'fails more', 'survivors': 'of the complete', 'part': 'in part', 'average': 'on average',
     'even': 'the same on average', 'depends': 'depends', 'always': 'in all pairs', 'small': 'may be negligible',
     'negligible': 'negligible', 'weak': 'too weak', 'none': 'not told apart', 'same': 'the same',
-    'untold': 'too few trials', 'cut': 'not compared', 'order': 'by order', 'mean': 'mean'}
+    'untold': 'too few trials', 'empty': 'no values', 'cut': 'not compared', 'order': 'by order', 'mean': 'mean'}
 ORDER = {'best': 0, 'among': 0, 'better': 0, 'worse': 0, 'differs': 0, 'fails': 0, 'mean': 0, 'survivors': 1, 'part': 1,
          'average': 1, 'even': 1, 'depends': 1, 'always': 1, 'order': 1, 'cut': 2, 'small': 2, 'weak': 2,
-         'negligible': 3, 'none': 3, 'same': 3, 'untold': 4}
+         'negligible': 3, 'none': 3, 'same': 3, 'untold': 4, 'empty': 4}
 _LAST_RESULT = 1
 
 
@@ -24,7 +24,7 @@ def verdict_of(difference):
     if difference.is_cut:
         return 'order' if difference.is_ordered else 'cut'
     if not estimate.has_interval:
-        return 'untold'
+        return 'untold' if estimate.n else 'empty'
     if estimate.method == 'constant' and estimate.value == 0.0:
         return 'same' if difference.is_everywhere else 'untold'
     if smallest and -smallest < estimate.low and estimate.high < smallest and _is_whole(difference):
