@@ -141,6 +141,15 @@ def test_compare_names_the_first_message_that_differs(tmp_path, capsys):
     assert run_compare(tmp_path / 'one' / 'run.bag', tmp_path / 'no.bag') == 2
 
 
+@pytest.mark.parametrize('rows, is_told', [('', True), (
+    '{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n', False)])
+def test_logs_without_events_are_not_compared_and_compare_says_so(tmp_path, capsys, rows, is_told):
+    for name in ('a.jsonl', 'b.jsonl'):
+        (tmp_path / name).write_text('{"event_log":1}\n' + rows)
+    assert run_compare(tmp_path / 'a.jsonl', tmp_path / 'b.jsonl') == 0
+    assert ('note: nothing was compared: no log has an event\n' in capsys.readouterr().out) == is_told
+
+
 def test_a_shorter_bag_and_one_that_is_none_are_told(tmp_path):
     one, other = write_bag(tmp_path / 'a.bag', ['x', 'y']), write_bag(tmp_path / 'b.bag', ['x'])
     assert [line for line in bag_difference.find(one, other) if 'no more' in line] == [f'  {other}: no more messages']

@@ -55,6 +55,8 @@ def _compare(first_path, second_path):
         print('identical')
         number = sum(len(second.bags[node]) for node in first.bags if node in second.bags)
         print(f'{first.events} events each' + (f', {number} bags each' if number else ''))
+        if not first.events and not number:
+            print('note: nothing was compared: no log has an event')
     elif result.identical:
         print('different')
         print(f'{first.events} events each, which are identical')
