@@ -33,14 +33,12 @@ void Bell::ring() {
   const std::uint64_t one = 1;
   // It fails only if the counter is full, and then the bell rings already.
   [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof(one));
-  is_ringing_ = true;
   if (SharedChannel* const channel = channel_) {
     channel->wakeSelf();
   }
 }
 
 void Bell::silence() {
-  is_ringing_ = false;
   std::uint64_t count = 0;
   [[maybe_unused]] const ssize_t got = ::read(descriptor_, &count, sizeof(count));
 }
@@ -80,6 +78,7 @@ bool Link::connectLocally(const std::string& address) {
   socket_ = local.size > 0 ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : -1;
   if (socket_ >= 0 && ::connect(socket_, local.get(), local.size) == 0) {
     channel_ = SharedChannel::make(&offered_file_).release();
+    signals_before_ = stopSignalBytes();
     return true;
   }
   close();
@@ -132,7 +131,8 @@ bool Link::send(std::string_view bytes) {
 }
 
 bool Link::sendAwaited(std::string_view bytes) {
-  return (is_shared_ && channel_->put(bytes, sent_ + stopSignalBytes())) || send(bytes);
+  return (is_shared_ && channel_->put(bytes, sent_ + stopSignalBytes() - signals_before_)) ||
+         send(bytes);
 }
 
 Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
@@ -143,8 +143,9 @@ Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
     }
     bell.wake(channel_);
     channel_->rest(false);
+    channel_->wakeSelf();  // the bell may have rung before
   }
-  if (!bell.isRinging() && !channel_->wait(timeout_ms) && takePiece(frames)) {
+  if (!channel_->wait(timeout_ms) && takePiece(frames)) {
     return Event::kBytes;
   }
   const Event event = waitForSocket(bell, 0, frames);

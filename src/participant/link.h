@@ -27,14 +27,12 @@ class Bell {
 
   void ring();
   void silence();
-  bool isRinging() const { return is_ringing_; }
   int descriptor() const { return descriptor_; }
   /** @brief End waits for @p channel, too. It must live as long as this process. */
   void wake(SharedChannel* channel) { channel_ = channel; }
 
  private:
   int descriptor_;
-  std::atomic<bool> is_ringing_{false};
   std::atomic<SharedChannel*> channel_{nullptr};
 };
 
@@ -86,7 +84,8 @@ class Link {
   SharedChannel* channel_ = nullptr;
   std::atomic<bool> is_shared_{false};  // the time master uses the channel, too
   int offered_file_ = -1;
-  std::uint64_t sent_ = 0;  // bytes over the socket, without STOPPING of a signal
+  std::uint64_t sent_ = 0;            // bytes over the socket, without STOPPING of a signal
+  std::uint64_t signals_before_ = 0;  // bytes of signals over earlier connections
   std::uint64_t received_ = 0;
 };
 

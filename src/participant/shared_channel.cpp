@@ -154,15 +154,20 @@ std::optional<std::uint64_t> SharedChannel::place() const {
   return hasPiece() ? std::optional<std::uint64_t>(in_->after) : std::nullopt;
 }
 
-std::optional<std::string_view> SharedChannel::take() {
+std::optional<SharedChannel::Piece> SharedChannel::take(std::uint64_t end) {
   std::uint32_t full = kFull;
   if (!in_->state.compare_exchange_strong(full, kBeingTaken)) {
+    return std::nullopt;
+  }
+  const std::uint64_t after = in_->after;
+  if (after > end) {
+    in_->state = kFull;
     return std::nullopt;
   }
   const std::size_t size = in_->size;
   taken_.assign(in_->bytes.data(), size <= kMostBytes ? size : 0);
   in_->state = kEmpty;
-  return taken_;
+  return Piece{after, taken_};
 }
 
 bool SharedChannel::wait(int timeout_ms) {
@@ -191,14 +196,12 @@ std::uint64_t merge(SharedChannel* channel, std::uint64_t read, std::string_view
     }
   };
   for (int k = 0; channel != nullptr && k < kMostPieces; ++k) {
-    const auto place = channel->place();
-    if (!place || *place > end) {
+    const auto piece = channel->take(end);
+    if (!piece) {
       break;
     }
-    if (const auto piece = channel->take()) {
-      pass_until(*place);
-      pass(*piece);
-    }
+    pass_until(piece->after);
+    pass(piece->bytes);
   }
   pass_until(end);
   return end;

@@ -63,8 +63,12 @@ class SharedChannel {
   bool hasPiece() const;
   /** @return after how many bytes of the socket the piece comes; none: there is no piece. */
   std::optional<std::uint64_t> place() const;
-  /** @return the piece, valid until the next call; none: it was taken back. */
-  std::optional<std::string_view> take();
+  struct Piece {
+    std::uint64_t after;     // bytes of the socket
+    std::string_view bytes;  // valid until the next call of take()
+  };
+  /** @return the piece, if it comes after @p end bytes of the socket at most. */
+  std::optional<Piece> take(std::uint64_t end);
   /**
    * @brief Wait until there is a piece or a wake-up, for at most @p timeout_ms of wall time.
    * A wake-up that came since the last wait counts.

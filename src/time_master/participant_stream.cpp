@@ -41,16 +41,16 @@ long ParticipantStream::receiveFirst(std::vector<char>* buffer) {
 
 ParticipantStream::Received ParticipantStream::receive(
     std::vector<char>* buffer, const std::function<void(std::string_view)>& pass) {
-  if (channel_) {
-    if (const auto place = channel_->place(); place && *place <= received_) {
-      received_ = merge(channel_.get(), received_, {}, pass);
-      return Received::kAll;
-    }
+  const auto place = channel_ ? channel_->place() : std::nullopt;
+  if (place && *place <= received_) {
+    received_ = merge(channel_.get(), received_, {}, pass);
+    return Received::kAll;
   }
   const ssize_t size =
       may_offer_ ? receiveFirst(buffer) : ::recv(socket_.get(), buffer->data(), buffer->size(), 0);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
-    return Received::kAll;
+    // What a piece comes after is in the socket before the piece is there.
+    return place && errno == EAGAIN ? Received::kGone : Received::kAll;
   }
   if (size <= 0) {
     return Received::kGone;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -10,6 +11,9 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <vector>
+
+#include "time_master/participant_stream.h"
 
 namespace move_base_abstract {
 namespace {
@@ -30,6 +34,12 @@ struct Pair {
   std::unique_ptr<SharedChannel> master;
 };
 
+/** Return the piece, or "none". */
+std::string taken(SharedChannel* channel) {
+  const auto piece = channel->take(1000);
+  return piece ? std::string(piece->bytes) : "none";
+}
+
 std::string merged(SharedChannel* channel, std::uint64_t read, std::string_view got) {
   std::string all;
   merge(channel, read, got, [&all](std::string_view bytes) { all += bytes; });
@@ -42,8 +52,9 @@ TEST(SharedChannel, APieceGoesEachWayOnce) {
   EXPECT_TRUE(ends.participant->put("report", 7));
   EXPECT_FALSE(ends.master->put("", 0) && ends.participant->put("second", 7));
   EXPECT_EQ(ends.master->place(), 7U);
-  EXPECT_EQ(ends.master->take(), "report");
-  EXPECT_EQ(ends.master->take(), std::nullopt);
+  EXPECT_FALSE(ends.master->take(6).has_value());
+  EXPECT_EQ(taken(ends.master.get()), "report");
+  EXPECT_EQ(taken(ends.master.get()), "none");
   EXPECT_EQ(ends.master->place(), std::nullopt);
   EXPECT_TRUE(ends.participant->put("second", 7));
 }
@@ -54,7 +65,7 @@ TEST(SharedChannel, WhatIsTooLargeOrCannotBeTakenYetGoesOverTheSocket) {
   EXPECT_FALSE(ends.master->put(most + "x", 0));
   EXPECT_TRUE(ends.master->put(most, 0));
   EXPECT_FALSE(ends.master->put("next", 0));
-  EXPECT_EQ(ends.participant->take(), most);
+  EXPECT_EQ(taken(ends.participant.get()), most);
 }
 
 TEST(SharedChannel, NothingIsPutForAReaderThatRests) {
@@ -95,7 +106,7 @@ TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
       while (!ends.participant->hasPiece()) {
         ends.participant->wait(kLong);
       }
-      ends.participant->put(std::string(*ends.participant->take()) + "!", 0);
+      ends.participant->put(taken(ends.participant.get()) + "!", 0);
     }
   });
   for (int k = 0; k < 1000; ++k) {
@@ -103,7 +114,7 @@ TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
     while (!ends.master->hasPiece()) {
       ends.master->wait(kLong);
     }
-    ASSERT_EQ(ends.master->take(), std::to_string(k) + "!");
+    ASSERT_EQ(taken(ends.master.get()), std::to_string(k) + "!");
   }
   other.join();
 }
@@ -134,7 +145,7 @@ TEST(SharedChannel, AReaderThatRestsMissesNoPiece) {
       std::this_thread::yield();
     }
     missed += is_put && !is_seen ? 1 : 0;  // it would sleep now
-    ends.master->take();
+    ends.master->take(0);
     ends.master->rest(false);
   }
   writer.join();
@@ -229,6 +240,76 @@ TEST(SharedChannel, MemoryFullOfAnythingIsReadWithinItsBounds) {
     }
     ::munmap(place, size);
   }
+}
+
+// ---- the time master's end of a connection ----------------------------------------------------
+
+/** A connection over which a participant has offered its memory, with the first byte. */
+struct Connection {
+  Connection() {
+    int sockets[2];
+    ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, sockets);
+    stream = ParticipantStream(Descriptor(sockets[0]));
+    socket = Descriptor(sockets[1]);
+    int file = -1;
+    participant = SharedChannel::make(&file);
+    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
+    char byte = 'H';
+    iovec bytes{&byte, 1};
+    msghdr message{};
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control;
+    message.msg_controllen = sizeof(control);
+    CMSG_FIRSTHDR(&message)->cmsg_level = SOL_SOCKET;
+    CMSG_FIRSTHDR(&message)->cmsg_type = SCM_RIGHTS;
+    CMSG_FIRSTHDR(&message)->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(CMSG_FIRSTHDR(&message)), &file, sizeof(file));
+    ::sendmsg(socket.get(), &message, 0);
+    ::close(file);
+  }
+  ParticipantStream::Received receive() {
+    return stream.receive(&buffer, [this](std::string_view bytes) { received += bytes; });
+  }
+  void send(const std::string& bytes) { ::send(socket.get(), bytes.data(), bytes.size(), 0); }
+
+  ParticipantStream stream;
+  Descriptor socket;
+  std::unique_ptr<SharedChannel> participant;
+  std::vector<char> buffer = std::vector<char>(1024);
+  std::string received;
+};
+
+TEST(ParticipantStream, UsesTheMemoryThatCameWithTheFirstBytesIfItIsAllowed) {
+  for (const bool is_allowed : {true, false}) {
+    Connection one;
+    EXPECT_EQ(one.receive(), ParticipantStream::Received::kAll);
+    one.stream.endOffer(is_allowed);
+    EXPECT_EQ(one.participant->isUsed(), is_allowed);
+    one.participant->rest(false);
+    one.stream.send("grant", false);
+    EXPECT_EQ(one.participant->hasPiece(), is_allowed);
+  }
+}
+
+TEST(ParticipantStream, ReceivesAPieceAfterTheBytesBeforeIt) {
+  Connection one;
+  one.receive();
+  one.stream.endOffer(true);
+  one.send("knock");
+  ASSERT_TRUE(one.participant->put("report", 6));
+  EXPECT_TRUE(one.stream.await(-1, 0));
+  EXPECT_EQ(one.receive(), ParticipantStream::Received::kAll);
+  EXPECT_EQ(one.received, "Hknockreport");
+  EXPECT_FALSE(one.stream.await(-1, 0));
+}
+
+TEST(ParticipantStream, AParticipantThatClaimsBytesThatItHasNotSentIsGone) {
+  Connection one;
+  one.receive();
+  one.stream.endOffer(true);
+  ASSERT_TRUE(one.participant->put("report", 1000));
+  EXPECT_EQ(one.receive(), ParticipantStream::Received::kGone);
 }
 
 }  // namespace
