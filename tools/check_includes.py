@@ -47,7 +47,7 @@ ROOMS = {
     'src/python_shim': (('roscpp_shim/machine/byte_stream.h', 'roscpp_shim/machine/devices.h',
                          'roscpp_shim/machine/glibc_fields.h', 'roscpp_shim/machine/instants.h'), False),
     'src/time_master': (('parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
-                         'participant/run_secret.h'), False),
+                         'participant/run_secret.h', 'participant/shared_channel.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

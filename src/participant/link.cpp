@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
@@ -32,6 +33,9 @@ void Bell::ring() {
   const std::uint64_t one = 1;
   // It fails only if the counter is full, and then the bell rings already.
   [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof(one));
+  if (SharedChannel* const channel = channel_) {
+    channel->wakeSelf();
+  }
 }
 
 void Bell::silence() {
@@ -73,6 +77,8 @@ bool Link::connectLocally(const std::string& address) {
   const LocalAddress local = localAddressOf(address);
   socket_ = local.size > 0 ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : -1;
   if (socket_ >= 0 && ::connect(socket_, local.get(), local.size) == 0) {
+    channel_ = SharedChannel::make(&offered_file_).release();
+    signals_before_ = stopSignalBytes();
     return true;
   }
   close();
@@ -81,20 +87,87 @@ bool Link::connectLocally(const std::string& address) {
 
 void Link::announceStopSignals() { internal::announceStopSignals(socket_); }
 
+/** @brief Send the first of @p bytes together with the shared memory. */
+void Link::offerSharedMemory(std::string_view* bytes) {
+  iovec first{const_cast<char*>(bytes->data()), bytes->size()};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  msghdr message{};
+  message.msg_iov = &first;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr* const header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof(int));
+  std::memcpy(CMSG_DATA(header), &offered_file_, sizeof(int));
+  const ssize_t sent = ::sendmsg(socket_, &message, MSG_NOSIGNAL);
+  if (sent > 0) {
+    bytes->remove_prefix(static_cast<std::size_t>(sent));
+    sent_ += static_cast<std::uint64_t>(sent);
+  }
+  ::close(offered_file_);
+  offered_file_ = -1;
+}
+
 bool Link::send(std::string_view bytes) {
   const Sending sending;
+  if (offered_file_ >= 0) {
+    offerSharedMemory(&bytes);
+  }
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
+      sent_ += static_cast<std::uint64_t>(sent);
     } else if (errno != EINTR) {
       return false;
     }
   }
+  if (is_shared_) {
+    channel_->wake();  // the time master may wait for a report, and not look at its sockets
+  }
   return true;
 }
 
-Link::Event Link::wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
+bool Link::sendAwaited(std::string_view bytes) {
+  return (is_shared_ && channel_->put(bytes, sent_ + stopSignalBytes() - signals_before_)) ||
+         send(bytes);
+}
+
+Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
+  if (!is_shared_) {
+    is_shared_ = channel_ != nullptr && channel_->isUsed();
+    if (!is_shared_) {
+      return waitForSocket(bell, timeout_ms, frames);
+    }
+    bell.wake(channel_);
+    channel_->rest(false);
+    channel_->wakeSelf();  // the bell may have rung before
+  }
+  if (!channel_->wait(timeout_ms) && takePiece(frames)) {
+    return Event::kBytes;
+  }
+  const Event event = waitForSocket(bell, 0, frames);
+  return event == Event::kNothing && takePiece(frames) ? Event::kBytes : event;
+}
+
+/** @brief Take the piece of the shared memory, after what was sent before it over the socket. */
+bool Link::takePiece(wire::FrameBuffer* frames) {
+  while (const auto place = channel_->place()) {
+    if (*place <= received_) {
+      received_ = merge(channel_, received_, {},
+                        [frames](std::string_view bytes) { frames->append(bytes); });
+      return true;
+    }
+    if (receive(static_cast<std::size_t>(*place - received_), frames) == Event::kClosed) {
+      return false;
+    }
+  }
+  return false;
+}
+
+Link::Event Link::waitForSocket(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {bell.descriptor(), POLLIN, 0}}};
   if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
     return Event::kNothing;
@@ -103,10 +176,16 @@ Link::Event Link::wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* fram
   if (polled[0].revents == 0) {
     return Event::kBell;
   }
+  return receive(1 << 16, frames);
+}
+
+/** @brief Receive at most @p most bytes, and append them to @p frames. */
+Link::Event Link::receive(std::size_t most, wire::FrameBuffer* frames) {
   std::array<char, 1 << 16> chunk;
-  const ssize_t got = ::recv(socket_, chunk.data(), chunk.size(), 0);
+  const ssize_t got = ::recv(socket_, chunk.data(), std::min(most, chunk.size()), 0);
   if (got > 0) {
-    frames->append({chunk.data(), static_cast<std::size_t>(got)});
+    received_ = merge(channel_, received_, {chunk.data(), static_cast<std::size_t>(got)},
+                      [frames](std::string_view bytes) { frames->append(bytes); });
     return Event::kBytes;
   }
   return got < 0 && errno == EINTR ? Event::kNothing : Event::kClosed;
@@ -130,6 +209,10 @@ void Link::close() {
     forgetStopSignals(socket_);
     ::close(socket_);
     socket_ = -1;
+  }
+  if (offered_file_ >= 0) {
+    ::close(offered_file_);
+    offered_file_ = -1;
   }
 }
 

@@ -3,10 +3,14 @@
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_LINK_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_LINK_H
 
+#include <atomic>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "lockstep/wire/wire.h"
+#include "shared_channel.h"
 
 namespace move_base_abstract::lockstep::internal {
 
@@ -24,9 +28,12 @@ class Bell {
   void ring();
   void silence();
   int descriptor() const { return descriptor_; }
+  /** @brief End waits for @p channel, too. It must live as long as this process. */
+  void wake(SharedChannel* channel) { channel_ = channel; }
 
  private:
   int descriptor_;
+  std::atomic<SharedChannel*> channel_{nullptr};
 };
 
 /** @brief A blocking connection that sends and receives bytes. */
@@ -51,9 +58,11 @@ class Link {
 
   /** @return false if the peer has gone. */
   bool send(std::string_view bytes);
+  /** @brief Send what the time master waits for: through the shared memory, if it can be. */
+  bool sendAwaited(std::string_view bytes);
 
   /** @brief Wait for at most @p timeout_ms of wall time. Append the received bytes to @p frames. */
-  Event wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
+  Event wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
 
   /**
    * @brief Tell the peer that no more bytes come, wait for at most @p patience_ms of wall time
@@ -64,8 +73,20 @@ class Link {
 
  private:
   bool connectLocally(const std::string& address);
+  void offerSharedMemory(std::string_view* bytes);
+  Event waitForSocket(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
+  bool takePiece(wire::FrameBuffer* frames);
+  Event receive(std::size_t most, wire::FrameBuffer* frames);
 
   int socket_ = -1;
+  // Made with a local connection, and offered with its first bytes. Never freed, as other threads
+  // may ring the bell at any time.
+  SharedChannel* channel_ = nullptr;
+  std::atomic<bool> is_shared_{false};  // the time master uses the channel, too
+  int offered_file_ = -1;
+  std::uint64_t sent_ = 0;            // bytes over the socket, without STOPPING of a signal
+  std::uint64_t signals_before_ = 0;  // bytes of signals over earlier connections
+  std::uint64_t received_ = 0;
 };
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -170,7 +170,7 @@ void Membership::report(const Wish& wish) {
       wire::append(items_, wire::Background{});
     }
     must_report_ = is_background_ = false;
-    is_sent = link_.send(wire::encodeReport(head, items_));
+    is_sent = link_.sendAwaited(wire::encodeReport(head, items_));
     items_.clear();
     state_ = State::kReported;
   }

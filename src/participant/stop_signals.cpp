@@ -18,6 +18,7 @@ constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
 // A signal handler may use these: they do not allocate and have no lock.
 std::atomic<int> connection{-1};
 std::atomic<int> senders{0};
+std::atomic<std::uint64_t> sent_bytes{0};
 std::atomic<bool> came{false};
 std::atomic<bool> due{false};
 std::atomic<int> ending{0};  // the signal that ends the process once STOPPING is sent; 0: none
@@ -26,8 +27,8 @@ std::array<struct sigaction, 2> before;
 
 void tell() {
   if (const int socket = connection.exchange(-1); socket >= 0) {
-    [[maybe_unused]] const auto sent =
-        ::send(socket, frame->data(), frame->size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const auto sent = ::send(socket, frame->data(), frame->size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    sent_bytes += sent > 0 ? static_cast<std::uint64_t>(sent) : 0;
   }
 }
 
@@ -109,5 +110,7 @@ void forgetStopSignals(int socket) {
 }
 
 bool stopSignalCame() { return came; }
+
+std::uint64_t stopSignalBytes() { return sent_bytes; }
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -3,6 +3,8 @@
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_STOP_SIGNALS_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_STOP_SIGNALS_H
 
+#include <cstdint>
+
 namespace move_base_abstract::lockstep::internal {
 
 /**
@@ -20,6 +22,9 @@ void forgetStopSignals(int socket);
 
 /** @return whether SIGINT or SIGTERM has come. */
 bool stopSignalCame();
+
+/** @return the number of bytes that signals have sent over the connection. */
+std::uint64_t stopSignalBytes();
 
 /**
  * @brief Exists while the bytes of a frame are being sent, so that the bytes of another frame do

@@ -94,7 +94,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   clock_ = std::make_unique<ClockPublisher>(clock, begin, parameters.master.max_clock_rate,
                                             parameters.master.repeat_rate);
   server_ = std::make_unique<LockstepServer>(
-      settings, ros::network::getHost(), parameters.lockstep_port, parameters.cores, listeners());
+      settings, ros::network::getHost(), parameters.lockstep_port,
+      LockstepServer::Local{parameters.cores, parameters.shared_memory}, listeners());
   ros_master_ = std::make_unique<RosMasterWatch>();
   try {
     parameters_of_ros_.listen([this](const std::string& name) {

@@ -42,9 +42,10 @@ Nanoseconds wallNow() {
 }  // namespace
 
 LockstepServer::LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
-                               CoresWish cores, Listeners listeners)
+                               Local local, Listeners listeners)
     : session_(settings, wallNow()),
-      cores_(cores),
+      shares_memory_(local.shares_memory),
+      cores_(local.cores),
       listeners_(std::move(listeners)),
       listener_(listenOn(host, port)),
       address_(host + ":" + std::to_string(portOf(listener_))),
@@ -101,7 +102,8 @@ void LockstepServer::run() {
     const Reports reports = awaitReports();
     int count = 0;
     if (reports != Reports::kAll || wallNow() >= look_due_) {
-      const int patience = reports == Reports::kNone ? -1 : 0;
+      const bool is_resting = reports == Reports::kNone && rest();
+      const int patience = is_resting ? -1 : 0;
       count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), patience);
       look_due_ = wallNow() + kLookPeriod;
     }
@@ -110,6 +112,9 @@ void LockstepServer::run() {
     for (int index = 0; index < count; ++index) {
       const epoll_event& event = events[static_cast<std::size_t>(index)];
       handle(event.data.u64, event.events, wall);
+    }
+    if (reports == Reports::kNone) {
+      wakeUp(wall);
     }
     work();
     if (stopping_) {
@@ -135,7 +140,8 @@ LockstepServer::Reports LockstepServer::awaitReports() {
   bool is_likely_there = false;  // the others, once the last report is there
   for (ConnectionId id = last_awaited_; id != 0;) {
     const auto found = connections_.find(id);
-    if (found == connections_.end() || (!is_likely_there && !isReadable(found->second.socket))) {
+    if (found == connections_.end() ||
+        (!is_likely_there && !found->second.stream.await(event_.get(), kRoundPatience))) {
       return reports;
     }
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -149,11 +155,29 @@ LockstepServer::Reports LockstepServer::awaitReports() {
 }
 
 /**
- * @return whether the socket becomes readable within kRoundPatience, before the server is woken.
+ * @brief Have all participants report over their sockets, so that each wakes this thread.
+ * @return whether nothing has come by another way until then.
  */
-bool LockstepServer::isReadable(const Descriptor& socket) const {
-  std::array<pollfd, 2> polled{{{socket.get(), POLLIN, 0}, {event_.get(), POLLIN, 0}}};
-  return ::poll(polled.data(), polled.size(), kRoundPatience) > 0 && polled[0].revents != 0;
+bool LockstepServer::rest() {
+  bool is_quiet = true;
+  for (auto& [id, connection] : connections_) {
+    connection.stream.rest(true);
+    is_quiet = is_quiet && !connection.stream.hasPiece();
+  }
+  return is_quiet;
+}
+
+void LockstepServer::wakeUp(Nanoseconds wall) {
+  std::vector<ConnectionId> ready;
+  for (auto& [id, connection] : connections_) {
+    connection.stream.rest(false);
+    if (connection.stream.hasPiece()) {
+      ready.push_back(id);
+    }
+  }
+  for (const ConnectionId id : ready) {
+    receive(id, connections_.at(id), wall);
+  }
 }
 
 /** @brief Ask for a wake-up. If an earlier one is set already, it stays: it costs only a look. */
@@ -235,7 +259,8 @@ void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds 
     armed_ = kNever;
   } else if (const auto found = connections_.find(id); found != connections_.end()) {
     if ((events & EPOLLOUT) != 0) {
-      sendMore(id, found->second);
+      found->second.stream.sendMore();
+      afterSending(id, found->second);
     }
     if ((events & (EPOLLIN | EPOLLERR | EPOLLHUP)) != 0) {
       receive(id, found->second, wall);
@@ -284,29 +309,29 @@ bool LockstepServer::accept(const Descriptor& listener, Nanoseconds wall) {
   tuneConnection(fd);
   const ConnectionId id = ++last_id_;
   watch(fd.get(), id, EPOLLIN, EPOLL_CTL_ADD);
-  connections_[id].socket = std::move(fd);
+  connections_[id].stream = ParticipantStream(std::move(fd));
   session_.connect(id, wall);
   return true;
 }
 
 void LockstepServer::receive(ConnectionId id, Connection& connection, Nanoseconds wall) {
-  for (int k = 0; k < kMostReceives; ++k) {
-    const ssize_t size = recv(connection.socket.get(), buffer_.data(), buffer_.size(), 0);
-    if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
-      return;
+  const auto pass = [&](std::string_view bytes) {
+    if (!connection.closing) {
+      session_.received(id, bytes, wall);
     }
-    if (size <= 0) {
+  };
+  for (int k = 0; k < kMostReceives; ++k) {
+    const auto received = connection.stream.receive(&buffer_, std::cref(pass));
+    if (received == ParticipantStream::Received::kGone) {
       lose(id, wall);
       return;
     }
-    if (!connection.closing) {
-      session_.received(id, {buffer_.data(), static_cast<std::size_t>(size)}, wall);
-    }
     if (!connection.process && session_.takesPart(id)) {
-      connection.process = processOf(connection.socket);
+      connection.process = processOf(connection.stream.socket());
       cores_.join(*connection.process);
+      connection.stream.endOffer(shares_memory_);
     }
-    if (static_cast<std::size_t>(size) < buffer_.size()) {
+    if (received == ParticipantStream::Received::kAll) {
       return;
     }
   }
@@ -332,42 +357,24 @@ void LockstepServer::send(LockstepSession::Output& output) {
     return;
   }
   Connection& connection = found->second;
-  if (connection.unsent.empty()) {
-    connection.unsent = std::move(output.bytes);
-  } else {
-    connection.unsent += output.bytes;
-  }
   if (output.close) {
     connection.closing = true;
     connection.close_due = wallNow() + kLeaveLimit;
     closing_.push_back(output.connection);
   }
-  sendMore(output.connection, connection);
+  connection.stream.send(std::move(output.bytes), output.close);
+  afterSending(output.connection, connection);
 }
 
-/** @brief Send what the socket takes. An error is left to receive(), which sees it too. */
-void LockstepServer::sendMore(ConnectionId id, Connection& connection) {
-  std::size_t sent = 0;
-  while (sent < connection.unsent.size()) {
-    const ssize_t size = ::send(connection.socket.get(), connection.unsent.data() + sent,
-                                connection.unsent.size() - sent, MSG_NOSIGNAL);
-    if (size < 0 && errno != EINTR) {
-      if (errno != EAGAIN) {
-        sent = connection.unsent.size();  // no one will read it
-      }
-      break;
-    }
-    sent += size > 0 ? static_cast<std::size_t>(size) : 0;
-  }
-  connection.unsent.erase(0, sent);
-  const bool awaits_space = !connection.unsent.empty();
+void LockstepServer::afterSending(ConnectionId id, Connection& connection) {
+  const bool awaits_space = connection.stream.awaitsSpace();
   if (awaits_space != connection.awaits_space) {
     connection.awaits_space = awaits_space;
-    watch(connection.socket.get(), id, EPOLLIN | (awaits_space ? EPOLLOUT : 0U), EPOLL_CTL_MOD);
+    watch(connection.stream.socket().get(), id, EPOLLIN | (awaits_space ? EPOLLOUT : 0U),
+          EPOLL_CTL_MOD);
   }
   if (connection.closing && !awaits_space) {
-    // Not close(): with unread bytes of the other side, the kernel would discard our last ones.
-    shutdown(connection.socket.get(), SHUT_WR);
+    connection.stream.shutDown();
   }
 }
 

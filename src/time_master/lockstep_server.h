@@ -15,6 +15,7 @@
 
 #include "core_keeper.h"
 #include "lockstep/session.h"
+#include "participant_stream.h"
 #include "sockets.h"
 
 namespace move_base_abstract {
@@ -40,15 +41,20 @@ class LockstepServer {
     std::function<std::vector<ParameterChange>(const std::vector<ParameterChange>&)> parameters;
   };
 
+  /** @brief How participants on this computer are treated. */
+  struct Local {
+    CoresWish cores = CoresWish::kAuto;  // on which they run
+    bool shares_memory = true;           // whether they may report through shared memory
+  };
+
   /**
    * @param host the name or address to bind to.
    * @param port the TCP port; 0: any free one.
-   * @param cores the cores on which participants of this computer run.
    * @throws std::invalid_argument as LockstepSession does.
    * @throws std::runtime_error if it cannot listen.
    */
-  LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
-                 CoresWish cores, Listeners listeners);
+  LockstepServer(const LockstepSettings& settings, const std::string& host, int port, Local local,
+                 Listeners listeners);
   /** Ends the run, if it has not ended; see finish(). */
   ~LockstepServer();
 
@@ -101,8 +107,7 @@ class LockstepServer {
   enum class Reports { kNone, kSome, kAll };
 
   struct Connection {
-    Descriptor socket;
-    std::string unsent;
+    ParticipantStream stream;
     std::optional<pid_t> process;  // of a participant; 0: on another computer
     bool closing = false;          // the session has closed it: the rest is sent first
     Nanoseconds close_due = 0;     // wall; if it is closing
@@ -116,7 +121,8 @@ class LockstepServer {
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
   Reports awaitReports();
-  bool isReadable(const Descriptor& socket) const;
+  bool rest();
+  void wakeUp(Nanoseconds wall);
   void acceptAll(const Descriptor& listener, Nanoseconds wall);
   bool accept(const Descriptor& listener, Nanoseconds wall);
   bool mayListen() const;
@@ -125,7 +131,7 @@ class LockstepServer {
   void lose(ConnectionId id, Nanoseconds wall);
   void forget(ConnectionId id);
   void send(LockstepSession::Output& output);
-  void sendMore(ConnectionId id, Connection& connection);
+  void afterSending(ConnectionId id, Connection& connection);
   void keepCores(Nanoseconds wall);
   void closeOverdue(Nanoseconds wall);
   void tellListeners();
@@ -133,6 +139,7 @@ class LockstepServer {
 
   mutable std::mutex mutex_;
   LockstepSession session_;
+  const bool shares_memory_;
   CoreKeeper cores_;
   Listeners listeners_;
   Descriptor listener_;

@@ -1,5 +1,6 @@
 // A loop with ros::Rate, as users write it: it publishes each tick with its time on "ticks".
-// Parameters: ~frequency [Hz], ~ticks, ~quiet (only measure, without messages).
+// Parameters: ~frequency [Hz], ~ticks, ~quiet (only measure, without messages), ~padding [bytes] of
+// each third message.
 #include <fcntl.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
@@ -28,6 +29,10 @@ int writes() {
   return found == nullptr ? 0 : std::atoi(found + 6);
 }
 
+std::string textOf(int tick, const ros::Time& now) {
+  return std::to_string(tick) + " " + std::to_string(now.toNSec());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -35,7 +40,8 @@ int main(int argc, char** argv) {
   ros::NodeHandle node;
   ros::NodeHandle own("~");
   double frequency = 10;
-  int ticks = 100;
+  int ticks = 100, padding = 0;
+  own.param("padding", padding, 0);
   own.param("frequency", frequency, frequency);
   own.param("ticks", ticks, ticks);
   const bool quiet = own.param("quiet", false);
@@ -54,7 +60,7 @@ int main(int argc, char** argv) {
     last = now;
     if (!quiet) {
       std_msgs::String message;
-      message.data = std::to_string(k) + " " + std::to_string(now.toNSec());
+      message.data = textOf(k, now) + std::string(k % 3 == 0 ? padding : 0, '.');
       publisher.publish(message);
     }
     most_listeners = std::max(most_listeners, static_cast<int>(publisher.getNumSubscribers()));

@@ -215,6 +215,7 @@ struct NodeParameters {
   LockstepSettings lockstep;
   int lockstep_port = 0;  // 0: any free one
   CoresWish cores = CoresWish::kAuto;
+  bool shared_memory = true;       // whether participants may offer it
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // it has only its end and uncaught exceptions
   // Paths of new files; '': none.
@@ -302,6 +303,7 @@ inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
                  {"all", CoresWish::kAll},
                  {"alternate", CoresWish::kAlternate}},
                 parameters.cores);
+  reader.read("shared_memory", parameters.shared_memory);
 }
 
 inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {

@@ -1,0 +1,210 @@
+#include "shared_channel.h"
+
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <climits>
+#include <ctime>
+#include <new>
+#include <utility>
+
+namespace move_base_abstract {
+namespace {
+
+constexpr std::uint32_t kMark = 0x6d626131;  // of this layout
+constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+constexpr int kMostPieces = 64;    // of one merge; ours are two at most, as each has an answer
+constexpr std::size_t kLine = 64;  // bytes of a line of the processor's cache
+
+enum State : std::uint32_t { kEmpty, kFull, kBeingTaken };
+
+using Number = std::atomic<std::uint32_t>;
+static_assert(Number::is_always_lock_free, "processes share these numbers");
+
+void futexWait(Number* number, std::uint32_t value, int timeout_ms) {
+  const timespec timeout{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
+  ::syscall(SYS_futex, number, FUTEX_WAIT, value, &timeout, nullptr, 0);
+}
+
+void futexWake(Number* number) {
+  ::syscall(SYS_futex, number, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+}
+
+}  // namespace
+
+/** @brief One direction. The first line is written by both sides, the second one by the writer. */
+struct alignas(kLine) SharedChannel::Box {
+  Number state{kEmpty};
+  Number changes{0};  // of what a reader waits for; the futex
+  Number news{0};     // wake-ups for something else than a piece
+  Number is_awaited{0};
+  Number is_resting{0};
+  alignas(kLine) std::uint64_t after = 0;
+  std::uint64_t size = 0;
+  std::array<char, kMostBytes> bytes;
+};
+
+struct SharedChannel::Memory {
+  std::uint32_t mark = kMark;
+  Number is_used{0};
+  Box to_master;
+  Box to_participant;
+};
+
+std::unique_ptr<SharedChannel> SharedChannel::make(int* file) {
+  *file = ::memfd_create("move_base_abstract", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (*file < 0) {
+    return nullptr;
+  }
+  void* const place =
+      ::ftruncate(*file, sizeof(Memory)) == 0 && ::fcntl(*file, F_ADD_SEALS, kSeals) == 0
+          ? ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED, *file, 0)
+          : MAP_FAILED;
+  if (place == MAP_FAILED) {
+    ::close(*file);
+    *file = -1;
+    return nullptr;
+  }
+  auto* const memory = new (place) Memory;
+  memory->to_participant.is_resting = 1;  // until it knows that the memory is used
+  return std::unique_ptr<SharedChannel>(new SharedChannel(memory, Side::kParticipant));
+}
+
+std::unique_ptr<SharedChannel> SharedChannel::use(int file) {
+  struct stat about {};
+  const int seals = ::fcntl(file, F_GET_SEALS);
+  if (seals < 0 || (seals & kSeals) != kSeals || ::fstat(file, &about) != 0 ||
+      about.st_size != static_cast<off_t>(sizeof(Memory))) {
+    return nullptr;
+  }
+  void* const place = ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  if (place == MAP_FAILED) {
+    return nullptr;
+  }
+  auto* const memory = static_cast<Memory*>(place);
+  std::unique_ptr<SharedChannel> channel(new SharedChannel(memory, Side::kTimeMaster));
+  if (memory->mark != kMark) {
+    return nullptr;
+  }
+  memory->is_used = 1;
+  return channel;
+}
+
+SharedChannel::SharedChannel(Memory* memory, Side side)
+    : memory_(memory),
+      in_(side == Side::kTimeMaster ? &memory->to_master : &memory->to_participant),
+      out_(side == Side::kTimeMaster ? &memory->to_participant : &memory->to_master) {}
+
+SharedChannel::~SharedChannel() { ::munmap(memory_, sizeof(Memory)); }
+
+bool SharedChannel::isUsed() const { return memory_->is_used != 0; }
+
+// ---- writing ---------------------------------------------------------------------------------
+
+bool SharedChannel::put(std::string_view bytes, std::uint64_t after) {
+  if (bytes.size() > kMostBytes || out_->state != kEmpty || out_->is_resting != 0) {
+    return false;
+  }
+  out_->after = after;
+  out_->size = bytes.size();
+  bytes.copy(out_->bytes.data(), bytes.size());
+  out_->state = kFull;
+  // The reader may have gone to rest meanwhile. It looks once more after it has said so, and this
+  // side looks once more after it has written: one of them notices.
+  if (out_->is_resting != 0 && takeBack(out_)) {
+    return false;
+  }
+  endWait(out_);
+  return true;
+}
+
+bool SharedChannel::takeBack(Box* box) {
+  std::uint32_t full = kFull;
+  return box->state.compare_exchange_strong(full, kEmpty);
+}
+
+void SharedChannel::wake() {
+  ++out_->news;
+  endWait(out_);
+}
+
+void SharedChannel::wakeSelf() {
+  ++in_->news;
+  endWait(in_);
+}
+
+void SharedChannel::endWait(Box* box) {
+  ++box->changes;
+  if (box->is_awaited != 0) {
+    futexWake(&box->changes);
+  }
+}
+
+// ---- reading ---------------------------------------------------------------------------------
+
+bool SharedChannel::hasPiece() const { return in_->state == kFull; }
+
+std::optional<std::uint64_t> SharedChannel::place() const {
+  return hasPiece() ? std::optional<std::uint64_t>(in_->after) : std::nullopt;
+}
+
+std::optional<SharedChannel::Piece> SharedChannel::take(std::uint64_t end) {
+  std::uint32_t full = kFull;
+  if (!in_->state.compare_exchange_strong(full, kBeingTaken)) {
+    return std::nullopt;
+  }
+  const std::uint64_t after = in_->after;
+  if (after > end) {
+    in_->state = kFull;
+    return std::nullopt;
+  }
+  const std::size_t size = in_->size;
+  taken_.assign(in_->bytes.data(), size <= kMostBytes ? size : 0);
+  in_->state = kEmpty;
+  return Piece{after, taken_};
+}
+
+bool SharedChannel::wait(int timeout_ms) {
+  const std::uint32_t changes = in_->changes;
+  in_->is_awaited = 1;
+  if (!hasPiece() && in_->news == news_) {
+    futexWait(&in_->changes, changes, timeout_ms);
+  }
+  in_->is_awaited = 0;
+  const std::uint32_t before = std::exchange(news_, in_->news.load());
+  const bool has_news = news_ != before;
+  return has_news || !hasPiece();
+}
+
+void SharedChannel::rest(bool is_resting) { in_->is_resting = is_resting ? 1 : 0; }
+
+std::uint64_t merge(SharedChannel* channel, std::uint64_t read, std::string_view got,
+                    const std::function<void(std::string_view)>& pass) {
+  const std::uint64_t end = read + got.size();
+  const auto pass_until = [&](std::uint64_t place) {
+    const std::size_t size = place > read ? static_cast<std::size_t>(place - read) : 0;
+    if (size > 0) {
+      pass(got.substr(0, size));
+      got.remove_prefix(size);
+      read = place;
+    }
+  };
+  for (int k = 0; channel != nullptr && k < kMostPieces; ++k) {
+    const auto piece = channel->take(end);
+    if (!piece) {
+      break;
+    }
+    pass_until(piece->after);
+    pass(piece->bytes);
+  }
+  pass_until(end);
+  return end;
+}
+
+}  // namespace move_base_abstract
