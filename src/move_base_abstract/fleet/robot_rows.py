@@ -1,14 +1,18 @@
 """The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
 
 from ..goals import events, traffic_events
-from ..goals.events import ChargeRead, Departed, MotionSet, Phased, Recorded, motion_of
+from ..goals.events import ChargeRead, Departed, Ended, MotionSet, Phased, Recorded, Stands, motion_of
+from ..runs.trace import FLAT, Rows
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..motion.robot import Robot
+
+#: a function that takes a row, or an event
+Take = Callable[[Any], object]
 
 _WITH_MOTION = (MotionSet, Phased, ChargeRead)
 _OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars(module).values()
@@ -16,27 +20,54 @@ _OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars
 _PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 
 
-def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
-    """Call ``take`` with each row of the events of ``stream``, at the place of the subscriber ``name`` in its order.
+def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
+    """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
     ``with_motion``: also with the rows of the limits, phases and manner of the robot's travel, so that its legs can be
-    computed again from the rows, and of its state of charge when a charge begins and ends.
+    computed again from the rows, and of its state of charge when a charge begins and ends. ``take_flat``, if given,
+    gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())
 
-    def plain(kind: str) -> Callable[[Any], object]:
-        return lambda event: take((event[0], event[1], kind, *event[2:]))
+    def hear_flat(event: Any) -> None:
+        flat(event.row())
+
+    def plain(kind: str) -> Take:
+        take_row = flat if kind in FLAT else take
+        return lambda event: take_row((event[0], event[1], kind, *event[2:]))
 
     def departed(event: Departed) -> None:
-        take(event.row())
-        if event.corners:
+        flat(event.row())
+        _, _, _, corners, manner = event
+        if corners:
             take(event.route())
-        if with_motion and event.manner:
-            take((event.time_ns, event.robot, 'manner', *event.manner))
-    stream.subscribe(name, {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
-                            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
-                            Departed: departed})
+        if with_motion and manner:
+            take((event.time_ns, event.robot, 'manner', *manner))
+    flat = take_flat or take
+    return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
+            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
+            Departed: departed, Stands: hear_flat, Ended: hear_flat}
+
+
+def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:
+    """Call ``take`` with each row of the events of ``stream``, at the place of the subscriber ``name`` in its order.
+
+    ``with_motion``: see :func:`row_hearers`.
+    """
+    stream.subscribe(name, row_hearers(take, with_motion))
+
+
+class TraceRows(Rows):
+    """The rows of a fleet's trace that nobody has read yet."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._hearers = tuple(row_hearers(self.take, with_motion, self.take_flat) for with_motion in (False, True))
+
+    def subscribe(self, stream: Stream, with_motion: bool) -> None:
+        """Take the rows of the events of a robot's ``stream``; ``with_motion``: see :func:`row_hearers`."""
+        stream.subscribe('trace', self._hearers[with_motion])
 
 
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:

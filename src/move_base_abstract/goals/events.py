@@ -37,6 +37,8 @@ ORDER = (
 )
 
 Row = Tuple[Any, ...]
+#: ``new(Stands, (now_ns, name, pose))`` makes an event in half the time that its constructor takes; it takes all fields
+new = tuple.__new__
 
 
 def robot_stream() -> Stream:
