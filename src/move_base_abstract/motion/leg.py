@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..engine.instants import first_ns
 from .geometry import Pose2D, normalize_angle
 
 _ROUNDING = 1e-9  # m
@@ -245,6 +246,11 @@ class Leg:
     def guess_ns(self, distance):
         """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
         return self._drive_ns + int(self._profile.elapsed(distance) * NS_PER_S)
+
+    def covers_ns(self, distance):
+        """Return the first instant [ns] at which ``distance`` [m] are driven, or the arrival; it is exact."""
+        return first_ns(self.depart_ns, self.arrive_ns, lambda at_ns: self.distance_at(at_ns) >= distance,
+                        self.guess_ns(distance))
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""

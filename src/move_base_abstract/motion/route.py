@@ -9,6 +9,7 @@ from itertools import accumulate, repeat
 from typing import NamedTuple, Optional
 
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..engine.instants import first_ns
 from .geometry import Pose2D, normalize_angle
 from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
@@ -55,7 +56,7 @@ class Route:
     ``depart_ns`` and ``arrive_ns`` are simulated time [ns].
     """
 
-    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts', '_covers')
 
     #: as in :class:`.leg.Leg`
     manner = ()
@@ -70,6 +71,7 @@ class Route:
         self.distance = math.fsum([segment.length for segment in segments])
         self.depart_ns = self.arrive_ns = depart_ns
         self._begins_ns, self._parts = [], []
+        self._covers = {}  # {distance [m]: time after the departure [ns]}, shared with the same route driven again
         yaw, driven = start.yaw, 0.0
         for pieces in drives:
             driven = self._drive(pieces, yaw, limits, driven)
@@ -116,6 +118,7 @@ class Route:
         by_ns = depart_ns - self.depart_ns
         route.depart_ns, route.arrive_ns, route.start, route.end = depart_ns, self.arrive_ns + by_ns, start, goal
         route.distance, route.corners, route.way, route._parts = self.distance, self.corners, self.way, self._parts
+        route._covers = self._covers
         route._begins_ns = [begin_ns + by_ns for begin_ns in self._begins_ns]
         return route
 
@@ -155,6 +158,15 @@ class Route:
             if elapsed is not None:
                 return begin_ns + int(elapsed * NS_PER_S)
         return self.arrive_ns
+
+    def covers_ns(self, distance):
+        """Return the same as :meth:`.leg.Leg.covers_ns`."""
+        elapsed_ns = self._covers.get(distance)
+        if elapsed_ns is None:
+            elapsed_ns = self._covers[distance] = first_ns(
+                self.depart_ns, self.arrive_ns, lambda at_ns: self.distance_at(at_ns) >= distance,
+                self.guess_ns(distance)) - self.depart_ns
+        return self.depart_ns + elapsed_ns
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""

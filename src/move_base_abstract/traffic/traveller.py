@@ -26,13 +26,16 @@ if TYPE_CHECKING:
 
 #: a robot that only leaves an area comes before everything else that robots do at that instant
 _LEAVING_INDEX = -1
+#: the policies with which robots may be careful, see :mod:`.safe_states`
+_SAFE = (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT)
 
 
 class Traveller:
     """One robot in traffic.
 
     ``held``: {Area: True} of the areas in which it holds a place, in the order in which it came there; ``needs``: the
-    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all.
+    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all; they are known only
+    if the policy may look for safe states.
     """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
@@ -123,7 +126,7 @@ class Traveller:
         first = self._crossings[0] if self._crossings else None
         if not self.held or (first is not None and first.distance == 0.0 and set(self.held) <= set(first.leaves)):
             self.circles.driven.clear()
-        self.needs = needs_of(self._crossings, self.held)
+        self._note_needs()
         if self._crossings and self._crossings[0].distance == 0.0:
             return self._cross(now_ns)
         self._await_crossing()
@@ -287,6 +290,10 @@ class Traveller:
         travel.change_way(now_ns, corners)
         return True
 
+    def _note_needs(self) -> None:
+        if self._traffic.rules.policy in _SAFE:  # nobody asks otherwise, and this comes at each crossing
+            self.needs = needs_of(self._crossings, self.held)
+
     def _enters(self) -> Tuple[Area, ...]:
         return tuple(area for area in self._crossings[0].enters if area not in self.held)
 
@@ -298,7 +305,7 @@ class Traveller:
         if self._may_enter(enters, ahead):
             self._take(enters, now_ns)
             self._give_back(crossing.leaves, now_ns)
-            self.needs = needs_of(self._crossings, self.held)
+            self._note_needs()
             self._await_crossing()
             return None
         self._forget_crossings()
