@@ -35,7 +35,11 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
 
     def plain(kind: str) -> Take:
         take_row = flat if kind in FLAT else take
-        return lambda event: take_row((event[0], event[1], kind, *event[2:]))
+
+        def hear_plain(event: Any) -> None:
+            time_ns, robot, *values = event
+            take_row((time_ns, robot, kind, *values))
+        return hear_plain
 
     def departed(event: Departed) -> None:
         flat(event.row())

@@ -148,8 +148,8 @@ class Route:
             return 0.0
         if now_ns >= self.arrive_ns:  # also at the departure, if the whole route takes less than a nanosecond
             return self.distance
-        part, elapsed_ns = self._part(now_ns)
-        return part.distance_at(elapsed_ns)
+        index = bisect_right(self._begins_ns, now_ns) - 1  # as _part, without a call
+        return self._parts[index].distance_at(now_ns - self._begins_ns[index])
 
     def guess_ns(self, distance):
         """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
@@ -181,8 +181,8 @@ class Route:
         """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
             return 0.0, 0.0
-        part, elapsed_ns = self._part(now_ns)
-        return part.velocity_at(elapsed_ns)
+        index = bisect_right(self._begins_ns, now_ns) - 1  # as _part, without a call
+        return self._parts[index].velocity_at(now_ns - self._begins_ns[index])
 
     def corners_ahead(self, now_ns):
         """Return the ``corners`` that the robot has not reached at ``now_ns`` [ns]."""

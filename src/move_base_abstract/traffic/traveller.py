@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ..common.ros_names import natural_order
-from ..goals.events import Abandoned, BrokenOff, Stands, Warned
+from ..goals.events import Abandoned, BrokenOff, Stands, Warned, new
 from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
 from .area import Area, Request
 from .circles import Circles
@@ -295,7 +295,7 @@ class Traveller:
             self.needs = needs_of(self._crossings, self.held)
 
     def _enters(self) -> Tuple[Area, ...]:
-        return tuple(area for area in self._crossings[0].enters if area not in self.held)
+        return tuple([area for area in self._crossings[0].enters if area not in self.held])
 
     def _cross(self, now_ns: int) -> Optional[str]:
         """Let the robot enter and leave areas at its next crossing; return the reason if it must wait, or None."""
@@ -354,14 +354,14 @@ class Traveller:
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
                 self._tell(Places(now_ns, self.name, area.name, area.capacity))
-            self._tell(Entered(now_ns, self.name, area.name))
+            self._tell(new(Entered, (now_ns, self.name, area.name)))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
                 self._traffic.changed(area)
-                self._tell(Left(now_ns, self.name, area.name))
+                self._tell(new(Left, (now_ns, self.name, area.name)))
                 self._traffic.freed(area)
 
     def _warn(self, now_ns: int, text: str) -> None:
