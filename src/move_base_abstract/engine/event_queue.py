@@ -140,8 +140,11 @@ class EventQueue:
 
     def is_busy(self):
         """Return whether there is an event for which alone time goes on."""
-        return any(event.action is not None and (event.keeps_going is None or event.keeps_going())
-                   for *_, event in chain(self._heap, self._soon))
+        for entry in chain(self._heap, self._soon):
+            event = entry[3]
+            if event.action is not None and (event.keeps_going is None or event.keeps_going()):
+                return True
+        return False
 
     def is_for_onlookers(self):
         """Return whether there are events, but time goes on for none of them alone, or only for onlookers.

@@ -279,8 +279,10 @@ class Traveller:
 
     def _goes_another_way(self, now_ns: int) -> bool:
         """If the robot would have to wait and another way is cheaper now, take that way; return whether it did."""
+        if not self._traffic.rules.lane_price:
+            return False
         enters = self._enters()
-        if not self._traffic.rules.lane_price or self._may_enter(enters, self._looks_at(enters)):
+        if self._may_enter(enters, self._looks_at(enters)):
             return False
         travel = self._navigator.travel
         corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), travel.target)
@@ -324,10 +326,14 @@ class Traveller:
             0, blocks - len(enters))]
 
     def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
-        firsts = [area.first(self) for area in enters]
-        is_first = all(one is None or one.traveller.priority < self.priority for one in firsts)
-        return (is_first and all(area.has_room() for area in enters) and all(area.has_room() for area in ahead)
-                and self._traffic.may_take(self, enters))
+        for area in enters:
+            first = area.first(self)
+            if not area.has_room() or first is not None and first.traveller.priority >= self.priority:
+                return False
+        for area in ahead:
+            if not area.has_room():
+                return False
+        return self._traffic.may_take(self, enters)
 
     @property
     def waits_only(self) -> bool:
