@@ -31,9 +31,9 @@ class GoalRecord:
 class GoalLedger:
     """Decides what happens to goals and cancel requests.
 
-    ``publish_status()`` is called after each transition, ``publish_result(record, stamp_ns)`` after each ending, before
-    the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A goal that has ended
-    stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
+    ``publish_status()``, unless it is None, is called after each transition, ``publish_result(record, stamp_ns)`` after
+    each ending, before the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A
+    goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
     """
 
     def __init__(self, publish_status, publish_result, new_id, keep_ns=5_000_000_000):
@@ -105,7 +105,8 @@ class GoalLedger:
                 current.ended_ns = now_ns
             self._current = self.active = record
             record.state, record.text = _ACTIVE, TEXT_ACCEPTED
-        self._publish_status()
+        if self._publish_status is not None:
+            self._publish_status()
 
     def finish(self, outcome, stamp_ns):
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
@@ -122,7 +123,8 @@ class GoalLedger:
         try:
             self._publish_result(record, stamp_ns)
         finally:
-            self._publish_status()
+            if self._publish_status is not None:
+                self._publish_status()
 
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in; return whether it cancels the active goal, which then becomes PREEMPTING.
@@ -141,7 +143,8 @@ class GoalLedger:
                 continue
             if record is self.active and record.state is GoalState.ACTIVE:
                 record.state = GoalState.PREEMPTING
-                self._publish_status()
+                if self._publish_status is not None:
+                    self._publish_status()
                 hits_active = True
         if goal_id and not found:
             self._remember_cancel(goal_id, stamp_ns, now_ns)
@@ -161,7 +164,8 @@ class GoalLedger:
         for record in untold:
             record.ended_ns = now_ns
             self._publish_result(record, now_ns)
-        self._publish_status()
+        if self._publish_status is not None:
+            self._publish_status()
 
     def clear(self):
         """Forget all goals and cancels, ended or not; publish nothing."""

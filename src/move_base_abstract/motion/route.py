@@ -56,7 +56,8 @@ class Route:
     ``depart_ns`` and ``arrive_ns`` are simulated time [ns].
     """
 
-    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts', '_covers')
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts',
+                 '_covers')
 
     #: as in :class:`.leg.Leg`
     manner = ()

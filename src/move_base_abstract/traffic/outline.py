@@ -92,7 +92,8 @@ class Outline:
         x_min, y_min, x_max, y_max = self.box
         width, height = x_max - x_min, y_max - y_min
         aside = ux * (y_min + 0.5 * height - begin[1]) - uy * (x_min + 0.5 * width - begin[0])  # of the box's middle
-        return abs(aside) <= 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER
+        meets: bool = abs(aside) <= 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER
+        return meets
 
 
 def rectangle(x_min: float, y_min: float, x_max: float, y_max: float) -> Outline:

@@ -34,8 +34,8 @@ class Traveller:
     """One robot in traffic.
 
     ``held``: {Area: True} of the areas in which it holds a place, in the order in which it came there; ``needs``: the
-    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all; they are known only
-    if the policy may look for safe states.
+    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all; they are noted
+    only if the policy may look for safe states.
     """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
