@@ -1,6 +1,7 @@
 """The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
 
 from ..goals import events, traffic_events
@@ -30,8 +31,13 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
     def hear(event: Any) -> None:
         take(event.row())
 
-    def hear_flat(event: Any) -> None:
-        flat(event.row())
+    def stands(event: Stands) -> None:
+        time_ns, robot, pose = event
+        flat((time_ns, robot, 'stands', pose.x, pose.y, pose.yaw))
+
+    def ended(event: Ended) -> None:
+        time_ns, robot, goal_id, _, state, text = event
+        flat((time_ns, robot, 'ended', goal_id, state._name_, text))
 
     def plain(kind: str) -> Take:
         take_row = flat if kind in FLAT else take
@@ -42,16 +48,16 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
         return hear_plain
 
     def departed(event: Departed) -> None:
-        flat(event.row())
-        _, _, _, corners, manner = event
+        time_ns, robot, goal, corners, manner = event
+        flat((time_ns, robot, 'departed', goal.x, goal.y, goal.yaw))
         if corners:
-            take(event.route())
+            take((time_ns, robot, 'route', *chain.from_iterable(corners)))
         if with_motion and manner:
-            take((event.time_ns, event.robot, 'manner', *manner))
+            take((time_ns, robot, 'manner', *manner))
     flat = take_flat or take
     return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
             **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
-            Departed: departed, Stands: hear_flat, Ended: hear_flat}
+            Departed: departed, Stands: stands, Ended: ended}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:
