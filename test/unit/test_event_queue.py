@@ -64,6 +64,38 @@ def test_what_is_scheduled_meanwhile_happens_in_its_place():
     assert trace.queue.next_due_ns() == 100
 
 
+def test_what_is_scheduled_for_the_present_instant_comes_among_the_other_events_of_that_instant():
+    trace = Trace()
+
+    def schedule_more(due_ns, _now_ns):
+        for robot_index in (4, 1, 2):
+            trace.schedule(due_ns, robot_index, 'new')
+
+    trace.queue.schedule(5, 0, schedule_more)
+    for robot_index in (3, 1):
+        trace.schedule(5, robot_index, 'old')
+    trace.schedule(6, 0, 'next')
+    assert [line[2:] for line in trace.run(6)] == [
+        (1, 'old'), (1, 'new'), (2, 'new'), (3, 'old'), (4, 'new'), (0, 'next')]
+
+
+def test_after_an_error_the_events_of_its_instant_are_still_there_and_move_with_the_clock():
+    trace = Trace()
+
+    def fail(due_ns, _now_ns):
+        trace.schedule(due_ns, 1, 'same instant')
+        raise RuntimeError
+
+    trace.queue.schedule(5, 0, fail)
+    with pytest.raises(RuntimeError):
+        trace.run(5)
+    assert trace.queue.is_busy() and trace.queue.is_for_onlookers() is False
+    trace.schedule(6, 0, 'next')
+    assert trace.queue.next_due_ns() == 5
+    trace.queue.shift(-3)
+    assert trace.run(2, 3) == [(2, 2, 1, 'same instant'), (3, 3, 0, 'next')]
+
+
 @given(st.lists(st.tuples(TIMES, st.integers(0, 3), st.booleans()), max_size=40), st.lists(TIMES, max_size=5))
 def test_any_events_come_in_order_at_the_first_instant_not_before_them(plans, instants):
     trace = Trace()

@@ -7,7 +7,7 @@ from move_base_abstract.engine.instants import first_ns
 from move_base_abstract.motion.approach import MotionPhases
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
-from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.pace import Pace, PacedLeg, TimedLeg
 from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.traffic.outline import rectangle
@@ -24,7 +24,9 @@ LEGS = [Leg(Pose2D(0.0, 0.0, 1.0), FAR, REAL, Tolerances(0.1, 0.1), 3),
         Route(Pose2D(0.0, 0.0, 1.0), FAR, CORNERS, REAL, Tolerances(0.1, 0.1), 3, CornerLaw.KEEP),
         Route(Pose2D(0.0, 0.0, 1.0), FAR, CORNERS, REAL, Tolerances(0.1, 0.1), 3, CornerLaw.STOP),
         PhasedRoute(Pose2D(), FAR, CORNERS, REAL, PHASES, Tolerances(0.1, 0.1), 3),
-        PacedLeg(Route(Pose2D(), FAR, CORNERS, REAL, depart_ns=3), Pace(5 * S + 7, 1.37))]
+        PacedLeg(Route(Pose2D(), FAR, CORNERS, REAL, depart_ns=3), Pace(5 * S + 7, 1.37)),
+        PacedLeg(Route(Pose2D(), FAR, CORNERS, REAL, depart_ns=3), Pace(0, 0.41)),
+        TimedLeg(Leg(Pose2D(), FAR, LIMITS, depart_ns=3), 7 * S + 1, 2)]
 
 
 def test_a_robot_at_an_even_speed_is_at_the_border_when_it_has_driven_as_far():
@@ -89,6 +91,15 @@ def test_a_route_comes_in_as_often_as_it_does():
 def test_who_only_waits_and_who_misses_the_area_pass_nothing():
     assert passages(Leg(Pose2D(), Pose2D(), LIMITS), AREA) == []
     assert passages(Leg(Pose2D(0.0, 3.0), Pose2D(10.0, 3.0), LIMITS), AREA) == []
+
+
+def test_a_route_that_is_driven_again_comes_to_the_same_places_after_the_same_times():
+    first = Route(Pose2D(), FAR, CORNERS, REAL, depart_ns=3)
+    early = instant_at(first, 4.0)
+    again = first.again(first.start, first.end, 8 * S)
+    assert instant_at(again, 4.0) == early + 8 * S - 3
+    assert again.distance_at(instant_at(again, 6.0) - 1) < 6.0 <= again.distance_at(instant_at(again, 6.0))
+    assert instant_at(first, 4.0) == early
 
 
 def test_the_instant_of_a_distance_that_is_not_covered_before_the_arrival_is_the_arrival():

@@ -27,7 +27,7 @@ class LegEnergy:
 
     def __init__(self, leg: Any, mechanics: Mechanics) -> None:
         self._leg = leg
-        self._mechanics = mechanics
+        self._half_mass, self._half_moment = 0.5 * mechanics.mass, 0.5 * mechanics.moment_of_inertia
         self._instants = instants = leg.even_instants_ns(1)
         self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
         energy, before = 0.0, (0.0, 0.0)
@@ -54,8 +54,7 @@ class LegEnergy:
 
     def _kinetic(self, now_ns: int) -> Tuple[float, float]:
         forward, turning = self._leg.velocity_at(now_ns)
-        return (0.5 * self._mechanics.mass * forward * forward,
-                0.5 * self._mechanics.moment_of_inertia * turning * turning)
+        return self._half_mass * forward * forward, self._half_moment * turning * turning
 
 
 def _change(one: Tuple[float, float], other: Tuple[float, float]) -> float:

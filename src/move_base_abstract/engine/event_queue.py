@@ -1,6 +1,7 @@
 """The one queue from which every event of a simulation comes."""
 import math
 from heapq import heapify, heappop, heappush, heapreplace
+from itertools import chain
 
 
 class Event:
@@ -11,12 +12,9 @@ class Event:
     :class:`Series` if that only tells, otherwise None.
     """
 
-    __slots__ = ('action', 'telling', 'keeps_going')
+    __slots__ = ('action',)
 
-    def __init__(self, action, telling=None, keeps_going=None):
-        self.action = action
-        self.telling = telling
-        self.keeps_going = keeps_going
+    telling = keeps_going = None
 
     def __lt__(self, _other):
         """Return False: two events with the same place are of one series, and one of them is cancelled."""
@@ -26,6 +24,14 @@ class Event:
         """Cancel this event. It may be cancelled twice, and after it has happened."""
         self.action = None
 
+
+class _SpecialEvent(Event):
+    """An event that tells, or for which alone time does not always go on; most events are neither."""
+
+    __slots__ = ('telling', 'keeps_going')
+
+
+_new_event = Event.__new__  # called without a constructor of ours, which would take most of the time
 
 #: the listeners of a :class:`Series` that only tells; time goes on for it alone only if participants listen
 NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
@@ -44,6 +50,8 @@ class EventQueue:
 
     def __init__(self):
         self._heap = []  # of (due_ns, robot index, number, Event): tuples, because tuples are compared fastest
+        self._soon = []  # a second heap, of what is due at the instant that is happening: it is short, so it is fast
+        self._instant_ns = -1  # the instant of the event that has happened last
         self._sweep_at = _FEWEST_SWEPT
         self._sequence = 0
         #: whether any event was ever scheduled with ``keeps_going``
@@ -87,19 +95,33 @@ class EventQueue:
         ``keeps_going()`` returns whether time goes on for this event alone. It is given for events that come by
         themselves while nobody does anything, for example the end of a charge.
         """
-        if keeps_going is not None:
-            self.ever_waits = True
-        event = Event(action, telling, keeps_going)
-        heap = self._heap
-        if len(heap) >= self._sweep_at:
-            self._sweep()
-        if telling is None:
-            place = self._sequence
+        place = self._sequence
+        if telling is None and keeps_going is None:
+            event = _new_event(Event)
             self._sequence = place + 1
         else:
-            place = telling.place
-        heappush(heap, (due_ns, robot_index, place, event))
+            event = _SpecialEvent()
+            event.telling, event.keeps_going = telling, keeps_going
+            if keeps_going is not None:
+                self.ever_waits = True
+            if telling is None:
+                self._sequence = place + 1
+            else:
+                place = telling.place
+        event.action = action
+        if due_ns <= self._instant_ns:
+            heappush(self._soon, (due_ns, robot_index, place, event))
+            return event
+        if len(self._heap) >= self._sweep_at:
+            self._sweep()
+        heappush(self._heap, (due_ns, robot_index, place, event))
         return event
+
+    def _settle(self):
+        """Have all events in one heap, for methods that look at it from outside of a run."""
+        for entry in self._soon:
+            heappush(self._heap, entry)
+        self._soon.clear()
 
     def _sweep(self):
         """Drop cancelled events, of which those of far instants would stay for long; this does not change the order."""
@@ -109,6 +131,8 @@ class EventQueue:
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None if there is none."""
+        if self._soon:
+            self._settle()
         heap = self._heap
         while heap and heap[0][3].action is None:
             heappop(heap)
@@ -116,8 +140,11 @@ class EventQueue:
 
     def is_busy(self):
         """Return whether there is an event for which alone time goes on."""
-        return any(event.action is not None and (event.keeps_going is None or event.keeps_going())
-                   for *_, event in self._heap)
+        for entry in chain(self._heap, self._soon):
+            event = entry[3]
+            if event.action is not None and (event.keeps_going is None or event.keeps_going()):
+                return True
+        return False
 
     def is_for_onlookers(self):
         """Return whether there are events, but time goes on for none of them alone, or only for onlookers.
@@ -125,7 +152,7 @@ class EventQueue:
         That is: each event either does not keep time going, or is of a series that only onlookers hear.
         """
         is_any = False
-        for *_, event in self._heap:
+        for *_, event in chain(self._heap, self._soon):
             if event.action is not None:
                 if event.keeps_going is not None:
                     if event.keeps_going():
@@ -142,8 +169,9 @@ class EventQueue:
         ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. If
         ``until_ns`` is None, this goes on as long as the queue :meth:`is_busy`.
         """
-        heap, end_ns, entered_ns = self._heap, math.inf if until_ns is None else until_ns, None
-        while heap:
+        later, soon, end_ns, entered_ns = self._heap, self._soon, math.inf if until_ns is None else until_ns, None
+        while later or soon:
+            heap = soon if soon and (not later or soon[0] < later[0]) else later
             due_ns, robot_index, _, event = heap[0]
             if due_ns > end_ns:
                 return
@@ -156,8 +184,10 @@ class EventQueue:
             heappop(heap)
             event.action = None
             entered_ns = due_ns
-            if due_ns > present.now_ns:
-                present.now_ns = due_ns
+            if heap is later:
+                self._instant_ns = due_ns
+                if due_ns > present.now_ns:
+                    present.now_ns = due_ns
             try:
                 action(due_ns, due_ns if instant_by_instant else until_ns)
             except Exception as error:
@@ -174,8 +204,8 @@ class EventQueue:
         with calls. The queue does not change, except that series that nobody hears any more fall asleep. :meth:`skip`
         says later how many of these calls have been made.
         """
+        due_ns = self.next_due_ns()
         if not self._telling:
-            due_ns = self.next_due_ns()
             return [], before_ns if due_ns is None else min(before_ns, due_ns)
         heap = []
         for due_ns, robot_index, place, event in self._heap:
@@ -209,6 +239,8 @@ class EventQueue:
 
     def shift(self, by_ns):
         """Move all events by ``by_ns`` [ns]; their order stays."""
+        self._settle()
+        self._instant_ns = -1
         self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
         for series in self._asleep:
             series.shift(by_ns)

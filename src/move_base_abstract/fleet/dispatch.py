@@ -170,8 +170,8 @@ class Dispatch:
         if row[1] == 'policy_failed' and self._failure is None:
             self._failure = row[2]
         row = (self.fleet.now_ns, *row)
-        if self.fleet._write is not None:
-            self.fleet._write(row)
+        if self.fleet._rows is not None:
+            self.fleet._rows.take(row)
         self.fleet._user_calls.tell(row)
 
 

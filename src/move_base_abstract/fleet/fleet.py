@@ -18,10 +18,11 @@ from ..encounters.control import make_encounters
 from ..energy.battery import STATE_OF_CHARGE
 from ..engine.simulation import Simulation
 from ..faults.failures import REQUEST, check_request
+from ..goals.events import new
 from ..goals.navigator import GoalPose
-from ..motion.geometry import Pose2D, quaternion_of_yaw
+from ..motion.geometry import STRAIGHT_AHEAD, Pose2D, quaternion_of_yaw
 from ..runs.event_log_file import End, write_event_log
-from ..runs.trace import TraceEntry, as_entries
+from ..runs.trace import TraceEntry
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
@@ -29,6 +30,7 @@ from ..tasks.places import PRIORITY
 from ..tasks.room import Rooms
 from ..traffic.control import Traffic
 from .member import FleetWarning, Member, Members
+from .robot_rows import TraceRows
 from .robot_view import RobotView
 from .user_calls import UserCalls
 
@@ -52,8 +54,7 @@ class Fleet:
         self.simulation = Simulation(as_instant(start_ns, 'start_ns'))
         self._start_ns = self.simulation.now_ns
         self._trace = None if trace is None else list(trace)
-        self._rows = []  # the rows of the trace that are not in self._trace yet
-        self._write = None if trace is None else self._rows.append
+        self._rows = None if trace is None else TraceRows()  # the rows of the trace that are not in self._trace yet
         self._user_calls = UserCalls(self.simulation, on_event, on_end, on_worked)
         self.scenario = scenario
         self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
@@ -71,9 +72,8 @@ class Fleet:
     @property
     def trace(self):
         """All that has happened, a list of :class:`TraceEntry`, or None; each access adds the new entries to it."""
-        if self._rows:
-            self._trace += as_entries(self._rows)
-            self._rows.clear()
+        if self._rows is not None:
+            self._trace += self._rows.read()
         return self._trace
 
     @property
@@ -135,8 +135,9 @@ class Fleet:
             check_kind(goal_id, str, 'goal_id')
             check_kind(frame, str, 'frame')
         member = self._members[name]
-        goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
-        goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
+        goal_id = goal_id or f'{name}-{next(member.goal_numbers)}'
+        goal = new(GoalPose, (
+            frame, 0, (x, y), quaternion_of_yaw(yaw) if yaw else STRAIGHT_AHEAD, 0.0))
         member.navigator.receive(goal_id, 0, goal, self.simulation.now_ns)
         return goal_id
 

@@ -11,7 +11,7 @@ from ..maps.map_check import MapCheck
 from ..sensing.laser import Laser
 from ..tasks.place_tasks import PlaceTaskRunner
 from .robot_parts import make_planner, make_robot_parts
-from .robot_rows import tell_start, write
+from .robot_rows import tell_start
 
 
 class FleetWarning(NamedTuple):
@@ -33,8 +33,8 @@ class Member:
         self._settings = settings
         self.goal_numbers = itertools.count(1)
         self._stream = robot_stream()
-        if fleet._write is not None:
-            write(self._stream, 'trace', fleet._write, values['log_motion'])
+        if fleet._rows is not None:
+            fleet._rows.subscribe(self._stream, values['log_motion'])
         fleet._user_calls.subscribe(self._stream, values['log_motion'])
         self._stream.subscribe('shown', {Warned: self._warned})
         self._map_check = None

@@ -9,7 +9,7 @@ from ..faults.buggify import Buggifying
 from ..faults.condition import Condition
 from ..faults.failing import Failing
 from ..faults.failures import ABORT, Failures
-from ..goals.events import Beyond, Ended
+from ..goals.events import Beyond, Ended, new
 from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
 from ..maps.planning import StraightLinePlanner
@@ -45,8 +45,8 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
                   CornerLaw(values['corners']), settings.phases, remembered_legs, settings.original)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
-    ledger = GoalLedger(client.publish_status, lambda record, stamp_ns: stream.tell(Ended(
-        stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text)), client.new_id,
+    ledger = GoalLedger(client.publish_status, lambda record, stamp_ns: stream.tell(new(Ended, (
+        stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text))), client.new_id,
         seconds_to_ns(values['status_list_timeout']))
     planner = planner or make_planner(settings)
     durations = None

@@ -1,14 +1,19 @@
 """The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
 
 from ..goals import events, traffic_events
-from ..goals.events import ChargeRead, Departed, MotionSet, Phased, Recorded, motion_of
+from ..goals.events import ChargeRead, Departed, Ended, MotionSet, Phased, Recorded, Stands, motion_of
+from ..runs.trace import FLAT, Rows
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..motion.robot import Robot
+
+#: a function that takes a row, or an event
+Take = Callable[[Any], object]
 
 _WITH_MOTION = (MotionSet, Phased, ChargeRead)
 _OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars(module).values()
@@ -16,27 +21,63 @@ _OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars
 _PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 
 
-def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
-    """Call ``take`` with each row of the events of ``stream``, at the place of the subscriber ``name`` in its order.
+def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
+    """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
     ``with_motion``: also with the rows of the limits, phases and manner of the robot's travel, so that its legs can be
-    computed again from the rows, and of its state of charge when a charge begins and ends.
+    computed again from the rows, and of its state of charge when a charge begins and ends. ``take_flat``, if given,
+    gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())
 
-    def plain(kind: str) -> Callable[[Any], object]:
-        return lambda event: take((event[0], event[1], kind, *event[2:]))
+    def stands(event: Stands) -> None:
+        time_ns, robot, pose = event
+        flat((time_ns, robot, 'stands', pose.x, pose.y, pose.yaw))
+
+    def ended(event: Ended) -> None:
+        time_ns, robot, goal_id, _, state, text = event
+        flat((time_ns, robot, 'ended', goal_id, state._name_, text))
+
+    def plain(kind: str) -> Take:
+        take_row = flat if kind in FLAT else take
+
+        def hear_plain(event: Any) -> None:
+            time_ns, robot, *values = event
+            take_row((time_ns, robot, kind, *values))
+        return hear_plain
 
     def departed(event: Departed) -> None:
-        take(event.row())
-        if event.corners:
-            take(event.route())
-        if with_motion and event.manner:
-            take((event.time_ns, event.robot, 'manner', *event.manner))
-    stream.subscribe(name, {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
-                            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
-                            Departed: departed})
+        time_ns, robot, goal, corners, manner = event
+        flat((time_ns, robot, 'departed', goal.x, goal.y, goal.yaw))
+        if corners:
+            take((time_ns, robot, 'route', *chain.from_iterable(corners)))
+        if with_motion and manner:
+            take((time_ns, robot, 'manner', *manner))
+    flat = take_flat or take
+    return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
+            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
+            Departed: departed, Stands: stands, Ended: ended}
+
+
+def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:
+    """Call ``take`` with each row of the events of ``stream``, at the place of the subscriber ``name`` in its order.
+
+    ``with_motion``: see :func:`row_hearers`.
+    """
+    stream.subscribe(name, row_hearers(take, with_motion))
+
+
+class TraceRows(Rows):
+    """The rows of a fleet's trace that nobody has read yet."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._hearers = tuple(row_hearers(self.take, with_motion, self.take_flat) for with_motion in (False, True))
+
+    def subscribe(self, stream: Stream, with_motion: bool) -> None:
+        """Take the rows of the events of a robot's ``stream``; ``with_motion``: see :func:`row_hearers`."""
+        stream.subscribe('trace', self._hearers[with_motion])
 
 
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:

@@ -1,6 +1,5 @@
 """Calls of the functions that a fleet's user has given: for events and endings, at the end of their instant."""
 import warnings
-from functools import partial
 
 from ..goals.events import Beyond, Ended, TaskEnded
 from ..motion.recorded_range import WARNING
@@ -19,8 +18,8 @@ class UserCalls:
     def __init__(self, simulation, on_event, on_end, on_worked):
         self._simulation = simulation
         self._on_event = on_event
-        self._listeners = [(kind, listener) for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
-                           if listener is not None]
+        self._hears = {kind: self._teller(listener)  # shared by all robots
+                       for kind, listener in ((Ended, on_end), (TaskEnded, on_worked)) if listener is not None}
         self._has_warned = False  # whether the user was warned of a goal outside the ranges of its calibration
 
     def subscribe(self, stream, with_motion):
@@ -28,8 +27,7 @@ class UserCalls:
         if self._on_event is not None:
             write(stream, 'users', self._tell_event, with_motion)
         stream.subscribe('shown', {Beyond: self._warn_of_beyond})
-        for kind, listener in self._listeners:
-            stream.subscribe('users', {kind: partial(self._tell_end, listener)})
+        stream.subscribe('users', self._hears)
 
     def at(self, time_ns, call):
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which must not be past."""
@@ -44,16 +42,18 @@ class UserCalls:
         """Call ``on_event`` for a row of the trace, at the end of its instant, when all that belongs to it is over."""
         self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
 
-    def _tell_end(self, listener, event):
-        """Call ``listener`` for the end of a goal or a task, at the end of its instant."""
-        now_ns = self._simulation.now_ns
-        self.at(event.time_ns if event.time_ns > now_ns else now_ns, partial(_call, listener, event, self._simulation))
+    def _teller(self, listener):
+        """Return a function that has ``listener`` called for the end of a goal or a task, at the end of its instant."""
+        simulation = self._simulation
+
+        def tell_end(event):
+            def call(_due_ns, _now_ns):
+                listener(event[1], event[2], event[4], event[5], simulation.now_ns)
+            simulation.queue.schedule(max(event[0], simulation.now_ns), _USER_INDEX, call)
+        return tell_end
 
     def _warn_of_beyond(self, event):
         if not self._has_warned:
             self._has_warned = True
             warnings.warn(WARNING.format(event.robot, event.words), stacklevel=2)
 
-
-def _call(listener, event, simulation, _due_ns, _now_ns):
-    listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 class Client(Protocol):
     """What a GoalLedger needs of a client: a status and ids of goals."""
 
-    def publish_status(self) -> object:
-        """Publish the states of all goals."""
+    @property
+    def publish_status(self) -> Optional[Callable[[], object]]:
+        """A function that publishes the states of all goals; None: nobody wants to know."""
         ...
 
     def new_id(self, now_ns: int) -> str:
@@ -55,12 +56,10 @@ class NoClient:
 
     is_feedback_heard: Optional[Callable[[], int]] = None
     is_progress_heard: Optional[Callable[[], int]] = None
+    publish_status: Optional[Callable[[], object]] = None
 
     def __init__(self, prefix: str) -> None:
         self._prefix = prefix
-
-    def publish_status(self) -> None:
-        """Do nothing."""
 
     def new_id(self, now_ns: int) -> str:
         """Return an id for a goal that came without one at ``now_ns`` [ns]."""

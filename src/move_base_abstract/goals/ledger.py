@@ -12,23 +12,28 @@ from .outcome import REPLACED, TEXT_ACCEPTED, TEXT_ANOTHER_GOAL, TEXT_BEFORE_LAS
 _REMEMBERED_CANCELS = 1000
 
 
+_PENDING, _ACTIVE = GoalState.PENDING, GoalState.ACTIVE  # to look a member of an Enum up is slow
+
+
 @dataclass
 class GoalRecord:
     """One goal: its id, the stamp of the id [ns], its state and text, and the instant [ns] of its end, or None."""
 
+    __slots__ = ('goal_id', 'stamp_ns', 'state', 'text', 'ended_ns')
+
     goal_id: str
     stamp_ns: int
-    state: GoalState = GoalState.PENDING
-    text: str = ''
-    ended_ns: Optional[int] = None
+    state: GoalState
+    text: str
+    ended_ns: Optional[int]
 
 
 class GoalLedger:
     """Decides what happens to goals and cancel requests.
 
-    ``publish_status()`` is called after each transition, ``publish_result(record, stamp_ns)`` after each ending, before
-    the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A goal that has ended
-    stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
+    ``publish_status()``, unless it is None, is called after each transition, ``publish_result(record, stamp_ns)`` after
+    each ending, before the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A
+    goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
     """
 
     def __init__(self, publish_status, publish_result, new_id, keep_ns=5_000_000_000):
@@ -67,16 +72,16 @@ class GoalLedger:
                     return None
                 records.append(record)
         self._records = records
-        record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns)
+        record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns, _PENDING, '', None)
         records.append(record)
-        if record.goal_id in self._early_cancels:
+        if self._early_cancels and record.goal_id in self._early_cancels:
             del self._early_cancels[record.goal_id]
             self._end(record, Outcome(GoalState.RECALLED), now_ns)
             return None
         if stamp_ns and stamp_ns <= self._last_cancel_ns:
             self._end(record, Outcome(GoalState.RECALLED, TEXT_BEFORE_LAST_CANCEL), now_ns)
             return None
-        if self._current is not None and record.stamp_ns < self._current.stamp_ns:
+        if current is not None and record.stamp_ns < current.stamp_ns:
             self._end(record, Outcome(GoalState.RECALLED, TEXT_ANOTHER_GOAL), now_ns)
             return None
         self._accept(record, now_ns)
@@ -95,11 +100,13 @@ class GoalLedger:
             if self.active is not None:
                 self._end(self.active, REPLACED, now_ns)
         finally:  # also after an error, since a goal that is neither active nor ended would be lost
-            if self._current is not None and self._current.ended_ns is not None:
-                self._current.ended_ns = now_ns
+            current = self._current
+            if current is not None and current.ended_ns is not None:
+                current.ended_ns = now_ns
             self._current = self.active = record
-            record.state, record.text = GoalState.ACTIVE, TEXT_ACCEPTED
-        self._publish_status()
+            record.state, record.text = _ACTIVE, TEXT_ACCEPTED
+        if self._publish_status is not None:
+            self._publish_status()
 
     def finish(self, outcome, stamp_ns):
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
@@ -116,7 +123,8 @@ class GoalLedger:
         try:
             self._publish_result(record, stamp_ns)
         finally:
-            self._publish_status()
+            if self._publish_status is not None:
+                self._publish_status()
 
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in; return whether it cancels the active goal, which then becomes PREEMPTING.
@@ -135,7 +143,8 @@ class GoalLedger:
                 continue
             if record is self.active and record.state is GoalState.ACTIVE:
                 record.state = GoalState.PREEMPTING
-                self._publish_status()
+                if self._publish_status is not None:
+                    self._publish_status()
                 hits_active = True
         if goal_id and not found:
             self._remember_cancel(goal_id, stamp_ns, now_ns)
@@ -155,7 +164,8 @@ class GoalLedger:
         for record in untold:
             record.ended_ns = now_ns
             self._publish_result(record, now_ns)
-        self._publish_status()
+        if self._publish_status is not None:
+            self._publish_status()
 
     def clear(self):
         """Forget all goals and cancels, ended or not; publish nothing."""
@@ -179,4 +189,4 @@ class GoalLedger:
         self._early_cancels[goal_id] = None
         while len(self._early_cancels) > _REMEMBERED_CANCELS:
             self._early_cancels.popitem(last=False)
-        self._records.append(GoalRecord(goal_id, stamp_ns, GoalState.RECALLING, ended_ns=now_ns))
+        self._records.append(GoalRecord(goal_id, stamp_ns, GoalState.RECALLING, '', now_ns))

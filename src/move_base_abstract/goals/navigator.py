@@ -10,7 +10,7 @@ from ..common.units import NS_PER_S, check_reachable
 from ..engine.agenda import Agenda
 from ..engine.guard import attempt_each, fault_text, guarded
 from ..maps.planning import StraightLinePlanner
-from ..motion.geometry import quaternion_fault
+from ..motion.geometry import STRAIGHT_AHEAD, quaternion_fault
 from .events import Abandoned, Aimed, BrokenOff, GoalChanged, Recovery, Warned, WheelsStopped
 from .feedback import GoalFeedback
 from .goal_pose import BadFramePolicy, GoalPose
@@ -60,31 +60,36 @@ class Navigator:
         """Whether the robot has a goal."""
         return self._ledger.active is not None
 
-    @guarded
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
-        if self._ledger.is_silent:
+        try:
+            self._take_in(goal_id, stamp_ns, goal, now_ns)
+        except Exception as error:  # as :func:`guarded` does, which costs more; this is called for each goal
+            self.break_off(error)
+
+    def _take_in(self, goal_id, stamp_ns, goal, now_ns):
+        ledger = self._ledger
+        if ledger.is_silent:
             self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
             return
-        starts_from_idle = self._ledger.active is None
-        if self._ledger.receive(goal_id, stamp_ns, now_ns) is None:
+        starts_from_idle = ledger.active is None
+        if ledger.receive(goal_id, stamp_ns, now_ns) is None:
             return
         if self._durations is not None:
             self._durations.next_goal()
         self.goal_number += 1
         self._starts_from_idle = starts_from_idle
         self._forget_goal(now_ns)
-        self.travel.halt(now_ns)
-        self._work_on(goal, now_ns)
-
-    def _work_on(self, goal, now_ns):
-        fault = quaternion_fault(goal.quaternion)
+        if self.robot.leg is not None:
+            self.travel.halt(now_ns)
+        quaternion = goal.quaternion
+        fault = None if quaternion is STRAIGHT_AHEAD else quaternion_fault(quaternion)
         if fault:
             self._tell(Warned(now_ns, self.robot.name, fault))
             self.end(INVALID_QUATERNION, now_ns)
             return
-        for refusal in self._refusals.values():
-            self.end(refusal, now_ns)
+        if self._refusals:
+            self.end(next(iter(self._refusals.values())), now_ns)
             return
         if GoalChanged in self._hearers:
             self._tell(GoalChanged(now_ns, self.robot.name))
@@ -97,8 +102,10 @@ class Navigator:
 
         If the goal's stamp lies in the future and its frame moves, wait until then.
         """
-        if self.planner.lacking:
-            self._bad_place(goal, self.planner.lacking, now_ns)
+        planner = self.planner
+        lacking = planner.lacking
+        if lacking:
+            self._bad_place(goal, lacking, now_ns)
             return
         if goal.stamp_ns > now_ns and self._frames.moves(goal.frame_id, now_ns):
             self._try_at(goal.stamp_ns, goal, now_ns)
@@ -115,7 +122,7 @@ class Navigator:
                 self._tell(WheelsStopped(now_ns, self.robot.name))
             if Aimed in self._hearers:
                 self._tell(Aimed(now_ns, self.robot.name, pose, goal.height, self._frames.orientation(goal, pose)))
-            self.travel.go(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
+            self.travel.go(planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
     def _bad_place(self, goal, text, now_ns):
         self._tell(Warned(now_ns, self.robot.name, text))
@@ -249,6 +256,8 @@ class Navigator:
     def _forget_goal(self, now_ns):
         if self._agenda.events:
             self._agenda.clear()
-        self.travel.aim(None)
+        travel = self.travel
+        if travel.target is not None or travel.waits_for_release:  # a call less if it has been forgotten already
+            travel.aim(None)
         if Abandoned in self._hearers:
             self._tell(Abandoned(now_ns, self.robot.name))

@@ -6,7 +6,7 @@ import math
 
 from ..engine.guard import guarded
 from ..motion.geometry import Pose2D
-from .events import Departed, Held, Stands, Warned
+from .events import Departed, Held, Stands, Warned, new
 from .outcome import NO_CONTROL, aborted
 
 
@@ -22,7 +22,7 @@ class Travel:
         self._robot = robot
         self._planner = planner
         self._agenda = agenda
-        self._tell = stream.tell
+        self._stream = stream
         self._durations = durations
         self._gate = None
         #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
@@ -31,7 +31,8 @@ class Travel:
         self.target = None
         #: the reasons for which the robot is held, as texts in the order in which they came; empty: it may travel
         self.held_for = ()
-        self._waits_for_release = False
+        #: whether its way is planned when the last hold ends
+        self.waits_for_release = False
 
     def set_gate(self, gate):
         """Ask ``gate`` at each departure whether the robot may go.
@@ -44,7 +45,7 @@ class Travel:
     def aim(self, target):
         """Set the robot's target (Pose2D, global frame); None: it has none any more."""
         self.target = target
-        self._waits_for_release = False
+        self.waits_for_release = False
 
     def _go_on(self, now_ns):
         """Go on to the target from where the robot stands; if there is no way, it gives up as for a new goal."""
@@ -57,17 +58,17 @@ class Travel:
             self._fail_to_plan(now_ns)
             return
         if self.held_for:
-            self._waits_for_release = True
+            self.waits_for_release = True
             return
-        place = aside or self.target
+        place, robot = aside or self.target, self._robot
         try:
             if self.limited is not None:
-                corners = self.limited(self._robot.pose_at(now_ns), corners, place)
-            leg = self._robot.depart(place, now_ns, corners, self._durations and self._durations.paced)
+                corners = self.limited(robot.pose_at(now_ns), corners, place)
+            leg = robot.depart(place, now_ns, corners, self._durations and self._durations.paced)
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
-        self._tell(Departed(now_ns, self._robot.name, place, leg.corners, leg.manner))
+        self._stream.tell(new(Departed, (now_ns, robot.name, place, leg.corners, leg.manner)))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)
         if reason is None:
@@ -83,14 +84,14 @@ class Travel:
         From the end of that way, or from where it is stopped before, the robot goes on to its target by a new way. On
         ``way`` the robot does not fail: failures are drawn for ways to the target only.
         """
-        self._waits_for_release = False
+        self.waits_for_release = False
         self._change_holds(tuple(one for one in self.held_for if one != reason), now_ns)
         self.go(way.corners, now_ns, _beyond(way.goal, self._robot.tolerances.xy))
 
     def _fail_to_plan(self, now_ns):
         refusal = self._planner.refusal_of_way(self._robot.pose_at(now_ns), self.target)
         if refusal:
-            self._tell(Warned(now_ns, self._robot.name, refusal))
+            self._stream.tell(Warned(now_ns, self._robot.name, refusal))
         self._navigator.give_up(now_ns)
 
     def _await_end(self, leg, is_aside):
@@ -126,7 +127,7 @@ class Travel:
                 self._durations.interrupted(leg, now_ns)
             self._agenda.clear()
             self.halt(now_ns)
-            self._waits_for_release = True
+            self.waits_for_release = True
 
     @guarded
     def release(self, reason, now_ns):
@@ -137,8 +138,8 @@ class Travel:
         if reason not in self.held_for:
             return
         self._change_holds(tuple(one for one in self.held_for if one != reason), now_ns)
-        if self._waits_for_release and not self.held_for:
-            self._waits_for_release = False
+        if self.waits_for_release and not self.held_for:
+            self.waits_for_release = False
             self._go_on(now_ns)
 
     def change_way(self, now_ns, corners=None):
@@ -159,7 +160,7 @@ class Travel:
 
     def _change_holds(self, holds, now_ns):
         self.held_for = holds
-        self._tell(Held(now_ns, self._robot.name, holds))
+        self._stream.tell(Held(now_ns, self._robot.name, holds))
 
     @guarded
     def place(self, pose, now_ns):
@@ -183,7 +184,7 @@ class Travel:
         the map then matters only for goals that come later.
         """
         planner = self._planner
-        if planner.goes_straight or self.target is None or planner.lacking or self._waits_for_release:
+        if planner.goes_straight or self.target is None or planner.lacking or self.waits_for_release:
             return
         pose, leg = self._robot.pose_at(now_ns), self._robot.leg
         if leg is None:
@@ -198,12 +199,13 @@ class Travel:
 
     def halt(self, now_ns):
         """Stop the robot, if it drives, and send the event that it stands."""
-        if self._robot.leg is not None:
-            self._tell(Stands(now_ns, self._robot.name, self._robot.stop(now_ns)))
+        robot = self._robot
+        if robot.leg is not None:
+            self._stream.tell(new(Stands, (now_ns, robot.name, robot.stop(now_ns))))
 
     def tell_stands(self, now_ns):
         """Send the event that the robot stands at its present pose, after it was put there."""
-        self._tell(Stands(now_ns, self._robot.name, self._robot.pose_at(now_ns)))
+        self._stream.tell(Stands(now_ns, self._robot.name, self._robot.pose_at(now_ns)))
 
     def break_off(self, error):
         """Clean up after an unexpected error: see :meth:`Navigator.break_off`."""

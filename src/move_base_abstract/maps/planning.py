@@ -101,7 +101,7 @@ class StraightLinePlanner:
 
     def corners(self, _start: Pose2D, goal: Pose2D) -> Optional[Tuple[Any, ...]]:
         """Return the corners ((x, y), ...) [m] of the way, which are none here, or None if there is no way."""
-        return () if self.reachable(goal) else None
+        return () if self._goes_anywhere or self.reachable(goal) else None
 
     def plan_near(self, start: Pose2D, goal: Pose2D, tolerance: float, add_goal: bool = True) -> List[Pose2D]:
         """Return the way to ``goal``, or to a place within ``tolerance`` [m] of it, or [] if there is none.

@@ -59,7 +59,9 @@ class RobotFrames:
         """
         x, y = goal.position
         if goal.frame_id in self._fixed:
-            yaw = 0.0 if goal.quaternion == STRAIGHT_AHEAD else 0.0 + yaw_of_quaternion(goal.quaternion)
+            quaternion = goal.quaternion
+            straight = quaternion is STRAIGHT_AHEAD or quaternion == STRAIGHT_AHEAD
+            yaw = 0.0 if straight else 0.0 + yaw_of_quaternion(quaternion)
             return Pose2D(0.0 + x, 0.0 + y, yaw)  # as Pose2D.compose would: never -0.0
         place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
         return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))

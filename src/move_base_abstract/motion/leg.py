@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass, field
 
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..engine.instants import first_ns
 from .geometry import Pose2D, normalize_angle
 
 _ROUNDING = 1e-9  # m
+_INF = math.inf
 
 
 @dataclass(frozen=True)
@@ -166,15 +168,18 @@ class Leg:
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
         dx, dy = goal.x - start.x, goal.y - start.y
         gap = math.hypot(dx, dy)
-        self.distance = distance = left_to_drive(gap, tolerances.xy)
+        self.distance = distance = gap if tolerances.xy == 0.0 < gap else left_to_drive(gap, tolerances.xy)
         self._course = math.atan2(dy, dx) if distance > 0.0 else start.yaw
         self.start = start
         self._limits = limits
         self._kept_profile = None
         self.depart_ns = depart_ns
-        seconds = trip(distance, limits.max_speed, limits.acceleration)[2]
-        if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # most legs: their turns take no time
-            self.end = goal if 0.0 < distance == gap < math.inf else self._end_pose(goal, gap, goal.yaw)
+        if distance > 0.0 and limits.acceleration == _INF:  # as :func:`trip` says, without a call
+            seconds = distance / limits.max_speed
+        else:
+            seconds = trip(distance, limits.max_speed, limits.acceleration)[2]
+        if limits.turn_rate == _INF and tolerances.yaw == 0.0:  # most legs: their turns take no time
+            self.end = goal if 0.0 < distance == gap < _INF else self._end_pose(goal, gap, goal.yaw)
             self._drive_ns = depart_ns
             self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
             return
@@ -241,6 +246,11 @@ class Leg:
     def guess_ns(self, distance):
         """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
         return self._drive_ns + int(self._profile.elapsed(distance) * NS_PER_S)
+
+    def covers_ns(self, distance):
+        """Return the first instant [ns] at which ``distance`` [m] are driven, or the arrival; it is exact."""
+        return first_ns(self.depart_ns, self.arrive_ns, lambda at_ns: self.distance_at(at_ns) >= distance,
+                        self.guess_ns(distance))
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""

@@ -16,7 +16,7 @@ _NO_TAIL = (0.0, 1.0, 0.0, 0.0)
 class PacedLeg:
     """A :class:`Leg` or :class:`Route` at a :class:`Pace`: the same poses, each at another instant. Immutable."""
 
-    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', '_leg', '_begin_ns', '_ns')
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', '_leg', '_law_ns', '_begin_ns', '_ns')
 
     @property
     def manner(self):
@@ -31,7 +31,8 @@ class PacedLeg:
     def __init__(self, leg, pace):
         self._leg = leg
         self.start, self.end, self.distance, self.corners = leg.start, leg.end, leg.distance, leg.corners
-        self._ns = int(round(leg.duration_ns * pace.factor))
+        self._law_ns = leg.duration_ns
+        self._ns = int(round(self._law_ns * pace.factor))
         self.depart_ns = leg.depart_ns
         self._begin_ns = leg.depart_ns + pace.delay_ns
         self.arrive_ns = self._begin_ns + self._ns
@@ -73,6 +74,13 @@ class PacedLeg:
         elapsed_ns = self._leg.guess_ns(distance) - self._leg.depart_ns
         return self._begin_ns + (elapsed_ns * self._ns // whole_ns if whole_ns else self._ns)
 
+    def covers_ns(self, distance):
+        """Return the same as :meth:`.leg.Leg.covers_ns`: the inverse of :meth:`_leg_ns`, without a search."""
+        elapsed_ns = self._leg.covers_ns(distance) - self._leg.depart_ns
+        if elapsed_ns == 0:
+            return self.depart_ns
+        return self._begin_ns - (-elapsed_ns * self._ns // self._law_ns)  # rounded up
+
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start until the delay is over, the end from the arrival on."""
         if now_ns < self._begin_ns:
@@ -83,8 +91,9 @@ class PacedLeg:
         """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         if not self._begin_ns <= now_ns < self.arrive_ns:
             return 0.0, 0.0
-        share = self._leg.duration_ns / self._ns
-        forward, turning = self._leg.velocity_at(self._leg_ns(now_ns))
+        share = self._law_ns / self._ns
+        law_ns = self.depart_ns + (now_ns - self._begin_ns) * self._law_ns // self._ns  # as _leg_ns, without a call
+        forward, turning = self._leg.velocity_at(law_ns)
         return forward * share, turning * share
 
     def corners_ahead(self, now_ns):
@@ -95,8 +104,8 @@ class PacedLeg:
         """Return the instant [ns] of the leg's own law that corresponds to ``now_ns`` [ns] at this pace."""
         if now_ns >= self.arrive_ns:
             return max(now_ns, self._leg.arrive_ns)
-        elapsed_ns = max(0, now_ns - self._begin_ns)
-        return self.depart_ns + (elapsed_ns * self._leg.duration_ns // self._ns if elapsed_ns else 0)
+        elapsed_ns = now_ns - self._begin_ns
+        return self.depart_ns + (elapsed_ns * self._law_ns // self._ns if elapsed_ns > 0 else 0)
 
 
 class TimedLeg(PacedLeg):

@@ -2,7 +2,7 @@
 from collections import deque
 
 from ..common.errors import TimeError
-from ..common.units import check_reachable, seconds_to_ns
+from ..common.units import LAST_NS, check_reachable, seconds_to_ns
 from .geometry import Pose2D
 from .leg import Leg, MotionLimits, Tolerances
 from .pace import TimedLeg
@@ -103,7 +103,7 @@ class Robot:
             would arrive after the end of simulated time.
         """
         start = self.pose_at(now_ns)
-        way = corners if isinstance(corners, PlannedWay) else None
+        way = corners if type(corners) is PlannedWay else None
         if self._original is not None:
             leg = self._original.leg(start, goal, self._limits, now_ns)
         elif self._phases is not None:
@@ -117,7 +117,8 @@ class Robot:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
         if way is not None and way.seconds is not None:
             leg = TimedLeg(leg, seconds_to_ns(way.seconds))
-        check_reachable(leg.arrive_ns, 'the arrival would be')  # before ``paced`` multiplies the duration
+        if leg.arrive_ns > LAST_NS:  # a call less for each goal
+            check_reachable(leg.arrive_ns, 'the arrival would be')  # before ``paced`` multiplies the duration
         if paced is not None:
             leg = paced(leg)
             check_reachable(leg.arrive_ns, 'the arrival would be')
@@ -126,8 +127,14 @@ class Robot:
 
     def stop(self, now_ns):
         """Stand still from ``now_ns`` [ns] on; return the exact pose at that instant."""
-        pose = self.pose_at(now_ns)
-        self._begin(_Stand(pose, now_ns), None, now_ns)
+        leg = self.leg
+        if leg is None or now_ns < leg.arrive_ns:
+            pose = self.pose_at(now_ns)
+            self._begin(_Stand(pose, now_ns), None, now_ns)
+        else:  # it has arrived, the usual case: the leg need not be asked where it is now
+            pose = leg.end
+            self._driven += leg.distance
+            self._begin(_Stand(pose, now_ns), None)
         return pose
 
     def halt(self, now_ns):

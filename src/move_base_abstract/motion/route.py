@@ -9,6 +9,7 @@ from itertools import accumulate, repeat
 from typing import NamedTuple, Optional
 
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..engine.instants import first_ns
 from .geometry import Pose2D, normalize_angle
 from .leg import SpeedProfile, Tolerances, left_to_drive, turn_within
 from .limited_profile import profile_over
@@ -55,7 +56,8 @@ class Route:
     ``depart_ns`` and ``arrive_ns`` are simulated time [ns].
     """
 
-    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts',
+                 '_covers')
 
     #: as in :class:`.leg.Leg`
     manner = ()
@@ -70,6 +72,7 @@ class Route:
         self.distance = math.fsum([segment.length for segment in segments])
         self.depart_ns = self.arrive_ns = depart_ns
         self._begins_ns, self._parts = [], []
+        self._covers = {}  # {distance [m]: time after the departure [ns]}, shared with the same route driven again
         yaw, driven = start.yaw, 0.0
         for pieces in drives:
             driven = self._drive(pieces, yaw, limits, driven)
@@ -116,6 +119,7 @@ class Route:
         by_ns = depart_ns - self.depart_ns
         route.depart_ns, route.arrive_ns, route.start, route.end = depart_ns, self.arrive_ns + by_ns, start, goal
         route.distance, route.corners, route.way, route._parts = self.distance, self.corners, self.way, self._parts
+        route._covers = self._covers
         route._begins_ns = [begin_ns + by_ns for begin_ns in self._begins_ns]
         return route
 
@@ -145,8 +149,8 @@ class Route:
             return 0.0
         if now_ns >= self.arrive_ns:  # also at the departure, if the whole route takes less than a nanosecond
             return self.distance
-        part, elapsed_ns = self._part(now_ns)
-        return part.distance_at(elapsed_ns)
+        index = bisect_right(self._begins_ns, now_ns) - 1  # as _part, without a call
+        return self._parts[index].distance_at(now_ns - self._begins_ns[index])
 
     def guess_ns(self, distance):
         """Return the instant [ns] at which ``distance`` [m] are driven; rounding may shift it by a few ns."""
@@ -155,6 +159,15 @@ class Route:
             if elapsed is not None:
                 return begin_ns + int(elapsed * NS_PER_S)
         return self.arrive_ns
+
+    def covers_ns(self, distance):
+        """Return the same as :meth:`.leg.Leg.covers_ns`."""
+        elapsed_ns = self._covers.get(distance)
+        if elapsed_ns is None:
+            elapsed_ns = self._covers[distance] = first_ns(
+                self.depart_ns, self.arrive_ns, lambda at_ns: self.distance_at(at_ns) >= distance,
+                self.guess_ns(distance)) - self.depart_ns
+        return self.depart_ns + elapsed_ns
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
@@ -169,8 +182,8 @@ class Route:
         """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
             return 0.0, 0.0
-        part, elapsed_ns = self._part(now_ns)
-        return part.velocity_at(elapsed_ns)
+        index = bisect_right(self._begins_ns, now_ns) - 1  # as _part, without a call
+        return self._parts[index].velocity_at(now_ns - self._begins_ns[index])
 
     def corners_ahead(self, now_ns):
         """Return the ``corners`` that the robot has not reached at ``now_ns`` [ns]."""

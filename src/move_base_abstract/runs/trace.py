@@ -1,7 +1,7 @@
 """The rows of robots and orders, which are the same in the trace of the plain Python fleet and in a run's event log."""
 from __future__ import annotations
 
-from typing import Any, Iterable, Iterator, NamedTuple, Tuple
+from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Tuple
 
 #: the kinds of rows of robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
@@ -59,6 +59,42 @@ class TraceEntry(NamedTuple):
     robot: str
     kind: str
     values: Any
+
+
+#: the most frequent kinds of rows, with the numbers of their values
+FLAT = {'departed': 6, 'stands': 6, 'ended': 6, 'entered': 4, 'left': 4}
+_new = tuple.__new__  # makes a named tuple without the call of its constructor
+
+
+class Rows:
+    """Rows that nobody has read yet.
+
+    The values of the kinds in FLAT follow one another in one list, without an object for each row: the objects that
+    Python's garbage collector would visit again and again would become more and more.
+    """
+
+    def __init__(self) -> None:
+        self._values: List[Any] = []
+        #: takes a row of any kind
+        self.take: Callable[[Tuple[Any, ...]], None] = self._values.append
+        #: takes a row of a kind in FLAT
+        self.take_flat: Callable[[Tuple[Any, ...]], None] = self._values.extend
+
+    def read(self) -> List[TraceEntry]:
+        """Return all rows as entries, and forget them."""
+        values, entries, place = self._values, [], 0
+        while place < len(values):
+            row = values[place]
+            if type(row) is tuple:
+                place += 1
+                time_ns, robot, kind, *rest = row
+                entries.append(TraceEntry(time_ns, robot, kind, tuple(rest)))
+            else:
+                kind = values[place + 2]
+                begin, place = place, place + FLAT[kind]
+                entries.append(_new(TraceEntry, (row, values[begin + 1], kind, tuple(values[begin + 3:place]))))
+        values.clear()
+        return entries
 
 
 def as_entries(rows: Iterable[Tuple[Any, ...]]) -> Iterator[TraceEntry]:

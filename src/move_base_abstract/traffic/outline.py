@@ -62,9 +62,13 @@ class Outline:
         """
         pieces: List[Tuple[float, float]] = []
         begun = 0.0
+        x_min, y_min, x_max, y_max = self.box
         for begin, end in zip(way, way[1:]):
-            length = math.hypot(end[0] - begin[0], end[1] - begin[1])
-            for one, other in self._pieces_of(begin, end, length) if length > 0.0 else ():
+            (ax, ay), (bx, by) = begin, end
+            length = math.hypot(bx - ax, by - ay)
+            is_aside = (ax <= x_min and bx <= x_min or ax >= x_max and bx >= x_max
+                        or ay <= y_min and by <= y_min or ay >= y_max and by >= y_max)  # so are nearly all
+            for one, other in () if is_aside or length == 0.0 else self._pieces_of(begin, end, length):
                 if pieces and begun + one - pieces[-1][1] <= BORDER:
                     pieces[-1] = pieces[-1][0], begun + other
                 else:
@@ -75,7 +79,7 @@ class Outline:
     def _pieces_of(self, begin: Tuple[float, float], end: Tuple[float, float],
                    length: float) -> List[Tuple[float, float]]:
         ux, uy = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
-        if not self._meets_box(begin, end, ux, uy):
+        if not self._meets_box(begin, ux, uy):
             return []
         meetings = (at for edge in self._edges for at in _meetings(edge, begin, ux, uy))
         cuts = [0.0, *sorted(at for at in meetings if 0.0 < at < length), length]
@@ -83,14 +87,12 @@ class Outline:
         return [(one, other) for one, other, middle in middles
                 if self.contains(begin[0] + middle * ux, begin[1] + middle * uy)]
 
-    def _meets_box(self, begin: Tuple[float, float], end: Tuple[float, float], ux: float, uy: float) -> bool:
+    def _meets_box(self, begin: Tuple[float, float], ux: float, uy: float) -> bool:
+        """Return whether the line from ``begin`` in the direction (ux, uy) meets the box."""
         x_min, y_min, x_max, y_max = self.box
         width, height = x_max - x_min, y_max - y_min
         aside = ux * (y_min + 0.5 * height - begin[1]) - uy * (x_min + 0.5 * width - begin[0])  # of the box's middle
-        if abs(aside) > 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER:
-            return False
-        meets: bool = (min(begin[0], end[0]) < x_max and max(begin[0], end[0]) > x_min
-                       and min(begin[1], end[1]) < y_max and max(begin[1], end[1]) > y_min)
+        meets: bool = abs(aside) <= 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER
         return meets
 
 

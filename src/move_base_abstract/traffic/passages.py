@@ -4,7 +4,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional
 
-from ..engine.instants import first_ns
 from .outline import BORDER
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def passages(leg: Any, outline: Outline) -> List[Passage]:
 def instant_at(leg: Any, distance: float) -> int:
     """Return the first instant [ns] of ``leg`` at which ``distance`` [m] are covered, or the arrival.
 
-    It is exact to the nanosecond, since the distance never decreases. The search begins at the leg's own guess.
+    It is exact to the nanosecond, since the distance never decreases.
     """
-    return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
-                    leg.guess_ns(distance))
+    due_ns: int = leg.covers_ns(distance)
+    return due_ns

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ..common.ros_names import natural_order
-from ..goals.events import Abandoned, BrokenOff, Stands, Warned
+from ..goals.events import Abandoned, BrokenOff, Stands, Warned, new
 from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
 from .area import Area, Request
 from .circles import Circles
@@ -26,13 +26,16 @@ if TYPE_CHECKING:
 
 #: a robot that only leaves an area comes before everything else that robots do at that instant
 _LEAVING_INDEX = -1
+#: the policies with which robots may be careful, see :mod:`.safe_states`
+_SAFE = (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT)
 
 
 class Traveller:
     """One robot in traffic.
 
     ``held``: {Area: True} of the areas in which it holds a place, in the order in which it came there; ``needs``: the
-    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all.
+    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all; they are noted
+    only if the policy may look for safe states.
     """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
@@ -123,7 +126,7 @@ class Traveller:
         first = self._crossings[0] if self._crossings else None
         if not self.held or (first is not None and first.distance == 0.0 and set(self.held) <= set(first.leaves)):
             self.circles.driven.clear()
-        self.needs = needs_of(self._crossings, self.held)
+        self._note_needs()
         if self._crossings and self._crossings[0].distance == 0.0:
             return self._cross(now_ns)
         self._await_crossing()
@@ -276,8 +279,10 @@ class Traveller:
 
     def _goes_another_way(self, now_ns: int) -> bool:
         """If the robot would have to wait and another way is cheaper now, take that way; return whether it did."""
+        if not self._traffic.rules.lane_price:
+            return False
         enters = self._enters()
-        if not self._traffic.rules.lane_price or self._may_enter(enters, self._looks_at(enters)):
+        if self._may_enter(enters, self._looks_at(enters)):
             return False
         travel = self._navigator.travel
         corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), travel.target)
@@ -287,8 +292,12 @@ class Traveller:
         travel.change_way(now_ns, corners)
         return True
 
+    def _note_needs(self) -> None:
+        if self._traffic.rules.policy in _SAFE:  # nobody asks otherwise, and this comes at each crossing
+            self.needs = needs_of(self._crossings, self.held)
+
     def _enters(self) -> Tuple[Area, ...]:
-        return tuple(area for area in self._crossings[0].enters if area not in self.held)
+        return tuple([area for area in self._crossings[0].enters if area not in self.held])
 
     def _cross(self, now_ns: int) -> Optional[str]:
         """Let the robot enter and leave areas at its next crossing; return the reason if it must wait, or None."""
@@ -298,7 +307,7 @@ class Traveller:
         if self._may_enter(enters, ahead):
             self._take(enters, now_ns)
             self._give_back(crossing.leaves, now_ns)
-            self.needs = needs_of(self._crossings, self.held)
+            self._note_needs()
             self._await_crossing()
             return None
         self._forget_crossings()
@@ -317,10 +326,14 @@ class Traveller:
             0, blocks - len(enters))]
 
     def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
-        firsts = [area.first(self) for area in enters]
-        is_first = all(one is None or one.traveller.priority < self.priority for one in firsts)
-        return (is_first and all(area.has_room() for area in enters) and all(area.has_room() for area in ahead)
-                and self._traffic.may_take(self, enters))
+        for area in enters:
+            first = area.first(self)
+            if not area.has_room() or first is not None and first.traveller.priority >= self.priority:
+                return False
+        for area in ahead:
+            if not area.has_room():
+                return False
+        return self._traffic.may_take(self, enters)
 
     @property
     def waits_only(self) -> bool:
@@ -347,14 +360,14 @@ class Traveller:
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
                 self._tell(Places(now_ns, self.name, area.name, area.capacity))
-            self._tell(Entered(now_ns, self.name, area.name))
+            self._tell(new(Entered, (now_ns, self.name, area.name)))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
                 self._traffic.changed(area)
-                self._tell(Left(now_ns, self.name, area.name))
+                self._tell(new(Left, (now_ns, self.name, area.name)))
                 self._traffic.freed(area)
 
     def _warn(self, now_ns: int, text: str) -> None:

@@ -132,11 +132,12 @@ def crossings(stays: Iterable[Stay], held: Mapping[Area, bool]) -> List[Crossing
             changes.append((begin if begin > BORDER else 0.0, area, None))
         if end is not None:
             changes.append((end, None, area))
-    found: List[Crossing] = []
+    found: List[Tuple[float, List[Area], List[Area]]] = []
     for distance, entered, left in sorted(changes, key=lambda change: change[0]):
-        if not found or distance - found[-1].distance > BORDER:
-            found.append(Crossing(distance, (), ()))
-        last = found[-1]
-        found[-1] = Crossing(last.distance, last.enters + ((entered,) if entered else ()),
-                             last.leaves + ((left,) if left else ()))
-    return found
+        if not found or distance - found[-1][0] > BORDER:
+            found.append((distance, [], []))
+        if entered is not None:
+            found[-1][1].append(entered)
+        if left is not None:
+            found[-1][2].append(left)
+    return [Crossing(distance, tuple(enters), tuple(leaves)) for distance, enters, leaves in found]
