@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
+#include "number_text.h"
 #include "shown_text.h"
 
 namespace move_base_abstract {
@@ -13,13 +12,6 @@ namespace {
 constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;
 constexpr Nanoseconds kSampleGap = kAchievedWindow / 50;
 
-std::string number(double value) {
-  std::ostringstream text;
-  text.precision(12);
-  text << value;
-  return text.str();
-}
-
 std::string seconds(Nanoseconds time) {
   const bool negative = time < 0;
   const auto size =
@@ -27,19 +19,6 @@ std::string seconds(Nanoseconds time) {
   const std::string digits = std::to_string(size % kNanosecondsPerSecond);
   return (negative ? "-" : "") + std::to_string(size / kNanosecondsPerSecond) + "." +
          std::string(9 - digits.size(), '0') + digits + " s";
-}
-
-[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
-
-/**
- * @brief Refuse a value outside [low, high]. The condition is written so that it refuses NaN too.
- */
-double checked(const char* name, double value, double low, double high, const char* unit) {
-  if (!(value >= low && value <= high)) {
-    refuse(std::string(name) + " must be from " + number(low) + " to " + number(high) + unit +
-           ", got " + number(value));
-  }
-  return value;
 }
 
 FactorUnits toUnits(double factor) {
@@ -180,7 +159,7 @@ void TimeMaster::hold(const std::string& holder, double timeout, Nanoseconds wal
   }
   if (!(timeout > 0.0 && timeout <= kLongestHold)) {
     refuse("hold by '" + holder + "': timeout must be more than 0 and at most " +
-           number(kLongestHold) + " s of wall time, got " + number(timeout));
+           numberText(kLongestHold) + " s of wall time, got " + numberText(timeout));
   }
   advance(wall);
   Nanoseconds& end = holds_.try_emplace(holder, clock_.wall()).first->second;

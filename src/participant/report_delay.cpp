@@ -15,8 +15,8 @@ namespace {
 constexpr const char* kVariable = "MOVE_BASE_ABSTRACT_REPORT_DELAY";
 constexpr const char* kFirstVariable = "MOVE_BASE_ABSTRACT_FIRST_TURNS";
 constexpr std::uint64_t kOneIn = 16;
-constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
-constexpr std::uint64_t kSecond = 1'000'000'000;   // ns
+constexpr std::uint64_t kDelayUnit = 1'000'000;   // ns, a millisecond
+constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
 
 /**
  * @return whether the variable is set, and its two numbers. @throws Error if it has another form.
@@ -56,11 +56,11 @@ void ReportDelay::prepare(const std::string& name) {
     const std::string start = number + name;
     std::seed_seq seed(start.begin(), start.end());
     chance_.seed(seed);
-    longest_ns_ = milliseconds * kMillisecond;
+    longest_ns_ = milliseconds * kDelayUnit;
   }
   if (read(kFirstVariable, "COUNT:MILLISECONDS", &number, &milliseconds)) {
     turns_ = std::stoull(number);
-    late_ns_ = milliseconds * kMillisecond;
+    late_ns_ = milliseconds * kDelayUnit;
   }
 }
 

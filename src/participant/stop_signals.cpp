@@ -23,7 +23,7 @@ std::atomic<bool> came{false};
 std::atomic<bool> due{false};
 std::atomic<int> ending{0};  // the signal that ends the process once STOPPING is sent; 0: none
 std::string* frame = nullptr;
-std::array<struct sigaction, 2> before;
+std::array<struct sigaction, 2> replaced_actions;
 
 void tell() {
   if (const int socket = connection.exchange(-1); socket >= 0) {
@@ -52,7 +52,7 @@ void onSignal(int number, siginfo_t* info, void* context) {
       tell();
     }
   }
-  const struct sigaction& other = before[number == SIGINT ? 0 : 1];
+  const struct sigaction& other = replaced_actions[number == SIGINT ? 0 : 1];
   if ((other.sa_flags & SA_SIGINFO) != 0) {
     other.sa_sigaction(number, info, context);
   } else if (other.sa_handler == SIG_DFL) {
@@ -92,14 +92,15 @@ void announceStopSignals(int socket) {
   }
   is_installed = true;
   for (std::size_t k = 0; k < kSignals.size(); ++k) {
-    ::sigaction(kSignals[k], nullptr, &before[k]);
-    if ((before[k].sa_flags & SA_SIGINFO) == 0 && before[k].sa_handler == SIG_IGN) {
+    ::sigaction(kSignals[k], nullptr, &replaced_actions[k]);
+    if ((replaced_actions[k].sa_flags & SA_SIGINFO) == 0 &&
+        replaced_actions[k].sa_handler == SIG_IGN) {
       continue;
     }
     struct sigaction own {};
     own.sa_sigaction = onSignal;
-    own.sa_mask = before[k].sa_mask;
-    own.sa_flags = (before[k].sa_flags & SA_RESTART) | SA_SIGINFO;
+    own.sa_mask = replaced_actions[k].sa_mask;
+    own.sa_flags = (replaced_actions[k].sa_flags & SA_RESTART) | SA_SIGINFO;
     ::sigaction(kSignals[k], &own, nullptr);
   }
 }

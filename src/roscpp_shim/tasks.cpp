@@ -31,7 +31,7 @@ std::atomic<Phase> phase{Phase::kBefore};
 
 int ownTid() { return static_cast<int>(::syscall(SYS_gettid)); }
 
-bool isFirstThread() {
+bool isInFirstThread() {
   if (t_local.first == 0) {
     t_local.first = ownTid() == static_cast<int>(::syscall(SYS_getpid)) ? 1 : -1;
   }
@@ -91,7 +91,7 @@ void Turn::atEnd(std::function<void()> function) {
 bool Turn::freesInOrder() {
   switch (phase.load(std::memory_order_relaxed)) {
     case Phase::kBefore:
-      return isFirstThread();
+      return isInFirstThread();
     case Phase::kActive:
       return t_local.task != nullptr && !t_local.task->is_loose;
     default:

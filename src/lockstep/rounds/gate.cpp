@@ -1,19 +1,11 @@
 #include "gate.h"
 
-#include <stdexcept>
 #include <string>
 
 #include "clock/number_text.h"
 #include "clock/time_master.h"
 
 namespace move_base_abstract {
-namespace {
-
-constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
-
-[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
-
-}  // namespace
 
 void RoundGate::pause() {
   refuseIfEnded("pause");
@@ -28,9 +20,10 @@ void RoundGate::resume() {
 Nanoseconds RoundGate::step(Nanoseconds present, Nanoseconds duration) {
   refuseIfEnded("step");
   const Nanoseconds from = target_.value_or(present);
-  if (duration <= 0 || duration > kLastInstant - from) {
-    refuse("step: duration must be more than 0 and at most " + secondsText(kLastInstant - from) +
-           " from " + secondsText(from) + " on, got " + secondsText(duration));
+  if (duration <= 0 || duration > TimeMaster::kLastInstant - from) {
+    refuse("step: duration must be more than 0 and at most " +
+           secondsText(TimeMaster::kLastInstant - from) + " from " + secondsText(from) +
+           " on, got " + secondsText(duration));
   }
   open(false, from + duration);
   return *target_;
@@ -38,9 +31,9 @@ Nanoseconds RoundGate::step(Nanoseconds present, Nanoseconds duration) {
 
 void RoundGate::runUntil(Nanoseconds present, Nanoseconds target) {
   refuseIfEnded("run_until");
-  if (target < present || target > kLastInstant) {
+  if (target < present || target > TimeMaster::kLastInstant) {
     refuse("run_until: target must be from the present, " + secondsText(present) + ", to " +
-           secondsText(kLastInstant) + ", got " + secondsText(target));
+           secondsText(TimeMaster::kLastInstant) + ", got " + secondsText(target));
   }
   open(false, target);
 }

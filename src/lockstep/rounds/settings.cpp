@@ -2,28 +2,11 @@
 
 #include <cmath>
 #include <set>
-#include <stdexcept>
 
 #include "clock/number_text.h"
 #include "clock/time_master.h"
 
 namespace move_base_abstract {
-namespace {
-
-[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
-
-/**
- * @brief Refuse a value outside [low, high]. The condition is written so that it refuses NaN too.
- */
-double checked(const char* name, double value, double low, double high, const char* unit) {
-  if (!(value >= low && value <= high)) {
-    refuse(std::string(name) + " must be from " + numberText(low) + " to " + numberText(high) +
-           unit + ", got " + numberText(value));
-  }
-  return value;
-}
-
-}  // namespace
 
 Nanoseconds toNanoseconds(double seconds) {
   return std::llround(seconds * static_cast<double>(kNanosecondsPerSecond));
