@@ -2,7 +2,7 @@
 import json
 import os
 import signal
-import socket
+import socket  # noqa: TID251 - a time limit of its sockets, no network
 import subprocess
 import sys
 import textwrap
