@@ -42,7 +42,8 @@ def _read_file(path):
         # other file says that a test file timed out or died.
         tail = log_tail(path.parent.parent)
         return [replace(case, text=f'{case.text}\n{tail}') for case in cases if case.outcome == FAILED]
-    return cases or [Case(path.stem, FAILED, f'{path} holds no test')]
+    # For example, rostest writes no case if setUpClass fails; only the log says why.
+    return cases or [Case(path.stem, FAILED, f'{path} holds no test\n{log_tail(path.parent.parent)}')]
 
 
 def log_tail(folder):

@@ -89,19 +89,7 @@ void Link::announceStopSignals() { internal::announceStopSignals(socket_); }
 
 /** @brief Send the first of @p bytes together with the shared memory. */
 void Link::offerSharedMemory(std::string_view* bytes) {
-  iovec first{const_cast<char*>(bytes->data()), bytes->size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  msghdr message{};
-  message.msg_iov = &first;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  cmsghdr* const header = CMSG_FIRSTHDR(&message);
-  header->cmsg_level = SOL_SOCKET;
-  header->cmsg_type = SCM_RIGHTS;
-  header->cmsg_len = CMSG_LEN(sizeof(int));
-  std::memcpy(CMSG_DATA(header), &offered_file_, sizeof(int));
-  const ssize_t sent = ::sendmsg(socket_, &message, MSG_NOSIGNAL);
+  const ssize_t sent = sendWithFile(socket_, *bytes, offered_file_);
   if (sent > 0) {
     bytes->remove_prefix(static_cast<std::size_t>(sent));
     sent_ += static_cast<std::uint64_t>(sent);
@@ -141,8 +129,8 @@ Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
     if (!is_shared_) {
       return waitForSocket(bell, timeout_ms, frames);
     }
-    bell.wake(channel_);
-    channel_->rest(false);
+    bell.ringFor(channel_);
+    channel_->setAsleep(false);
     channel_->wakeSelf();  // the bell may have rung before
   }
   if (!channel_->wait(timeout_ms) && takePiece(frames)) {

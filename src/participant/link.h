@@ -28,8 +28,8 @@ class Bell {
   void ring();
   void silence();
   int descriptor() const { return descriptor_; }
-  /** @brief End waits for @p channel, too. It must live as long as this process. */
-  void wake(SharedChannel* channel) { channel_ = channel; }
+  /** @brief Let rings end waits for @p channel, too. It must live as long as this process. */
+  void ringFor(SharedChannel* channel) { channel_ = channel; }
 
  private:
   int descriptor_;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/futex.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <climits>
+#include <cstring>
 #include <ctime>
 #include <new>
 #include <utility>
@@ -44,7 +46,7 @@ struct alignas(kLine) SharedChannel::Box {
   Number changes{0};  // of what a reader waits for; the futex
   Number news{0};     // wake-ups for something else than a piece
   Number is_awaited{0};
-  Number is_resting{0};
+  Number is_asleep{0};
   alignas(kLine) std::uint64_t after = 0;
   std::uint64_t size = 0;
   std::array<char, kMostBytes> bytes;
@@ -72,7 +74,7 @@ std::unique_ptr<SharedChannel> SharedChannel::make(int* file) {
     return nullptr;
   }
   auto* const memory = new (place) Memory;
-  memory->to_participant.is_resting = 1;  // until it knows that the memory is used
+  memory->to_participant.is_asleep = 1;  // until it knows that the memory is used
   return std::unique_ptr<SharedChannel>(new SharedChannel(memory, Side::kParticipant));
 }
 
@@ -108,16 +110,16 @@ bool SharedChannel::isUsed() const { return memory_->is_used != 0; }
 // ---- writing ---------------------------------------------------------------------------------
 
 bool SharedChannel::put(std::string_view bytes, std::uint64_t after) {
-  if (bytes.size() > kMostBytes || out_->state != kEmpty || out_->is_resting != 0) {
+  if (bytes.size() > kMostBytes || out_->state != kEmpty || out_->is_asleep != 0) {
     return false;
   }
   out_->after = after;
   out_->size = bytes.size();
   bytes.copy(out_->bytes.data(), bytes.size());
   out_->state = kFull;
-  // The reader may have gone to rest meanwhile. It looks once more after it has said so, and this
+  // The reader may have fallen asleep meanwhile. It looks once more after it has said so, and this
   // side looks once more after it has written: one of them notices.
-  if (out_->is_resting != 0 && takeBack(out_)) {
+  if (out_->is_asleep != 0 && takeBack(out_)) {
     return false;
   }
   endWait(out_);
@@ -182,7 +184,57 @@ bool SharedChannel::wait(int timeout_ms) {
   return has_news || !hasPiece();
 }
 
-void SharedChannel::rest(bool is_resting) { in_->is_resting = is_resting ? 1 : 0; }
+void SharedChannel::setAsleep(bool is_asleep) { in_->is_asleep = is_asleep ? 1 : 0; }
+
+// ---- descriptors over a socket ---------------------------------------------------------------
+
+namespace {
+
+/** @brief A message with room for one descriptor. (Alignment makes it two.) */
+struct Envelope {
+  Envelope(const char* data, std::size_t size) : bytes{const_cast<char*>(data), size} {
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+  }
+
+  iovec bytes;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  msghdr message{};
+};
+
+}  // namespace
+
+ssize_t sendWithFile(int socket, std::string_view bytes, int file) {
+  Envelope envelope(bytes.data(), bytes.size());
+  cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(sizeof(file));
+  std::memcpy(CMSG_DATA(header), &file, sizeof(file));
+  return ::sendmsg(socket, &envelope.message, MSG_NOSIGNAL);
+}
+
+ssize_t receiveWithFile(int socket, char* bytes, std::size_t size, int* file) {
+  *file = -1;
+  Envelope envelope(bytes, size);
+  const ssize_t got = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
+  cmsghdr* const header = got >= 0 ? CMSG_FIRSTHDR(&envelope.message) : nullptr;
+  if (header == nullptr || header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) {
+    return got;
+  }
+  const std::size_t count = (header->cmsg_len - CMSG_LEN(0)) / sizeof(*file);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (*file >= 0) {
+      ::close(*file);
+    }
+    std::memcpy(file, CMSG_DATA(header) + k * sizeof(*file), sizeof(*file));
+  }
+  return got;
+}
+
+// ---- one stream ------------------------------------------------------------------------------
 
 std::uint64_t merge(SharedChannel* channel, std::uint64_t read, std::string_view got,
                     const std::function<void(std::string_view)>& pass) {

@@ -3,6 +3,8 @@
 #ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_SHARED_CHANNEL_H
 #define MOVE_BASE_ABSTRACT_PARTICIPANT_SHARED_CHANNEL_H
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -78,7 +80,7 @@ class SharedChannel {
   /** @brief End the own wait(), or the next one, from another thread. */
   void wakeSelf();
   /** @brief Say whether the other side is to use the socket only, because nobody looks here. */
-  void rest(bool is_resting);
+  void setAsleep(bool is_asleep);
 
  private:
   struct Box;
@@ -94,6 +96,15 @@ class SharedChannel {
   std::uint32_t news_ = 0;  // wake-ups that have ended a wait
   std::string taken_;       // the other side may change what is in the memory
 };
+
+/** @brief Send @p bytes over a local @p socket, and with them a copy of the descriptor @p file. */
+ssize_t sendWithFile(int socket, std::string_view bytes, int file);
+/**
+ * @brief Receive bytes as recv() does, and descriptors that may come with them.
+ * @param file the descriptor that has come, which the caller closes; -1: none. Of several one is
+ * kept.
+ */
+ssize_t receiveWithFile(int socket, char* bytes, std::size_t size, int* file);
 
 /**
  * @brief Pass on what has come over the socket, with the pieces of the channel in their places.

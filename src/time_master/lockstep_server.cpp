@@ -102,8 +102,8 @@ void LockstepServer::run() {
     const Reports reports = awaitReports();
     int count = 0;
     if (reports != Reports::kAll || wallNow() >= look_due_) {
-      const bool is_resting = reports == Reports::kNone && rest();
-      const int patience = is_resting ? -1 : 0;
+      const bool is_asleep = reports == Reports::kNone && fallAsleep();
+      const int patience = is_asleep ? -1 : 0;
       count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), patience);
       look_due_ = wallNow() + kLookPeriod;
     }
@@ -133,7 +133,8 @@ void LockstepServer::run() {
  * woken by each report, and to ask the kernel which sockets are readable, would cost more than the
  * reports.
  *
- * This does not wait for long, because everything else is handled only afterwards.
+ * This does not wait for long, because everything else is handled only afterwards, and it ends in
+ * time although a participant sends other things without end.
  */
 LockstepServer::Reports LockstepServer::awaitReports() {
   Reports reports = Reports::kNone;
@@ -144,11 +145,15 @@ LockstepServer::Reports LockstepServer::awaitReports() {
         (!is_likely_there && !found->second.stream.await(event_.get(), kRoundPatience))) {
       return reports;
     }
+    const Nanoseconds wall = wallNow();
     const std::lock_guard<std::mutex> lock(mutex_);
-    receive(id, found->second, wallNow());
+    receive(id, found->second, wall);
     reports = Reports::kSome;
     const ConnectionId next = session_.lastAwaited();
     is_likely_there = next != id;
+    if (!is_likely_there && wall >= look_due_) {
+      return reports;
+    }
     id = next;
   }
   return reports == Reports::kNone ? reports : Reports::kAll;
@@ -158,10 +163,10 @@ LockstepServer::Reports LockstepServer::awaitReports() {
  * @brief Have all participants report over their sockets, so that each wakes this thread.
  * @return whether nothing has come by another way until then.
  */
-bool LockstepServer::rest() {
+bool LockstepServer::fallAsleep() {
   bool is_quiet = true;
   for (auto& [id, connection] : connections_) {
-    connection.stream.rest(true);
+    connection.stream.setAsleep(true);
     is_quiet = is_quiet && !connection.stream.hasPiece();
   }
   return is_quiet;
@@ -170,7 +175,7 @@ bool LockstepServer::rest() {
 void LockstepServer::wakeUp(Nanoseconds wall) {
   std::vector<ConnectionId> ready;
   for (auto& [id, connection] : connections_) {
-    connection.stream.rest(false);
+    connection.stream.setAsleep(false);
     if (connection.stream.hasPiece()) {
       ready.push_back(id);
     }

@@ -121,7 +121,7 @@ class LockstepServer {
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
   Reports awaitReports();
-  bool rest();
+  bool fallAsleep();
   void wakeUp(Nanoseconds wall);
   void acceptAll(const Descriptor& listener, Nanoseconds wall);
   bool accept(const Descriptor& listener, Nanoseconds wall);

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 namespace move_base_abstract {
@@ -21,20 +20,12 @@ void ParticipantStream::endOffer(bool is_used) {
 }
 
 /** @brief Receive bytes, and the memory that a participant may offer with them. */
-long ParticipantStream::receiveFirst(std::vector<char>* buffer) {
-  iovec bytes{buffer->data(), buffer->size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  msghdr message{};
-  message.msg_iov = &bytes;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const ssize_t size = ::recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
-  const cmsghdr* const header = size > 0 ? CMSG_FIRSTHDR(&message) : nullptr;
-  if (header != nullptr && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_RIGHTS) {
-    int file = -1;
-    std::memcpy(&file, CMSG_DATA(header), sizeof(file));
-    offered_ = Descriptor(file);  // the latest, if there are several
+ssize_t ParticipantStream::receiveFirst(std::vector<char>* buffer) {
+  int file = -1;
+  const ssize_t size = receiveWithFile(socket_.get(), buffer->data(), buffer->size(), &file);
+  Descriptor offered(file);
+  if (offered.get() >= 0) {
+    offered_ = std::move(offered);
   }
   return size;
 }
@@ -72,9 +63,9 @@ bool ParticipantStream::await(int event, int patience_ms) {
   return ::poll(polled.data(), polled.size(), patience_ms) > 0 && polled[0].revents != 0;
 }
 
-void ParticipantStream::rest(bool is_resting) {
+void ParticipantStream::setAsleep(bool is_asleep) {
   if (channel_) {
-    channel_->rest(is_resting);
+    channel_->setAsleep(is_asleep);
   }
 }
 

@@ -36,11 +36,11 @@ class ParticipantStream {
   Received receive(std::vector<char>* buffer, const std::function<void(std::string_view)>& pass);
   /**
    * @brief Wait until something has come, for at most @p patience_ms of wall time.
-   * @param event a descriptor that may end the wait when it is readable.
+   * @param event a descriptor that may end the wait when it is readable, if no memory is shared.
    */
   bool await(int event, int patience_ms);
   /** @brief Say whether only the sockets are looked at. */
-  void rest(bool is_resting);
+  void setAsleep(bool is_asleep);
   /** @return whether there is something that no socket tells of. */
   bool hasPiece() const { return channel_ && channel_->hasPiece(); }
 
@@ -55,7 +55,7 @@ class ParticipantStream {
   void shutDown();
 
  private:
-  long receiveFirst(std::vector<char>* buffer);
+  ssize_t receiveFirst(std::vector<char>* buffer);
 
   Descriptor socket_;
   Descriptor offered_;  // memory, until it is known who has offered it

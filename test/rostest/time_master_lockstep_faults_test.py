@@ -5,6 +5,7 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 """
 
 import json
+import multiprocessing
 import os
 import random
 import resource
@@ -19,6 +20,12 @@ import rostest
 from lockstep_run import GUARD, NEVER, SECOND, START, Closed, LockstepCase, RawClient, wait_for
 
 from move_base_abstract_ros.loopback import Loopback
+
+
+def send_knocks(connection):
+    """Send KNOCK until this process is ended, or the connection."""
+    while True:
+        connection.sendall(raw.frame(raw.KNOCK) * 1000)
 
 
 class LockstepFaultsTest(LockstepCase):
@@ -56,6 +63,16 @@ class LockstepFaultsTest(LockstepCase):
         self.assertIn("by '/a'", state.reason)
         self.assertNotIn('/b', state.reason)
         self.assert_no_grant(first)
+
+    def test_who_sends_without_end_instead_of_a_report_keeps_nobody_out(self):
+        self.start(participants=['/a'])
+        client = self.join('/a')
+        client.grant()
+        flood = multiprocessing.get_context('fork').Process(target=send_knocks, args=(client.socket,), daemon=True)
+        flood.start()
+        self.addCleanup(flood.join)
+        self.addCleanup(flood.terminate)
+        self.join('/b')  # it hears WELCOME within GUARD
 
     # ---- silence ----
 

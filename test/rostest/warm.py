@@ -15,7 +15,7 @@ import socket
 import subprocess
 import sys
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import processes, sockets
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import request, ros_master, warm_nodes, warm_process
 from move_base_abstract_ros.lockstep.programs import address_layout, native_library
@@ -88,7 +88,7 @@ class _Parent:
 
     def __init__(self, kind):
         processes.adopt_orphans()
-        self._socket, its = socket.socketpair()
+        self._socket, its = sockets.pair()
         self._socket.settimeout(GUARD)
         environment = {**os.environ, **processes.ONE_THREAD}
         if kind == LAUNCHER:

@@ -7,7 +7,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
 #include <random>
 #include <string>
 #include <thread>
@@ -25,7 +28,7 @@ struct Pair {
   Pair() {
     participant = SharedChannel::make(&file);
     master = SharedChannel::use(file);
-    participant->rest(false);
+    participant->setAsleep(false);
   }
   ~Pair() { ::close(file); }
 
@@ -68,12 +71,12 @@ TEST(SharedChannel, WhatIsTooLargeOrCannotBeTakenYetGoesOverTheSocket) {
   EXPECT_EQ(taken(ends.participant.get()), most);
 }
 
-TEST(SharedChannel, NothingIsPutForAReaderThatRests) {
+TEST(SharedChannel, NothingIsPutForAReaderThatSleeps) {
   Pair ends;
-  ends.master->rest(true);
+  ends.master->setAsleep(true);
   EXPECT_FALSE(ends.participant->put("report", 0));
   EXPECT_FALSE(ends.master->hasPiece());
-  ends.master->rest(false);
+  ends.master->setAsleep(false);
   EXPECT_TRUE(ends.participant->put("report", 0));
 }
 
@@ -119,7 +122,7 @@ TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
   other.join();
 }
 
-TEST(SharedChannel, AReaderThatRestsMissesNoPiece) {
+TEST(SharedChannel, AReaderThatSleepsMissesNoPiece) {
   constexpr int kRuns = 100'000;
   Pair ends;
   std::atomic<int> begun{0}, done{0};
@@ -139,14 +142,14 @@ TEST(SharedChannel, AReaderThatRestsMissesNoPiece) {
     for (int delay = run % 64; delay > 0; --delay) {
       static_cast<void>(begun.load());
     }
-    ends.master->rest(true);
+    ends.master->setAsleep(true);
     const bool is_seen = ends.master->hasPiece();
     while (done < run) {
       std::this_thread::yield();
     }
     missed += is_put && !is_seen ? 1 : 0;  // it would sleep now
     ends.master->take(0);
-    ends.master->rest(false);
+    ends.master->setAsleep(false);
   }
   writer.join();
   EXPECT_EQ(missed, 0);
@@ -244,6 +247,11 @@ TEST(SharedChannel, MemoryFullOfAnythingIsReadWithinItsBounds) {
 
 // ---- the time master's end of a connection ----------------------------------------------------
 
+std::ptrdiff_t openFiles() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                       std::filesystem::directory_iterator());
+}
+
 /** A connection over which a participant has offered its memory, with the first byte. */
 struct Connection {
   Connection() {
@@ -253,19 +261,7 @@ struct Connection {
     socket = Descriptor(sockets[1]);
     int file = -1;
     participant = SharedChannel::make(&file);
-    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
-    char byte = 'H';
-    iovec bytes{&byte, 1};
-    msghdr message{};
-    message.msg_iov = &bytes;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof(control);
-    CMSG_FIRSTHDR(&message)->cmsg_level = SOL_SOCKET;
-    CMSG_FIRSTHDR(&message)->cmsg_type = SCM_RIGHTS;
-    CMSG_FIRSTHDR(&message)->cmsg_len = CMSG_LEN(sizeof(int));
-    std::memcpy(CMSG_DATA(CMSG_FIRSTHDR(&message)), &file, sizeof(file));
-    ::sendmsg(socket.get(), &message, 0);
+    sendWithFile(socket.get(), "H", file);
     ::close(file);
   }
   ParticipantStream::Received receive() {
@@ -286,10 +282,41 @@ TEST(ParticipantStream, UsesTheMemoryThatCameWithTheFirstBytesIfItIsAllowed) {
     EXPECT_EQ(one.receive(), ParticipantStream::Received::kAll);
     one.stream.endOffer(is_allowed);
     EXPECT_EQ(one.participant->isUsed(), is_allowed);
-    one.participant->rest(false);
+    one.participant->setAsleep(false);
     one.stream.send("grant", false);
     EXPECT_EQ(one.participant->hasPiece(), is_allowed);
   }
+}
+
+TEST(ParticipantStream, KeepsOneOfSeveralDescriptorsAndNoneAfterTheOffer) {
+  const auto before = openFiles();
+  {
+    Connection one;
+    one.receive();
+    int files[2] = {0, 0};
+    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(files))] = {};
+    char byte = 'x';
+    iovec bytes{&byte, 1};
+    msghdr message{};
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control;
+    message.msg_controllen = sizeof(control);
+    CMSG_FIRSTHDR(&message)->cmsg_level = SOL_SOCKET;
+    CMSG_FIRSTHDR(&message)->cmsg_type = SCM_RIGHTS;
+    CMSG_FIRSTHDR(&message)->cmsg_len = CMSG_LEN(sizeof(files));
+    std::memcpy(CMSG_DATA(CMSG_FIRSTHDR(&message)), files, sizeof(files));
+    for (int k = 0; k < 5; ++k) {
+      ASSERT_EQ(::sendmsg(one.socket.get(), &message, 0), 1);
+      one.receive();
+    }
+    one.stream.endOffer(true);
+    ASSERT_EQ(::sendmsg(one.socket.get(), &message, 0), 1);
+    one.receive();
+    EXPECT_EQ(one.received, "Hxxxxxx");
+    EXPECT_FALSE(one.participant->isUsed());
+  }
+  EXPECT_EQ(openFiles(), before);
 }
 
 TEST(ParticipantStream, ReceivesAPieceAfterTheBytesBeforeIt) {

@@ -1,4 +1,6 @@
 """The warm process of a worker: for whom it stays, and what it may say."""
+import socket  # noqa: TID251 - a time limit of its sockets, no network
+import subprocess
 import sys
 
 import pytest
@@ -43,6 +45,23 @@ def test_what_is_said_stops_no_warm_process_and_is_told_when_it_has_gone(server)
     with pytest.raises(jobs.WorkerError, match='has gone: x*the last words'):
         warm.run(job_of())
     warm.close()
+
+
+@pytest.fixture
+def hasty():
+    """Have all new sockets of this process give up soon, as a program can have it, and rospy does after 60 s."""
+    socket.setdefaulttimeout(0.01)
+    yield
+    socket.setdefaulttimeout(None)
+
+
+def test_time_limits_of_a_process_for_its_sockets_are_not_those_of_the_warm_process(hasty):
+    warm = jobs.WarmProcess(wanted=())
+    try:
+        with pytest.raises(subprocess.TimeoutExpired):
+            warm._process.wait(0.3)  # before its cure, it ended because nothing was asked for at once
+    finally:
+        warm.close()
 
 
 class Warm:

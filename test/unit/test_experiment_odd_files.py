@@ -128,7 +128,7 @@ def test_half_characters_of_a_trial_stop_no_table(tmp_path):
     ('trials', os.mkfifo), ('trials', os.mknod), ('plan.json', os.mkdir), ('experiment.yaml', os.mkdir),
     ('trials.csv', os.mkdir)])
 def test_what_is_in_the_way_of_a_run_is_told_and_stays(tmp_path, capsys, monkeypatch, name, make):
-    monkeypatch.setattr(sweep, 'check', lambda *_all: None)
+    monkeypatch.setattr(sweep, 'check', lambda *_all: [])
     monkeypatch.setattr(sweep, '_run_missing', lambda *_all: None)
     (tmp_path / 'model.yaml').write_text('{experiment: x, function: "model:run"}')
     with outputs.OutputFolder(tmp_path / 'out'):

@@ -2,6 +2,7 @@
 import json
 import os
 import signal
+import socket  # noqa: TID251 - a time limit of its sockets, no network
 import subprocess
 import sys
 import textwrap
@@ -163,6 +164,19 @@ def test_what_only_a_start_can_give_is_given_by_a_start(folder, warm, name, valu
     output, errors, code, _ = run(warm.popen, folder, words, environment)
     assert (output, errors, code) == run(subprocess.Popen, folder, words, environment)[:3]
     assert output.startswith(told)
+
+
+def test_time_limits_of_a_process_for_its_sockets_are_not_those_of_the_warm_process(folder, library):
+    socket.setdefaulttimeout(0.001)  # rospy sets 60 s
+    try:
+        warm = warm_client.WarmClient(str(library), False)
+    finally:
+        socket.setdefaulttimeout(None)
+    warm.prepare([])
+    words = script(folder, 'import os\nprint(len(os.environ["LARGE"]))')
+    environment = environment_of(folder, LARGE='x' * 1000000)  # more than can be sent at once
+    assert run(warm.popen, folder, words, environment) == ('1000000\n', '', 0, True)
+    warm.close()
 
 
 def test_without_the_warm_process_programs_are_started(folder, own_warm):

@@ -12,7 +12,7 @@ import select
 import socket
 from typing import Optional, Tuple
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import processes, sockets
 
 from ..description.job import Job
 from ..trials import run_folders
@@ -63,7 +63,7 @@ class Carrier:
             self._child = None
 
     def _start(self) -> Tuple[int, socket.socket]:
-        own, other = socket.socketpair()
+        own, other = sockets.pair()
         with other:
             descriptors = (*self._descriptors, own.fileno())
             pid = processes.fork(lambda: _carry_on(other, descriptors), new_session=True)

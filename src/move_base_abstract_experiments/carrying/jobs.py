@@ -12,6 +12,7 @@ import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
 from typing import Any, List, Optional, Sequence, Tuple
 
+from move_base_abstract.common import sockets
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.processes import interpreter_of
 
@@ -68,7 +69,7 @@ class WarmProcess:
     """
 
     def __init__(self, wanted: Sequence[str] = (ROS, NUMPY)) -> None:
-        own, other = socket.socketpair()
+        own, other = sockets.pair()
         # A file: a full pipe that nobody reads would stop the process.
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it lasts as long as this object
         with other:

@@ -54,18 +54,18 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
                 entry.kept = f'kept from before: {what} changed since'
             else:
                 wanted.add(one.id)
-    for text in (*_once_texts(once), *(_old_text(what, len(those), keep_old) for what, those in old.items())):
+    texts = [_once_text(once)] if once else []
+    for text in (*texts, *(_old_text(what, len(those), keep_old) for what, those in old.items())):
         print(f'experiment: {text}', file=stream, flush=True)
     folder.write(FILE, json.dumps(programs, sort_keys=True).encode())
     return [one for one in chosen if one.id in wanted]
 
 
-def _once_texts(count: int) -> List[str]:
-    if count < 2:
-        return ['1 trial that has run once shall run twice (verify): it runs again (--keep-old keeps it as it is)'
-                ] * count
-    return [f'{count} trials that have run once shall run twice (verify): they run again (--keep-old keeps them as '
-            'they are)']
+def _once_text(count: int) -> str:
+    if count == 1:
+        return '1 trial that has run once shall run twice (verify): it runs again (--keep-old keeps it as it is)'
+    return f'{count} trials that have run once shall run twice (verify): they run again (--keep-old keeps them as ' \
+           'they are)'
 
 
 def _old_text(what: str, count: int, keep_old: bool) -> str:

@@ -19,7 +19,7 @@ import traceback
 import types
 from typing import Any, Dict, List, Optional, Set, Tuple
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import processes, sockets
 from move_base_abstract.common.errors import SimulatorError
 
 from ..description import program_files
@@ -87,7 +87,7 @@ class Series:
             processes.end_all_children()
 
     def _start(self) -> Tuple[int, socket.socket]:
-        own, other = socket.socketpair()
+        own, other = sockets.pair()
 
         def child() -> None:
             own.close()

@@ -3,11 +3,10 @@
 If that process cannot be started, or has ended, nodes are started as usual.
 """
 import os
-import socket
 import subprocess
 import sys
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import processes, sockets
 
 from ..lockstep.programs import native_library
 from . import request
@@ -26,7 +25,7 @@ class WarmClient:
         self._folder = folder
         self._socket, self._process = None, None
         processes.adopt_orphans()
-        ours, its = socket.socketpair()
+        ours, its = sockets.pair()
         ours.settimeout(_ANSWER_S)
         code = _CODE.format(folder, its.fileno(), os.path.join(folder, 'lockstep'), has_master)
         environment = {'PYTHONHASHSEED': '0', **os.environ, **processes.ONE_THREAD}

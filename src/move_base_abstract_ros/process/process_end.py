@@ -33,6 +33,7 @@ class ProcessEnd:
         self.asked = threading.Event()  # a signal has come
         self.over = threading.Event()  # on_signal has returned
         self._receive, self._wake = socket.socketpair()
+        self._receive.settimeout(None)  # whatever the process has set for all its new sockets
         self._wake.setblocking(False)
         if on_signal is not None:
             for number in SIGNALS:

@@ -118,9 +118,8 @@ constexpr ParameterRow kParameterTable[] = {
     {"cores", "text", "", "auto", "auto, one, all, alternate",
      "Cores of their computer on which participants run; events do not depend on them."},
     {"shared_memory", "true or false", "", "true", "true, false",
-     "Whether participants in C++ on the time master's computer may report through memory that "
-     "they "
-     "share with it; events do not depend on it."},
+     "Whether participants in C++ on this computer may report through memory that they share with "
+     "the time master; events do not depend on it."},
     {"lockstep_port", "whole number", "", "0", "0 to 65535",
      "TCP port for participants; 0: any free one."},
 };

@@ -21,6 +21,7 @@ class Link:
 
     def __init__(self, connected):
         self._socket = connected
+        connected.settimeout(None)  # a script may have set a time limit for all its new sockets
 
     def send(self, *words):
         """Send a message of ``words``, which can be anything that can be pickled.

@@ -1,0 +1,44 @@
+"""Sockets between our processes wait as long as it takes, whatever limit the process has set for all its sockets."""
+import os
+import socket  # noqa: TID251 - a time limit of its sockets, no network
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from move_base_abstract.common import sockets
+from move_base_abstract_ros.launching.scripted import deputy_link  # noqa: TID251 (knows no ROS)
+
+
+@pytest.fixture
+def hasty():
+    """Have all new sockets of this process give up soon, as a program can have it, and rospy does after 60 s."""
+    socket.setdefaulttimeout(0.001)
+    yield
+    socket.setdefaulttimeout(None)
+
+
+def test_both_ends_wait_in_python_and_in_a_process_that_inherits_them(hasty):
+    for one in sockets.pair():
+        with one:
+            assert one.gettimeout() is None
+            assert os.get_blocking(one.fileno())
+
+
+def test_the_link_of_a_script_waits_for_an_answer(hasty):
+    ours, its = (deputy_link.Link(one) for one in socket.socketpair())
+    late = threading.Timer(0.1, its.send, [deputy_link.ANSWER, 5])
+    late.start()
+    assert ours.receive() == (deputy_link.ANSWER, 5)
+    late.join()
+    for one in (ours, its):
+        one.close()
+
+
+def test_a_signal_ends_a_node_however_late_it_comes():
+    code = ('import os, signal, socket, time; socket.setdefaulttimeout(0.001); '
+            'from move_base_abstract_ros.process import process_end; '
+            'process_end.ProcessEnd("node", lambda name: os._exit(7)); '
+            'time.sleep(0.1); os.kill(os.getpid(), signal.SIGTERM); time.sleep(60)')
+    assert subprocess.run([sys.executable, '-c', code], timeout=60, check=False).returncode == 7
