@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "local_address.h"
 #include "move_base_abstract/lockstep_participant.h"
@@ -133,6 +134,13 @@ Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
     channel_->setAsleep(false);
     channel_->wakeSelf();  // the bell may have rung before
   }
+  // One wake-up tells of all that is in the socket, and the last look may have left some of it
+  // there.
+  if (const Event event =
+          std::exchange(has_more_, false) ? waitForSocket(bell, 0, frames) : Event::kNothing;
+      event != Event::kNothing) {
+    return event;
+  }
   if (!channel_->wait(timeout_ms) && takePiece(frames)) {
     return Event::kBytes;
   }
@@ -172,6 +180,7 @@ Link::Event Link::receive(std::size_t most, wire::FrameBuffer* frames) {
   std::array<char, 1 << 16> chunk;
   const ssize_t got = ::recv(socket_, chunk.data(), std::min(most, chunk.size()), 0);
   if (got > 0) {
+    has_more_ = static_cast<std::size_t>(got) == chunk.size();
     received_ = merge(channel_, received_, {chunk.data(), static_cast<std::size_t>(got)},
                       [frames](std::string_view bytes) { frames->append(bytes); });
     return Event::kBytes;

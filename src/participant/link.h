@@ -87,6 +87,7 @@ class Link {
   std::uint64_t sent_ = 0;            // bytes over the socket, without STOPPING of a signal
   std::uint64_t signals_before_ = 0;  // bytes of signals over earlier connections
   std::uint64_t received_ = 0;
+  bool has_more_ = false;  // there may be more in the socket than the last look has taken
 };
 
 }  // namespace move_base_abstract::lockstep::internal
