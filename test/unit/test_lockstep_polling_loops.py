@@ -13,6 +13,7 @@ STEP = 10
 @pytest.fixture(autouse=True)
 def _few_looks(monkeypatch):
     monkeypatch.setattr(module, 'LOOKS', 3)
+    monkeypatch.setattr(module, 'TURNS_AGAIN', 2)
 
 
 def test_time_goes_on_by_a_step_after_so_many_looks():
@@ -114,3 +115,19 @@ def test_who_looks_away_goes_on_when_something_happens_or_a_step_later():
             program.scheduler.look_away(STEP)
             program.say('looks', program.scheduler.turn().turns)
     assert program.run(main) == [('looks', 1, 4), ('looks', 1, 14)]
+
+
+def test_who_has_looked_away_needs_fewer_turns_until_it_does_something_else():
+    program = Program()
+    counts = []
+
+    def main():
+        program.scheduler.look_away(STEP)
+        counts.append(program.scheduler.turn().idle_turns)
+        program.scheduler.acts()
+        counts.append(program.scheduler.turn().idle_turns)
+        program.scheduler.look_away(STEP)
+        program.sleep(1)
+        counts.append(program.scheduler.turn().idle_turns)
+    program.run(main)
+    assert counts == [2, 1, 1]

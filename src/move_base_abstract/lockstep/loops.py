@@ -8,6 +8,9 @@ if TYPE_CHECKING:
 
 #: a thread that looks so many times in a row, without a wait, is taken for a loop that waits by looking
 LOOKS = 1000
+#: the number of further turns of such a loop that looks at variables, until the thread has done something else: in each
+#: turn it sees the same
+TURNS_AGAIN = 10
 #: simulated time [ns] that passes at such a loop if nothing else happens: if it looks at the time, and otherwise
 TIME_STEP_NS = 1000000
 STEP_NS = 10000000
@@ -54,7 +57,7 @@ class Looking:
         """Give the turn away until something else has happened in this process, or ``step_ns`` [ns] have passed.
 
         The calling thread waits by looking. Looks of other such threads do not count as something that happens. The
-        counts of looks and turns begin anew.
+        counts of looks and turns begin anew, that of idle turns near its end.
 
         :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
@@ -62,7 +65,8 @@ class Looking:
         if not task.is_looking:
             self._happened += 1  # it did something before it began to look
         task.is_looking = True
-        task.looks = task.turns = task.idle_turns = 0
+        task.looks = task.turns = 0
+        task.idle_turns = LOOKS - TURNS_AGAIN
         seen, wake_ns = self._happened, self.now_ns + step_ns
         entry = (lambda: self._happened != seen, task)
         self._conditions.append(entry)
