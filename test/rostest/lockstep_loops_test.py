@@ -70,11 +70,17 @@ class ExplorerTest(unittest.TestCase):
         # They look for ever, but end with the run.
         self.assertEqual(runs[0].codes, {'explorer': 1, 'relay': 1, 'finder': 0})
 
+    def test_they_go_on_exactly_where_functions_of_the_program_do_nothing_but_look(self):
+        runs = run_thrice({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
+        assert_same(self, runs)
+        self.assertEqual(runs[0].printed('explorer')[-1], '4.995000000 come')
+
     def test_they_go_on_with_a_label_where_they_may_compute(self):
-        run = run_programs({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
+        run = run_programs({'explorer': ['explorer.py', '_computes:=true'], 'finder': ['frontier_finder.py']},
+                           until=10.0)
         self.assertEqual(run.printed('explorer')[-1], '4.995000000 come')
         with open(os.path.join(FOLDER, 'partner.py')) as script:
-            line = 1 + script.read().splitlines().index('        while not self.ready():')
+            line = 1 + script.read().splitlines().index('        while not self.has_spoken():')
         text = 'the loop in {}, line {}, went round 1,000,000 times without a wait'.format(
             os.path.join(FOLDER, 'partner.py'), line)
         self.assertEqual(len(run.state.not_repeatable_because), 1)

@@ -1,10 +1,23 @@
 """Which loops of a program may wait by looking at variables, and what their turns say."""
 import ast
 import builtins
+import contextlib
+import types
 
 import pytest
 
-from move_base_abstract.lockstep.instrument import ACT, CALLS, COMPUTES, LOOK, TIMES, WAITS, instrument, kind_of
+from move_base_abstract.lockstep.instrument import (
+    ACT,
+    CALLED,
+    CALLS,
+    COMPUTES,
+    LOOK,
+    TIMES,
+    WAITS,
+    hand_over_called,
+    instrument,
+    kind_of,
+)
 
 
 def loop(text):
@@ -41,7 +54,7 @@ def test_loops_of_which_each_turn_calls_something_unknown():
     'while True:\n  x = x * a % m\n  if self.end: return'])
 def test_loops_that_compute_but_not_what_would_end_them(text):
     assert kind_of(loop(text)) == COMPUTES
-    said = ast.unparse(instrument(ast.parse(text)).body[0].body[0]) if hasattr(ast, 'unparse') else None
+    said = ast.unparse(instrument(ast.parse(text))[0].body[0].body[0]) if hasattr(ast, 'unparse') else None
     assert said in (None, '{}({}, 1)'.format(LOOK, COMPUTES))
 
 
@@ -62,19 +75,32 @@ def test_loops_that_compute_but_not_what_would_end_them(text):
 ])
 def test_loops_that_compute_in_each_turn(text):
     assert kind_of(loop(text)) is None
-    assert ast.dump(instrument(ast.parse(text))) == ast.dump(ast.parse(text))
+    assert ast.dump(instrument(ast.parse(text))[0]) == ast.dump(ast.parse(text))
 
 
 def run(text, **names):
-    """Run a program; return what its loops have said: (kind, line) of a turn, or whether what follows computes."""
+    """Run a program; return what its loops have said.
+
+    That is (kind, line) of a turn, whether what follows computes, or the name of a function that may do more than look.
+    """
     said = []
+    tree, looking = instrument(ast.parse(text))
+
+    def called(function):
+        code = getattr(getattr(function, '__func__', function), '__code__', None)
+        if code is None or (code.co_name, code.co_firstlineno) not in looking:
+            said.append(function.__name__)
+        return function
+    setattr(builtins, CALLED, called)
+    names['said'] = said
     setattr(builtins, LOOK, lambda kind, line: said.append((kind, line)))
     setattr(builtins, ACT, said.append)
     try:
-        exec(compile(instrument(ast.parse(text)), 'program', 'exec'), names)
+        exec(compile(hand_over_called(tree), 'program', 'exec'), names)
     finally:
         delattr(builtins, LOOK)
         delattr(builtins, ACT)
+        delattr(builtins, CALLED)
     return said
 
 
@@ -91,7 +117,7 @@ def test_loops_in_loops_and_in_functions_say_so_too():
     names = {'a': 0, 'b': 0}
     text = 'def grow():\n  global a, b\n  a += 1\n  b += 1\nwhile a < 1:\n  while b < 1:\n    grow()'
     said = run(text, **names)
-    assert [entry for entry in said if entry] == [(WAITS, 5), (WAITS, 6)]
+    assert [entry for entry in said if entry] == [(WAITS, 5), (WAITS, 6), 'grow']
 
 
 def test_places_in_the_text_stay_as_they_are():
@@ -99,3 +125,54 @@ def test_places_in_the_text_stay_as_they_are():
     with pytest.raises(ZeroDivisionError) as error:
         run(text, x=None)
     assert error.traceback[-1].lineno == 3  # counted from 0
+
+
+@pytest.mark.parametrize('loop, functions', [
+    ('while not ready(): pass', 'def ready(): return len(said) > 2'),
+    ('while not a.ready(): pass',
+     'class A:\n  def ready(self):\n    with lock:\n      n = len(said)\n    return n > 2\na = A()'),
+    ('while not ready(): step()',
+     'def ready(): return enough()\ndef enough(): return len(said) > 2\ndef step(): pass'),
+    ('while step() is None: pass', 'def step():\n  if len(said) < 3: return None\n  return 1')])
+def test_a_function_that_only_looks_is_no_computation(loop, functions):
+    said = run('def main():\n  {}\n{}\nmain()'.format(loop, functions), lock=contextlib.nullcontext())
+    assert said == [(WAITS, 2)] * 3
+
+
+@pytest.mark.parametrize('function, said_first', [
+    ('  n[0] = 1', 'step'),  # it computes whenever it is called
+    ('  if len(said) > 3: return\n  n[0] = 1', True),
+    ('  global m\n  if len(said) > 3: return\n  m = 1', True),
+    ('  if len(said) > 3: return\n  other()', False),
+    ('  return n[0] or other()', False),
+    ('  return (yield)', 'step'),
+    ('  if len(said) > 3: return\n  for k in range(2): n[k] = 1', True),
+    ('  return package.module()', False)])
+def test_a_function_says_so_before_it_does_more_than_look(function, said_first):
+    text = 'def step():\n{}\nwhile not n[0]:\n  step()\n  break'.format(function)
+    said = run(text, n=[0, 0], m=0, other=lambda: None, package=types.SimpleNamespace(module=lambda: None))
+    assert said[0][0] == WAITS
+    assert said[1] == said_first
+
+
+@pytest.mark.parametrize('text', [
+    'step = unknown\nwhile not n: step()\ndef never():\n  def step(): pass',
+    'import functools\n@functools.lru_cache()\ndef step(): pass\nwhile not n:\n  step()\n  break'])
+def test_what_is_called_decides_and_not_its_name(text):
+    n = []
+    said = run(text, n=n, unknown=lambda: n.append(1))
+    assert [word for word in said if not isinstance(word, tuple)] in (['<lambda>'], [False])
+
+
+def test_a_loop_looks_at_the_time_if_a_function_of_it_does():
+    text = 'while not over(): pass\ndef over(): return late()\ndef late(): return rospy.Time.now() > end'
+    tree, looking = instrument(ast.parse(text))
+    assert tree.body[0].body[0].value.args[0].value == TIMES
+    assert looking == {('over', 2), ('late', 3)}
+
+
+def test_functions_that_no_waiting_loop_calls_stay_as_they_are():
+    text = 'def f(a):\n  if a: return 1\n  b[0] = 1\nfor k in x: f(k)'
+    tree, looking = instrument(ast.parse(text))
+    assert ast.dump(tree) == ast.dump(ast.parse(text))
+    assert not looking

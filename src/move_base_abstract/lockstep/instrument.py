@@ -5,7 +5,9 @@ round without computing calls :data:`LOOK` in each turn, with its kind and its l
 that do more than look. The text of the program decides:
 
 - Tests look. So do calls of functions that are known to return something and to change nothing.
-- Other calls may compute, or look: ``while not self.ready(): pass``.
+- Other calls may compute, or look: ``while not self.ready(): pass``. A function of the same module that can return
+  without computing calls ACT before it does more than look. Whether a call reaches such a function is known only when
+  it is made, so the function that is called is handed to :data:`CALLED`.
 - A statement computes if it stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or
   stores in a name a value that is made from that name (``node = node.parent``). If the end of a loop depends on
   nothing that the loop stores, another thread must end it (``while not self.stop: n += 1``), or it never ends.
@@ -15,13 +17,15 @@ This module only knows Python's text: no ROS, no threads, no clock.
 from __future__ import annotations
 
 import ast
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple
+from typing import Any, Container, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
 
 #: kinds of loops: its turns may only look (WAITS), and look at the time, too (TIMES); each turn calls something that
 #: may compute (CALLS); each turn computes, but nothing on which the loop's end depends (COMPUTES)
 WAITS, TIMES, CALLS, COMPUTES = 0, 1, 2, 3
-#: names of the functions that loops call, which must be builtins: ``LOOK(kind, line)``, ``ACT(computes)``
-LOOK, ACT = '__lockstep_look__', '__lockstep_act__'
+#: names of the functions that loops call, which must be builtins: ``LOOK(kind, line)``, ``ACT(computes)`` and
+#: ``CALLED(function)``, which returns the function
+LOOK, ACT, CALLED = '__lockstep_look__', '__lockstep_act__', '__lockstep_called__'
+_MAY_LOOK = '_lockstep_may_look'  # the attribute of a call that may reach a function that looks
 
 _FUNCTIONS = frozenset((
     LOOK, ACT,
@@ -44,11 +48,40 @@ _ASSIGNMENTS = (ast.Assign, ast.AnnAssign)
 _COMPUTING = (ast.Await, ast.Yield, ast.YieldFrom)
 
 
-def instrument(tree: ast.Module) -> ast.Module:
-    """Make the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK` and ACT; return it."""
-    for node in list(ast.walk(tree)):
-        if isinstance(node, ast.While):
-            _Loop(node).instrument()
+def instrument(tree: ast.Module) -> Tuple[ast.Module, Set[Tuple[str, int]]]:
+    """Make the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK` and ACT.
+
+    Return the tree, and (name, line) of each function that calls ACT before it does more than look. The calls that may
+    reach these functions are noted for :func:`hand_over_called`.
+    """
+    named: Dict[str, List[ast.FunctionDef]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and not node.decorator_list:
+            named.setdefault(node.name, []).append(node)
+    loops = [_Loop(node, named) for node in ast.walk(tree) if isinstance(node, ast.While)]
+    functions: Dict[str, List[_Function]] = {}
+    todo = [name for loop in loops if loop.kind is not None for name in loop.called]
+    while todo:
+        name = todo.pop()
+        if name not in functions:
+            functions[name] = [_Function(node, named) for node in named[name]]
+            todo.extend(other for one in functions[name] for other in one.called)
+    for part in (*loops, *(one for ones in functions.values() for one in ones)):
+        part.instrument(functions)
+    looking = {(name, one.line) for name, ones in functions.items() for one in ones if one.may_look}
+    return ast.fix_missing_locations(tree), looking
+
+
+def hand_over_called(tree: ast.Module) -> ast.Module:
+    """Hand the functions that loops may call without computing to :data:`CALLED`; return the tree.
+
+    This comes after all that looks for the names of what is called.
+    """
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and getattr(node, _MAY_LOOK, False):
+            handed = ast.Call(func=ast.Name(id=CALLED, ctx=ast.Load()), args=[node.func], keywords=[])
+            node.func = ast.copy_location(handed, node.func)
+            delattr(node, _MAY_LOOK)
     return ast.fix_missing_locations(tree)
 
 
@@ -57,35 +90,37 @@ def kind_of(loop: ast.While) -> Optional[int]:
     return _Loop(loop).kind
 
 
-class _Loop:
-    """One loop, with what its turns may do. ``kind``: see :func:`kind_of`."""
+class _Part:
+    """A part of a program, with what it may do.
 
-    def __init__(self, loop: ast.While) -> None:
-        self._loop = loop
-        self._flow = _flow(loop)
+    named: the names of functions of the module that a call may reach. ``called``: those that the part calls. ``times``:
+    whether it looks at the time.
+    """
+
+    _leaves: Any  # the statement that ends a turn
+
+    def __init__(self, part: Any, named: Container[str]) -> None:
+        self._flow = _flow(part)
         self._acts: List[Any] = []  # (list of statements, one of them, whether it computes)
-        self._times = False
-        calls = self._calls_unknown(loop.test)
-        is_idle = not _yields(loop.test) and self._block(loop.body)
-        self.kind: Optional[int] = CALLS if calls else TIMES if self._times else WAITS
-        if not is_idle:
-            self.kind = COMPUTES if _is_ended_by_others(loop) else None
-            self._acts = []
+        self._named = named
+        self._shared: Set[str] = set()  # names whose stores others see
+        self.called: Set[str] = set()
+        self.times = False
 
-    def instrument(self) -> None:
-        """Add the calls to the loop's text."""
-        if self.kind is None:
-            return
+    def instrument(self, functions: Mapping[str, Sequence[_Part]]) -> None:
+        """Add the calls to the part's text; functions: the parts that the names of called functions stand for."""
+        raise NotImplementedError
+
+    def _insert_acts(self) -> None:
         for block, statement, computes in self._acts:
             block.insert(block.index(statement), _call(ACT, [computes], statement))
-        self._loop.body.insert(0, _call(LOOK, [self.kind, self._loop.lineno], self._loop))
 
     def _block(self, block: List[Any]) -> bool:
         """Check statements that follow one another; return whether a turn may pass them without computing."""
         for number, statement in enumerate(block):
             if not self._statement(block, statement):
                 self._acts.append((block, statement, True))
-                return any(isinstance(part, ast.Continue) for earlier in block[:number] for part in ast.walk(earlier))
+                return any(isinstance(part, self._leaves) for earlier in block[:number] for part in ast.walk(earlier))
         return True
 
     def _statement(self, block: List[Any], node: Any) -> bool:
@@ -94,9 +129,9 @@ class _Loop:
         heads = _heads(node) if is_compound else list(ast.iter_child_nodes(node))
         if any(_yields(head) for head in heads) or not (is_compound or self._is_plain(node)):
             return False
-        if isinstance(node, (ast.Return, ast.Raise)):
-            return True  # no turn follows
-        calls_unknown = [self._calls_unknown(head) for head in heads]  # for all heads, because this sets _times, too
+        if isinstance(node, (ast.Return, ast.Raise)) and self._leaves is not ast.Return:
+            return True  # no turn of the loop follows
+        calls_unknown = [self._calls_unknown(head) for head in heads]  # for all heads, because this notes names, too
         if any(calls_unknown):
             self._acts.append((block, node, False))
         return not is_compound or self._passes(node)
@@ -107,7 +142,7 @@ class _Loop:
             return isinstance(node, _SIMPLE)
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         names = [name for target in targets for name in _names(target)]
-        return not any(name is None or _goes_into(self._flow, name, name) for name in names)
+        return not any(name is None or name in self._shared or _goes_into(self._flow, name, name) for name in names)
 
     def _passes(self, node: Any) -> bool:
         """Return whether a turn may pass a statement with others in it without computing; check all of them."""
@@ -122,8 +157,71 @@ class _Loop:
     def _calls_unknown(self, node: Any) -> bool:
         """Return whether an expression calls a function that may compute; note whether it looks at the time."""
         calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
-        self._times = self._times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
-        return not all(_is_known(call) for call in calls)
+        self.times = self.times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
+        unknown = [call for call in calls if not _is_known(call)]
+        for call in unknown:
+            name = dotted(call.func)[-1:]
+            if name and name[0] in self._named:
+                setattr(call, _MAY_LOOK, True)
+                self.called.add(name[0])
+        return not all(getattr(call, _MAY_LOOK, False) for call in unknown)
+
+
+class _Loop(_Part):
+    """One loop, with what its turns may do. ``kind``: see :func:`kind_of`."""
+
+    _leaves = ast.Continue
+
+    def __init__(self, loop: ast.While, named: Container[str] = ()) -> None:
+        super().__init__(loop, named)
+        self._loop = loop
+        calls = self._calls_unknown(loop.test)
+        is_idle = not _yields(loop.test) and self._block(loop.body)
+        self.kind: Optional[int] = CALLS if calls else TIMES if self.times else WAITS
+        if not is_idle:
+            self.kind = COMPUTES if _is_ended_by_others(loop) else None
+            self._acts = []
+
+    def instrument(self, functions: Mapping[str, Sequence[_Part]]) -> None:
+        if self.kind is None:
+            return
+        self._insert_acts()
+        if self.kind == WAITS and _reach_time(self.called, functions):
+            self.kind = TIMES
+        self._loop.body.insert(0, _call(LOOK, [self.kind, self._loop.lineno], self._loop))
+
+
+class _Function(_Part):
+    """One function that a loop may call. ``may_look``: whether it can return without computing."""
+
+    _leaves = ast.Return
+
+    def __init__(self, function: ast.FunctionDef, named: Container[str]) -> None:
+        super().__init__(function, named)
+        self.line = function.lineno
+        self._shared = {name for part in ast.walk(function) if isinstance(part, (ast.Global, ast.Nonlocal))
+                        for name in part.names}
+        self.may_look = self._block(function.body) and not any(
+            _yields(part) or isinstance(part, ast.NamedExpr) for part in _parts(function.body))
+
+    def instrument(self, functions: Mapping[str, Sequence[_Part]]) -> None:
+        if self.may_look:
+            self._insert_acts()
+
+
+def _reach_time(names: Iterable[str], functions: Mapping[str, Sequence[_Part]]) -> bool:
+    """Return whether functions with these names, or what they call, look at the time."""
+    todo, seen = list(names), set()
+    while todo:
+        name = todo.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        for one in functions.get(name, ()):
+            if one.times:
+                return True
+            todo.extend(one.called)
+    return False
 
 
 def _is_ended_by_others(loop: ast.While) -> bool:

@@ -44,6 +44,9 @@ while watcher.is_alive():
 if rospy.get_param('~asks', False):
     partner.wait()
     print('%.9f %s' % (rospy.get_time(), partner.last))
+if rospy.get_param('~computes', False):
+    partner.wait_to_speak()
+    print('%.9f %s' % (rospy.get_time(), partner.last))
 while heard < 3000:
     time.sleep(0)
 print('%.9f heard' % rospy.get_time())

@@ -29,3 +29,11 @@ class Partner:
         self.last = None
         while not self.ready():
             pass
+
+    def has_spoken(self):
+        return bool(str(self.last or '').strip())
+
+    def wait_to_speak(self):
+        self.last = None
+        while not self.has_spoken():
+            pass

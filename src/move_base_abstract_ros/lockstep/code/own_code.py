@@ -20,8 +20,10 @@ import rospy
 import move_base_abstract
 from move_base_abstract.lockstep.call_rewriting import ask
 from move_base_abstract.lockstep.installed import is_installed
-from move_base_abstract.lockstep.instrument import dotted, instrument
+from move_base_abstract.lockstep.instrument import dotted, hand_over_called, instrument
 from move_base_abstract.lockstep.object_order import follow_order
+
+from .turns import LOOKING
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
@@ -84,7 +86,10 @@ def compile_own(source, path):
     """
     tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
     try:
-        return compile(ask(follow_order(instrument(tree))), path, 'exec', dont_inherit=True)
+        tree, looking = instrument(tree)
+        code = compile(hand_over_called(ask(follow_order(tree))), path, 'exec', dont_inherit=True)
+        LOOKING.update((path, name, line) for name, line in looking)
+        return code
     except RecursionError:  # at some hundreds of branches of one `if`
         rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)
         return compile(source, path, 'exec', dont_inherit=True)

@@ -1,17 +1,18 @@
 """The program's own loops that wait by looking at variables, such as ``while len(frontiers) < 1: pass``.
 
-:mod:`own_code` has such loops call :class:`Turns` in each iteration. If the iterations do nothing but look, the thread
-gives its turn away after :data:`loops.LOOKS` of them in a row, exactly as in a loop that looks at rospy. A loop that
-calls something unknown may compute; after :data:`PATIENCE` iterations in a row it is taken for one that waits, with a
-warning and a label. The same holds, after :data:`LONG_PATIENCE`, for a loop that computes, but nothing that would end
-it.
+:mod:`own_code` has such loops call :class:`Turns` in each iteration. If the iterations do nothing but look, by
+themselves or by functions of the program, the thread gives its turn away after :data:`loops.LOOKS` of them in a row,
+exactly as in a loop that looks at rospy. A loop that calls something unknown may compute; after :data:`PATIENCE`
+iterations in a row it is taken for one that waits, with a warning and a label. The same holds, after
+:data:`LONG_PATIENCE`, for a loop that computes, but nothing that would end it.
 """
 import builtins
 import sys
+import types
 
 import rospy
 
-from move_base_abstract.lockstep.instrument import ACT, CALLS, COMPUTES, LOOK, TIMES
+from move_base_abstract.lockstep.instrument import ACT, CALLED, CALLS, COMPUTES, LOOK, TIMES
 from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
@@ -19,6 +20,8 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 PATIENCE = 1000000
 #: the same for a loop that computes in each iteration, but nothing that would end it
 LONG_PATIENCE = 10000000
+#: (file name, name, line) of the program's functions that say so before they do more than look
+LOOKING = set()
 
 
 def install():
@@ -26,6 +29,7 @@ def install():
     turns = Turns()
     setattr(builtins, LOOK, turns.look)
     setattr(builtins, ACT, turns.act)
+    setattr(builtins, CALLED, turns.called)
     return turns
 
 
@@ -72,6 +76,14 @@ class Turns:
             task.idle_turns = 0
             if computes:
                 task.turns = 0
+
+    def called(self, function):
+        """Note that such a loop is about to call ``function``, which may do more than look; return the function."""
+        own = function.__func__ if type(function) is types.MethodType else function
+        code = own.__code__ if type(own) is types.FunctionType else None
+        if code is None or (code.co_filename, code.co_name, code.co_firstlineno) not in LOOKING:
+            self.act(False)
+        return function
 
     def _waits(self, turns, patience, filename, line):
         """Return whether the loop is taken for one that waits. The first time, warn and label the run."""
