@@ -3,7 +3,6 @@
 #define MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
 
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,19 +45,6 @@ inline std::string joined(const std::vector<std::string>& parts) {
     text += (text.empty() ? "" : ", ") + part;
   }
   return text;
-}
-
-[[noreturn]] inline void refuse(const std::string& text) { throw std::invalid_argument(text); }
-
-/**
- * @brief Refuse a value outside [low, high]. The condition is written so that it refuses NaN too.
- */
-inline double checked(const char* name, double value, double low, double high, const char* unit) {
-  if (!(value >= low && value <= high)) {
-    refuse(std::string(name) + " must be from " + numberText(low) + " to " + numberText(high) +
-           unit + ", got " + numberText(value));
-  }
-  return value;
 }
 
 }  // namespace move_base_abstract

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "argument_check.h"
 #include "number_text.h"
 #include "shown_text.h"
 

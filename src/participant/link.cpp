@@ -134,8 +134,7 @@ Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
     channel_->setAsleep(false);
     channel_->wakeSelf();  // the bell may have rung before
   }
-  // One wake-up tells of all that is in the socket, and the last look may have left some of it
-  // there.
+  // One wake-up tells of all that is in the socket. The last look may have left a rest there.
   if (const Event event =
           std::exchange(has_more_, false) ? waitForSocket(bell, 0, frames) : Event::kNothing;
       event != Event::kNothing) {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "clock/argument_check.h"
 #include "clock/number_text.h"
 #include "clock/time_master.h"
 

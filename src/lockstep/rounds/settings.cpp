@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "clock/argument_check.h"
 #include "clock/number_text.h"
 #include "clock/time_master.h"
 

@@ -23,9 +23,9 @@ from typing import Any, Container, Dict, Iterable, Iterator, List, Mapping, Opti
 #: may compute (CALLS); each turn computes, but nothing on which the loop's end depends (COMPUTES)
 WAITS, TIMES, CALLS, COMPUTES = 0, 1, 2, 3
 #: names of the functions that loops call, which must be builtins: ``LOOK(kind, line)``, ``ACT(computes)`` and
-#: ``CALLED(function)``, which returns the function
+#: ``CALLED(function, is_known)``, which returns the function; is_known: whether functions of this name only look
 LOOK, ACT, CALLED = '__lockstep_look__', '__lockstep_act__', '__lockstep_called__'
-_MAY_LOOK = '_lockstep_may_look'  # the attribute of a call that may reach a function that looks
+_IS_KNOWN = '_lockstep_is_known'  # the attribute of a call that may reach a function of the module
 
 _FUNCTIONS = frozenset((
     LOOK, ACT,
@@ -48,11 +48,12 @@ _ASSIGNMENTS = (ast.Assign, ast.AnnAssign)
 _COMPUTING = (ast.Await, ast.Yield, ast.YieldFrom)
 
 
-def instrument(tree: ast.Module) -> Tuple[ast.Module, Set[Tuple[str, int]]]:
+def instrument(tree: ast.Module) -> Tuple[ast.Module, Dict[Tuple[str, int], bool]]:
     """Make the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK` and ACT.
 
-    Return the tree, and (name, line) of each function that calls ACT before it does more than look. The calls that may
-    reach these functions are noted for :func:`hand_over_called`.
+    Return the tree, and {(name, line): whether it can return without computing} of the functions that these loops may
+    call. If it can, it calls ACT before it does more than look. The calls that may reach these functions are noted for
+    :func:`hand_over_called`.
     """
     named: Dict[str, List[ast.FunctionDef]] = {}
     for node in ast.walk(tree):
@@ -68,20 +69,21 @@ def instrument(tree: ast.Module) -> Tuple[ast.Module, Set[Tuple[str, int]]]:
             todo.extend(other for one in functions[name] for other in one.called)
     for part in (*loops, *(one for ones in functions.values() for one in ones)):
         part.instrument(functions)
-    looking = {(name, one.line) for name, ones in functions.items() for one in ones if one.may_look}
+    looking = {(name, one.line): one.may_look for name, ones in functions.items() for one in ones}
     return ast.fix_missing_locations(tree), looking
 
 
 def hand_over_called(tree: ast.Module) -> ast.Module:
-    """Hand the functions that loops may call without computing to :data:`CALLED`; return the tree.
+    """Hand the functions that loops call, and that may be the module's, to :data:`CALLED`; return the tree.
 
     This comes after all that looks for the names of what is called.
     """
     for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and getattr(node, _MAY_LOOK, False):
-            handed = ast.Call(func=ast.Name(id=CALLED, ctx=ast.Load()), args=[node.func], keywords=[])
+        if isinstance(node, ast.Call) and hasattr(node, _IS_KNOWN):
+            is_known = ast.Constant(value=getattr(node, _IS_KNOWN))
+            handed = ast.Call(func=ast.Name(id=CALLED, ctx=ast.Load()), args=[node.func, is_known], keywords=[])
             node.func = ast.copy_location(handed, node.func)
-            delattr(node, _MAY_LOOK)
+            delattr(node, _IS_KNOWN)
     return ast.fix_missing_locations(tree)
 
 
@@ -158,13 +160,12 @@ class _Part:
         """Return whether an expression calls a function that may compute; note whether it looks at the time."""
         calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
         self.times = self.times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
-        unknown = [call for call in calls if not _is_known(call)]
-        for call in unknown:
+        for call in calls:
             name = dotted(call.func)[-1:]
             if name and name[0] in self._named:
-                setattr(call, _MAY_LOOK, True)
+                setattr(call, _IS_KNOWN, _is_known(call))
                 self.called.add(name[0])
-        return not all(getattr(call, _MAY_LOOK, False) for call in unknown)
+        return not all(hasattr(call, _IS_KNOWN) or _is_known(call) for call in calls)
 
 
 class _Loop(_Part):

@@ -88,7 +88,7 @@ def compile_own(source, path):
     try:
         tree, looking = instrument(tree)
         code = compile(hand_over_called(ask(follow_order(tree))), path, 'exec', dont_inherit=True)
-        LOOKING.update((path, name, line) for name, line in looking)
+        LOOKING.update(((path, *place), may_look) for place, may_look in looking.items())
         return code
     except RecursionError:  # at some hundreds of branches of one `if`
         rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)

@@ -20,8 +20,9 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 PATIENCE = 1000000
 #: the same for a loop that computes in each iteration, but nothing that would end it
 LONG_PATIENCE = 10000000
-#: (file name, name, line) of the program's functions that say so before they do more than look
-LOOKING = set()
+#: {(file name, name, line): whether it can return without computing} of the program's functions that such loops may
+#: call; if it can, it says so before it does more than look
+LOOKING = {}
 
 
 def install():
@@ -77,11 +78,15 @@ class Turns:
             if computes:
                 task.turns = 0
 
-    def called(self, function):
-        """Note that such a loop is about to call ``function``, which may do more than look; return the function."""
+    def called(self, function, is_known):
+        """Note that such a loop is about to call ``function``, and return it.
+
+        is_known: whether functions with the name by which it is called only look, unless they are the program's own.
+        """
         own = function.__func__ if type(function) is types.MethodType else function
         code = own.__code__ if type(own) is types.FunctionType else None
-        if code is None or (code.co_filename, code.co_name, code.co_firstlineno) not in LOOKING:
+        place = code and (code.co_filename, code.co_name, code.co_firstlineno)
+        if not LOOKING.get(place, is_known):
             self.act(False)
         return function
 
