@@ -14,6 +14,7 @@ LEAST_EXPONENT = -300.0  # of exp; smaller values do not matter here, and produc
 EXP_TERMS = 14  # of Taylor's series, for |x| <= ln(2) / 2: the rest is below 1e-17
 SLICE = 2.0**22  # bound of the whole numbers in slices
 MOST_TERMS = 512  # of a sum in product: 2^22 2^22 512 = 2^53, up to which floats represent every whole number
+SINE_TERMS = 12  # of Taylor's series, for |x| <= pi / 2: the rest is below 1e-20
 LOG_TERMS = 12  # of the series of artanh, for |x| <= 0.172: the rest is below 1e-18
 
 
@@ -43,6 +44,17 @@ def log(x):
         if term > 1:
             result *= square
     return exponent * LN2_HIGH + (exponent * LN2_LOW + 2.0 * ratio * result)
+
+
+def sine(x):
+    """Return the sine elementwise, |x| <= pi / 2, to 2 units of the last place."""
+    square = x * x
+    result = np.ones_like(square)
+    for term in range(SINE_TERMS, 0, -1):  # Horner's scheme
+        result *= square
+        result /= -2 * term * (2 * term + 1)
+        result += 1.0
+    return x * result
 
 
 def fold(terms):

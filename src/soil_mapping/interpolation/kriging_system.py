@@ -8,9 +8,11 @@ arithmetic.py the results are the same on every computer.
 import numpy as np
 
 from .arithmetic import MOST_TERMS, fold, product, slices
+from .chebyshev import on_grid
 
 COINCIDENT = 1e-10  # coordinates that differ by less than this are one place, as in PyKrige
 LEAST_PIVOT = 1e-12  # of the sill: a sample with less variance, given the others, is redundant and left out
+SQRT_2 = 1.4142135623730951
 BLOCK = 32768  # numbers in one step of the computation, so that they stay in the processor's cache
 
 
@@ -42,11 +44,16 @@ class KrigingSystem:
 
     def mean_and_variance(self, x, y):
         """Return (mean, variance), each of shape (len(y), len(x)); at a sample its value and 0."""
-        mean, variance = np.empty((len(y), len(x))), np.empty((len(y), len(x)))
-        inverse = _invert(self._lower)
-        for block, found in self._blocks(x, y, np.vstack((self._weights, self._of_ones, inverse))):
-            mean[block] = found[0] + self._mean
-            variance[block] = self._variance(1.0 - found[1], found[2:])
+        rows = np.vstack((self._weights, self._of_ones, _invert(self._lower)))
+
+        def at(some_x, some_y):
+            values = np.empty((2, len(some_y), len(some_x)))
+            for block, found in self._blocks(some_x, some_y, rows):
+                values[0, block] = found[0] + self._mean
+                values[1, block] = self._variance(1.0 - found[1], found[2:])
+            return values
+        mean, variance = on_grid(at, x, y, self._variogram.scale_m / SQRT_2)  # the variance has products of two decays
+        np.maximum(variance, 0.0, out=variance)
         for hits, value in self._samples_on(x, y):
             mean[hits], variance[hits] = value, 0.0
         return mean, variance
@@ -86,7 +93,7 @@ class KrigingSystem:
         """
         reduced *= reduced
         reduced *= self._inverse_pivots[:, None, None]
-        return np.maximum(self._variogram.sill - fold(reduced) + missing * missing / self._ones, 0.0)
+        return self._variogram.sill - fold(reduced) + missing * missing / self._ones
 
     def _samples_on(self, x, y):
         """Yield (indices of the grid, value) of each sample: at its own place gamma is 0, not the nugget."""

@@ -36,9 +36,14 @@ class Variogram(NamedTuple):
         """Variance at large distances [kPa^2]."""
         return self.psill + self.nugget
 
+    @property
+    def scale_m(self):
+        """The s of the formula [unit of the coordinates]."""
+        return self.range_m * RANGE_TO_SCALE
+
     def decay(self, differences):
         """Return exp(-d^2 / s^2) for differences of coordinates, elementwise."""
-        scaled = differences / (self.range_m * RANGE_TO_SCALE)
+        scaled = differences / self.scale_m
         return exp(-(scaled * scaled))
 
 

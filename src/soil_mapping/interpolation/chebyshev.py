@@ -1,0 +1,51 @@
+"""Sums of Gaussians on a grid, from their values at few places: polynomials through Chebyshev nodes.
+
+Formulas: L. N. Trefethen, Approximation Theory and Approximation Practice, 2013, chapters 2 and 5 (nodes, barycentric
+formula) and theorem 8.2 (error). With arithmetic.py the results are the same on every computer.
+"""
+
+import numpy as np
+
+from .arithmetic import fold, product, sine, slices
+
+NODES, NODES_PER_WIDTH = 15, 12.5  # with these, theorem 8.2 bounds the error of exp(-t^2 / w^2) by 1e-16, up to 25 w
+
+
+def on_grid(function, x, y, width):
+    """Return the values of function on the grid that x and y span, shape (k, len(y), len(x)).
+
+    :param function: it returns values of shape (k, len(y), len(x)) for any x and y. Along each line in x and in y they
+        are sums of exp(-(t - a)^2 / w^2) with w >= width.
+    :param x: increasing coordinates. :param y: the same. :param width: in their unit, > 0.
+    """
+    (at_x, to_x), (at_y, to_y) = _nodes(x, width), _nodes(y, width)
+    values = function(at_x, at_y)
+    if to_x is to_y is None:
+        return values
+    _, exponents = np.frexp(np.abs(values).max(axis=(1, 2), keepdims=True))
+    values = values * np.ldexp(1.0, -exponents)
+    if to_y is not None:
+        values = np.stack([product(to_y, slices(each)) for each in values])
+    if to_x is not None:
+        values = product(slices(values.reshape(-1, len(at_x))), tuple(part.T for part in to_x))
+    values = values.reshape(-1, len(y), len(x))
+    values *= np.ldexp(1.0, exponents)
+    return values
+
+
+def _nodes(line, width):
+    """Return (nodes, slices of the matrix from values there to the line's); (line, None) if that saves little."""
+    half, middle = (line[-1] - line[0]) / 2.0, (line[0] + line[-1]) / 2.0
+    count = int(NODES + NODES_PER_WIDTH * half / width) + 1
+    if 2 * count > len(line):
+        return line, None
+    odd = np.arange(1, 2 * count, 2)
+    nodes = middle + half * sine((count - odd) * (np.pi / (2 * count)))
+    weights = sine(np.minimum(odd, 2 * count - odd) * (np.pi / (2 * count)))
+    weights[1::2] *= -1.0
+    away = line - nodes[:, None]
+    on_node = away == 0.0
+    terms = weights[:, None] / np.where(on_node, 1.0, away)
+    terms = np.where(on_node.any(axis=0), on_node, terms)  # a place on a node has the node's value
+    # The values of polynomials are at most 5 in sum (their Lebesgue constant), so product() never rounds.
+    return nodes, slices((terms / fold(terms.copy())).T)
