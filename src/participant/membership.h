@@ -141,6 +141,11 @@ class Membership {
   std::uint64_t round() const { return turns_; }
   /** @return the time [ns] that everything takes from one participant to another; 0: no time. */
   Nanoseconds lookahead() const { return window_.lookahead(); }
+  /**
+   * @return how often the time master has said that parameters for which this node has asked may
+   * have changed. With a lookahead it does not say so.
+   */
+  std::uint64_t parameterChanges() const { return parameter_changes_; }
   const std::shared_ptr<Bell>& bell() const { return bell_; }
 
   // ---- the next report
@@ -196,7 +201,7 @@ class Membership {
   void take(const wire::Window&) {}    // it was taken out of the grant before
   void take(const wire::Arrives&) {}
   void take(const wire::Came& item) { came_ = item.time_ns; }
-  void take(const wire::Changed&) {}  // it asks the ROS master every time
+  void take(const wire::Changed&) { ++parameter_changes_; }
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);
@@ -239,6 +244,7 @@ class Membership {
   Nanoseconds came_ = 0;
   std::uint32_t microstep_ = 0;
   std::string told_;  // what it waits for, as it has told the time master
+  std::uint64_t parameter_changes_ = 0;
   std::uint32_t calls_made_ = 0;
   std::map<std::uint32_t, Reply> answers_;
   std::set<std::string> found_;

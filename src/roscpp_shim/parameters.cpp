@@ -25,6 +25,10 @@ const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "ge
                                              "subscribeParam"};
 /** Parameters that roslaunch sets about itself; their names contain ports of this machine. */
 constexpr const char* kOfRoslaunch = "/roslaunch/uris/";
+/** roscpp looks at it for each line that the program logs. That is no loop that waits for it. But a
+ * loop that waits for something else may log, so kLines lines take kStep. */
+constexpr const char* kOfLogging = "/rosout_disable_topics_generation";
+constexpr unsigned kLines = 1000;
 
 /** After kLooks looks at one parameter, with at most kStep of simulated time [ns] between two, they
  * count as a loop that waits for it. */
@@ -92,10 +96,12 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
 
 /** @brief Count a look at a parameter. A loop that waits by looking at it lets time go on. */
 void Parameters::look(const std::string& name) {
+  const bool is_logging = name == kOfLogging;
   Look& look = looks_[name];
   const Nanoseconds now = node().now();
   look.count = now <= look.at + kStep ? look.count + 1 : 1;
-  if (look.count > kLooks) {
+  if (look.count > (is_logging ? kLines : kLooks)) {
+    look.count = is_logging ? 0 : look.count;
     Wait wait;
     wait.until = now + kStep;
     turn().wait(std::move(wait));
@@ -113,8 +119,7 @@ void Parameters::tellOfRoslaunch(const std::string& name) {
 
 bool Parameters::get(const std::string& name, const XmlRpcValue& request, XmlRpcValue& answer,
                      const AskMaster& ask) {
-  note(name);
-  const bool is_there = ask("getParam", requestOf(request, name), answer);
+  const bool is_there = askMaster("getParam", name, request, answer, ask);
   if (!pending_.concern(name)) {
     return is_there;
   }
@@ -123,12 +128,11 @@ bool Parameters::get(const std::string& name, const XmlRpcValue& request, XmlRpc
 }
 
 bool Parameters::isSet(const std::string& name, const XmlRpcValue& request, const AskMaster& ask) {
-  note(name);
   XmlRpcValue answer;
   if (pending_.concern(name)) {
     return get(name, request, answer, ask);
   }
-  return ask("hasParam", requestOf(request, name), answer) &&
+  return askMaster("hasParam", name, request, answer, ask) &&
          answer.getType() == XmlRpcValue::TypeBoolean && static_cast<bool>(answer);
 }
 
@@ -179,12 +183,37 @@ bool Parameters::names(const XmlRpcValue& request, XmlRpcValue& answer, const As
   return true;
 }
 
+void Parameters::reported() {
+  if (!pending_.empty()) {
+    kept_.clear();
+    pending_.clear();
+  }
+}
+
 void Parameters::settle() {
+  keepNoAnswers();
   if (!Turn::isInside() && !Turn::isInternal() && turn().enter() && !pending_.empty()) {
     Wait wait;
     wait.next_round = true;
     turn().wait(std::move(wait));
   }
+}
+
+/** @brief Ask the ROS master for a parameter, or repeat its answer if nothing has changed it. */
+bool Parameters::askMaster(const char* method, const std::string& name, const XmlRpcValue& request,
+                           XmlRpcValue& answer, const AskMaster& ask) {
+  note(name);
+  const auto& membership = node().membership();
+  const std::uint64_t changes = membership.parameterChanges();
+  if (std::exchange(changes_, changes) != changes || !keeps_ || membership.lookahead() > 0) {
+    kept_.clear();
+  }
+  const auto [at, is_new] = kept_.try_emplace({method, name});
+  if (is_new) {
+    at->second.is_good = ask(method, requestOf(request, name), at->second.answer);
+  }
+  answer = at->second.answer;
+  return at->second.is_good;
 }
 
 /** @brief Report that the program reads @p name. If a node that takes no part sets it, that labels

@@ -5,10 +5,12 @@
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lockstep/wire/wire.h"
@@ -55,7 +57,10 @@ class Parameters {
   bool answer(const std::string& method, const XmlRpc::XmlRpcValue& request,
               XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
   /** @brief Note that all changes are reported. */
-  void reported() { pending_.clear(); }
+  void reported();
+  /** @brief Ask the ROS master each time from now on, because a process that takes no part may set
+   * parameters, of which the time master hears only later. */
+  void keepNoAnswers() { keeps_ = false; }
   /** @brief Wait until the ROS master has the changes of this turn, because a process that takes no
    * part is about to start and may read them. */
   void settle();
@@ -67,6 +72,8 @@ class Parameters {
   bool get(const std::string& name, const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& answer,
            const AskMaster& ask);
   bool names(const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
+  bool askMaster(const char* method, const std::string& name, const XmlRpc::XmlRpcValue& request,
+                 XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
   void note(const std::string& name);
   void look(const std::string& name);
   /** @brief Label the run, once for each name, if roslaunch sets @p name anew in each run. */
@@ -77,7 +84,15 @@ class Parameters {
     Nanoseconds at = 0;  // simulated
   };
 
+  struct Kept {
+    bool is_good;
+    XmlRpc::XmlRpcValue answer;
+  };
+
   PendingParameters pending_;
+  std::map<std::pair<std::string, std::string>, Kept> kept_;  // by method and name
+  std::uint64_t changes_ = 0;                                 // when these answers were given
+  bool keeps_ = true;
   std::set<std::string> asked_;
   std::set<std::string> told_;
   std::map<std::string, Look> looks_;

@@ -16,6 +16,7 @@
 
 #include "exchange.h"
 #include "node.h"
+#include "parameters.h"
 #include "participant/exchange.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
@@ -219,6 +220,7 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
   const std::string service = getService();
   const participant::Reply reply = shim::call(service, participant::payloadOf(request));
   if (reply.status == wire::CallStatus::kNoServer && shim::mayBeOfferedOutside(service)) {
+    shim::parameters().keepNoAnswers();  // the server may set some
     shim::node().label("service " + service +
                        ", which was called, is offered by a node that does not take part");
     const shim::Blocking blocking;  // time stands still until the other node has answered

@@ -56,6 +56,44 @@ void start(ros::NodeHandle& node) {
   }
 }
 
+/** @brief Set what ask() reads. */
+void give(ros::NodeHandle& node) {
+  for (int count = 1; count <= 3; ++count) {
+    ros::Duration(0.25).sleep();
+    node.setParam("/board/given", count);
+  }
+}
+
+/** @brief Ask for one parameter again and again, and log. */
+void ask(ros::NodeHandle& node) {
+  int given = 0;
+  while (!node.getParam("/board/given", given)) {
+  }
+  std::printf("%.3f %d\n", ros::Time::now().toSec(), given);
+  const ros::Time before = ros::Time::now();
+  for (int line = 1; line <= 2500; ++line) {
+    ROS_INFO("line %d", line);
+    if (line == 999 || line == 2500) {
+      std::printf("%d lines take %.3f s\n", line, (ros::Time::now() - before).toSec());
+    }
+  }
+  ros::Rate rate(10.0);
+  for (int look = 0; look < 6; ++look) {
+    rate.sleep();
+    for (int again = 0; again < 5; ++again) {
+      node.getParam("/board/given", given);
+    }
+    std::printf("%.3f %d\n", ros::Time::now().toSec(), given);
+  }
+  std::printf("%d\n", node.hasParam("/board/given/below") || !node.hasParam("/board/given"));
+  node.setParam("/board/given", 9);
+  node.getParam("/board/given", given);
+  std::printf("%d", given);
+  rate.sleep();
+  node.getParam("/board/given", given);
+  std::printf(" %d\n", given);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,7 +107,8 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (argc > 1) {
-    start(node);
+    const std::string what = argv[1];
+    (what == "ask" ? ask : what == "give" ? give : start)(node);
     return 0;
   }
   ros::Rate rate(10.0);

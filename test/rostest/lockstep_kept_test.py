@@ -6,14 +6,21 @@ once, in fewer rounds.
 """
 
 import re
+import shutil
+import socketserver
 import sys
+import threading
 import unittest
+from collections import Counter
 from types import SimpleNamespace
+from xmlrpc.client import ServerProxy
+from xmlrpc.server import SimpleXMLRPCServer
 
 import rostest
 from lockstep_roscpp_run import Program, Runs, own
 
 from move_base_abstract_ros.lockstep.ros_master.parameters import Parameters
+from move_base_abstract_ros.loopback import find_executable
 
 RUNS = Runs()
 #: ways in which shim_reader calls its queues, with other calls
@@ -68,6 +75,54 @@ class KeptTest(unittest.TestCase):
         self.assertLess(len(set(times)), 8)
         self.assertEqual(run.head['stored_topics'], ['/recorder=/ticks'])
         self.assertNotIn('stored_topics', RUNS.run(programs, stored_topics=[]).head)
+
+
+class CountingMaster(socketserver.ThreadingMixIn, SimpleXMLRPCServer):
+    """Passes calls on to the ROS master, and counts them by method and second argument."""
+
+    daemon_threads = True
+
+    def __init__(self, uri):
+        super().__init__(('127.0.0.1', 0), logRequests=False, allow_none=True)
+        self.uri = 'http://127.0.0.1:{}/'.format(self.server_address[1])
+        self.calls = Counter()
+        self._behind = uri
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def _dispatch(self, method, params):
+        self.calls[method, params[1] if len(params) > 1 else ''] += 1
+        with ServerProxy(self._behind) as master:
+            return getattr(master, method)(*params)
+
+
+class CountedRuns(Runs):
+    """Runs whose first program talks to the ROS master through a CountingMaster."""
+
+    master = None
+
+    def start(self, program):
+        if program.name == 'asker':
+            self.master = CountingMaster(self.ros.uri)
+            program.launcher = [shutil.which('env'), 'ROS_MASTER_URI=' + self.master.uri, find_executable('lockstep')]
+        return super().start(program)
+
+
+class AskingAgainInCppTest(unittest.TestCase):
+    """The ROS master is asked once for a parameter until it changes, by roscpp programs, too."""
+
+    def test_it_is_asked_once_for_each_value_and_once_for_all_lines_that_are_logged(self):
+        runs = CountedRuns()
+        run = runs.run([Program('asker', own('shim_board'), 'ask'), Program('giver', own('shim_board'), 'give')])
+        self.assertEqual(run.labels, [])
+        self.assertEqual(run.printed(0), [
+            '1.251 1', '999 lines take 0.000 s', '2500 lines take 0.002 s', '1.353 1', '1.453 1', '1.553 2', '1.653 2', '1.753 3',
+            '1.853 3', '0', '9 9'])
+        calls = runs.master.calls
+        runs.master.shutdown()
+        runs.master.server_close()
+        self.assertEqual(calls['getParam', '/rosout_disable_topics_generation'], 1)
+        # none, 1, 2, 3, and 9 when it is told
+        self.assertEqual((calls['getParam', '/board/given'], calls['hasParam', '/board/given']), (5, 1))
 
 
 class FakeMaster:
