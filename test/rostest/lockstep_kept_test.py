@@ -115,8 +115,8 @@ class AskingAgainInCppTest(unittest.TestCase):
         run = runs.run([Program('asker', own('shim_board'), 'ask'), Program('giver', own('shim_board'), 'give')])
         self.assertEqual(run.labels, [])
         self.assertEqual(run.printed(0), [
-            '1.251 1', '999 lines take 0.000 s', '2500 lines take 0.002 s', '1.353 1', '1.453 1', '1.553 2', '1.653 2', '1.753 3',
-            '1.853 3', '0', '9 9'])
+            '1.251 1', '999 lines take 0.000 s', '2500 lines take 0.002 s',
+            '1.353 1', '1.453 1', '1.553 2', '1.653 2', '1.753 3', '1.853 3', '0', '9 9'])
         calls = runs.master.calls
         runs.master.shutdown()
         runs.master.server_close()
