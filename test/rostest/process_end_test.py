@@ -6,6 +6,7 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 import errno
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -15,7 +16,7 @@ import rosgraph
 import rospkg
 import rostest
 
-from move_base_abstract_ros.loopback import Loopback, find_executable, free_port
+from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 60.0
 MAP = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'maps', 'field.yaml')
@@ -147,8 +148,9 @@ class EndTest(unittest.TestCase):
             self.assertEqual([name for name in children if '/' + name in left], [])
 
     def test_a_signal_ends_a_node_that_waits_for_a_ros_master(self):
-        with Loopback() as ros:
-            own, ros.uri = ros.uri, 'http://127.0.0.1:{}/'.format(free_port())
+        with Loopback() as ros, socket.socket() as taken:
+            taken.bind(('127.0.0.1', 0))  # nobody listens there, and no other test can
+            own, ros.uri = ros.uri, 'http://127.0.0.1:{}/'.format(taken.getsockname()[1])
             child = ros.spawn('node', [find_executable('fleet')])
             ros.uri = own
             wait_for('it says what it waits for', lambda: 'master may not be running yet' in output(child))

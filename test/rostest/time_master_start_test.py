@@ -17,7 +17,7 @@ import unittest
 import rosgraph
 import rostest
 
-from move_base_abstract_ros.loopback import Loopback, free_port
+from move_base_abstract_ros.loopback import Loopback
 
 GUARD = 30.0
 #: the tests read the output of the time master while it runs
@@ -183,8 +183,9 @@ class StartTest(unittest.TestCase):
                     self.assertIn('the ROS master at', log)
 
     def test_without_a_ros_master_it_waits_for_one_until_it_is_told_to_end(self):
-        with Loopback() as ros:
-            uri, ros.uri = ros.uri, f'http://127.0.0.1:{free_port()}/'
+        with Loopback() as ros, socket.socket() as taken:
+            taken.bind(('127.0.0.1', 0))  # nobody listens there, and no other test can
+            uri, ros.uri = ros.uri, f'http://127.0.0.1:{taken.getsockname()[1]}/'
             child = ros.run('time_master', 'time_master')
             wait_for('the warning', lambda: f'waiting for the ROS master at {ros.uri}' in output(child))
             os.kill(child.pid, signal.SIGTERM)
