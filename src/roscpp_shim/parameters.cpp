@@ -25,15 +25,14 @@ const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "ge
                                              "subscribeParam"};
 /** Parameters that roslaunch sets about itself; their names contain ports of this machine. */
 constexpr const char* kOfRoslaunch = "/roslaunch/uris/";
-/** roscpp looks at it for each line that the program logs. That is no loop that waits for it. But a
- * loop that waits for something else may log, so kLines lines take kStep. */
-constexpr const char* kOfLogging = "/rosout_disable_topics_generation";
-constexpr unsigned kLines = 1000;
-
 /** After kLooks looks at one parameter, with at most kStep of simulated time [ns] between two, they
  * count as a loop that waits for it. */
 constexpr unsigned kLooks = 100;
 constexpr Nanoseconds kStep = 1'000'000;
+/** roscpp looks at this parameter for each line that the program logs, and does not wait for it.
+ * But a loop that waits for something else may log, so kLines lines of one instant take kStep. */
+constexpr const char* kOfLogging = "/rosout_disable_topics_generation";
+constexpr unsigned kLines = 1000;
 
 XmlRpcValue requestOf(const XmlRpcValue& request, const std::string& name) {
   XmlRpcValue made;
@@ -66,12 +65,13 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
   const std::string name = ros::names::resolve(key, false);
   answer = 0;
   if (!ros::ok() && method != "getParam" && method != "hasParam") {
-    return ask(method, request, answer);  // the program ends: there may be no more rounds
+    return ask(method, request, answer) ==
+           Asked::kGood;  // the program ends: there may be no more rounds
   }
   if (method == "setParam") {
     const std::string text = internal::parameterText(request[2]);
     if (text.empty()) {
-      return ask(method, request, answer);  // refused
+      return ask(method, request, answer) == Asked::kGood;  // refused
     }
     pending_.set(name, request[2]);
     node().append(wire::Parameter{name, true, text});
@@ -99,12 +99,12 @@ void Parameters::look(const std::string& name) {
   const bool is_logging = name == kOfLogging;
   Look& look = looks_[name];
   const Nanoseconds now = node().now();
-  look.count = now <= look.at + kStep ? look.count + 1 : 1;
+  look.count = now <= look.at + (is_logging ? 0 : kStep) ? look.count + 1 : 1;
   if (look.count > (is_logging ? kLines : kLooks)) {
-    look.count = is_logging ? 0 : look.count;
     Wait wait;
     wait.until = now + kStep;
     turn().wait(std::move(wait));
+    look.count = is_logging ? 1 : look.count;  // this line is the first one of the new instant
   }
   look.at = node().now();
 }
@@ -141,7 +141,7 @@ bool Parameters::search(const XmlRpcValue& request, XmlRpcValue& answer, const A
   const std::string key = request[1];
   std::string why;
   if (key.empty() || key[0] == '~' || !ros::names::validate(key, why)) {
-    return ask("searchParam", request, answer);  // refused
+    return ask("searchParam", request, answer) == Asked::kGood;  // refused
   }
   std::string space = key[0] == '/' ? "" : static_cast<std::string>(request[0]);
   while (!space.empty() && space.back() == '/') {
@@ -163,7 +163,8 @@ bool Parameters::search(const XmlRpcValue& request, XmlRpcValue& answer, const A
 
 bool Parameters::names(const XmlRpcValue& request, XmlRpcValue& answer, const AskMaster& ask) {
   note("/");
-  if (!ask("getParamNames", request, answer) || answer.getType() != XmlRpcValue::TypeArray) {
+  if (ask("getParamNames", request, answer) != Asked::kGood ||
+      answer.getType() != XmlRpcValue::TypeArray) {
     return false;
   }
   std::vector<std::string> found;
@@ -208,12 +209,17 @@ bool Parameters::askMaster(const char* method, const std::string& name, const Xm
   if (std::exchange(changes_, changes) != changes || !keeps_ || membership.lookahead() > 0) {
     kept_.clear();
   }
-  const auto [at, is_new] = kept_.try_emplace({method, name});
-  if (is_new) {
-    at->second.is_good = ask(method, requestOf(request, name), at->second.answer);
+  const auto key = std::make_pair(std::string(method), name);
+  auto kept = kept_.find(key);
+  if (kept == kept_.end()) {
+    const Asked asked = ask(method, requestOf(request, name), answer);
+    if (asked == Asked::kNotAnswered) {
+      return false;
+    }
+    kept = kept_.insert({key, {asked == Asked::kGood, answer}}).first;
   }
-  answer = at->second.answer;
-  return at->second.is_good;
+  answer = kept->second.answer;
+  return kept->second.is_good;
 }
 
 /** @brief Report that the program reads @p name. If a node that takes no part sets it, that labels

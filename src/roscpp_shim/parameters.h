@@ -17,9 +17,13 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief Ask the ROS master: method, request, answer. @return whether the call succeeded. */
+/** @brief What came of a question to the ROS master: for a parameter that does not exist it is
+ * kRefused. */
+enum class Asked { kGood, kRefused, kNotAnswered };
+
+/** @brief Ask the ROS master: method, request, answer. */
 using AskMaster =
-    std::function<bool(const std::string&, const XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue&)>;
+    std::function<Asked(const std::string&, const XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue&)>;
 
 /** @brief Parameters that were set or deleted and are not reported yet, by rosmaster's rules. */
 class PendingParameters {
@@ -85,7 +89,7 @@ class Parameters {
   };
 
   struct Kept {
-    bool is_good;
+    bool is_good = false;
     XmlRpc::XmlRpcValue answer;
   };
 

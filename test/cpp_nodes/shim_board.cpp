@@ -59,9 +59,29 @@ void start(ros::NodeHandle& node) {
 /** @brief Set what ask() reads. */
 void give(ros::NodeHandle& node) {
   for (int count = 1; count <= 3; ++count) {
-    ros::Duration(0.25).sleep();
+    ros::Duration(count == 2 ? 1.5 : 0.25).sleep();
     node.setParam("/board/given", count);
   }
+}
+
+/** @brief Log many lines at one instant, and one line at each of many instants. */
+void logMuch() {
+  const ros::Time before = ros::Time::now();
+  for (int line = 1; line <= 2500; ++line) {
+    ROS_INFO("line %d", line);
+    if (line == 999 || line == 2500) {
+      std::printf("%d lines take %.3f s\n", line, (ros::Time::now() - before).toSec());
+    }
+  }
+  int late = 0;
+  ros::Rate fast(1000.0);
+  for (int line = 1; line <= 1200; ++line) {
+    fast.sleep();
+    const ros::Time at = ros::Time::now();
+    ROS_INFO("line %d", line);
+    late += ros::Time::now() != at ? 1 : 0;
+  }
+  std::printf("%d of 1200 lines of 1200 instants take time\n", late);
 }
 
 /** @brief Ask for one parameter again and again, and log. */
@@ -70,13 +90,11 @@ void ask(ros::NodeHandle& node) {
   while (!node.getParam("/board/given", given)) {
   }
   std::printf("%.3f %d\n", ros::Time::now().toSec(), given);
-  const ros::Time before = ros::Time::now();
-  for (int line = 1; line <= 2500; ++line) {
-    ROS_INFO("line %d", line);
-    if (line == 999 || line == 2500) {
-      std::printf("%d lines take %.3f s\n", line, (ros::Time::now() - before).toSec());
-    }
+  logMuch();
+  for (int refused = 0; refused < 3; ++refused) {
+    std::printf("%d", node.getParam("/board/refused", given) ? 1 : 0);
   }
+  std::printf("\n");
   ros::Rate rate(10.0);
   for (int look = 0; look < 6; ++look) {
     rate.sleep();

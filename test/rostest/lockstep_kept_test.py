@@ -91,6 +91,10 @@ class CountingMaster(socketserver.ThreadingMixIn, SimpleXMLRPCServer):
 
     def _dispatch(self, method, params):
         self.calls[method, params[1] if len(params) > 1 else ''] += 1
+        if method == 'getParam' and params[1] == '/board/refused':
+            if self.calls[method, params[1]] == 1:
+                raise RuntimeError('a fault instead of an answer')
+            return 1, '', 5
         with ServerProxy(self._behind) as master:
             return getattr(master, method)(*params)
 
@@ -116,13 +120,15 @@ class AskingAgainInCppTest(unittest.TestCase):
         self.assertEqual(run.labels, [])
         self.assertEqual(run.printed(0), [
             '1.251 1', '999 lines take 0.000 s', '2500 lines take 0.002 s',
-            '1.353 1', '1.453 1', '1.553 2', '1.653 2', '1.753 3', '1.853 3', '0', '9 9'])
+            '0 of 1200 lines of 1200 instants take time', '011',
+            '2.553 1', '2.653 1', '2.753 2', '2.853 2', '2.953 2', '3.053 3', '0', '9 9'])
         calls = runs.master.calls
         runs.master.shutdown()
         runs.master.server_close()
         self.assertEqual(calls['getParam', '/rosout_disable_topics_generation'], 1)
         # none, 1, 2, 3, and 9 when it is told
         self.assertEqual((calls['getParam', '/board/given'], calls['hasParam', '/board/given']), (5, 1))
+        self.assertEqual(calls['getParam', '/board/refused'], 2)  # a fault is not kept
 
 
 class FakeMaster:

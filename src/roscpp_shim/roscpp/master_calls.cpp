@@ -98,7 +98,8 @@ class Question {
     }
     XmlRpc::XmlRpcValue state, request;
     request[0] = request_[0];
-    if (!ask_(method, request_, answer) || !ask_("getSystemState", request, state)) {
+    if (ask_(method, request_, answer) != shim::Asked::kGood ||
+        ask_("getSystemState", request, state) != shim::Asked::kGood) {
       return false;
     }
     const shim::Registrations there(state, membership.present(), gone);
@@ -148,7 +149,12 @@ bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
                                   XmlRpc::XmlRpcValue& answer) {
     XmlRpc::XmlRpcValue whole;
     const Standing standing;
-    return function(other, question, whole, answer, wait_for_master);
+    const bool is_good = function(other, question, whole, answer, wait_for_master);
+    // A fault is a struct, and without an answer there is nothing.
+    const bool is_answer = whole.getType() == XmlRpc::XmlRpcValue::TypeArray;
+    return is_good     ? shim::Asked::kGood
+           : is_answer ? shim::Asked::kRefused
+                       : shim::Asked::kNotAnswered;
   };
   const bool is_good = is_question ? Question(request, ask).answer(method, payload)
                                    : shim::parameters().answer(method, request, payload, ask);

@@ -83,7 +83,9 @@ def slices(values):
 
 
 def product(left, right):
-    """Return the matrix product of two arrays that are given as slices, to 2^-43 per term; at most 512 terms.
+    """Return the matrix product of two arrays that are given as slices, to 2^-43 per term.
+
+    The absolute values of the terms of each sum are at most 512 together, as those of 512 terms in -1..1 are.
 
     BLAS computes it, but the result is the same on every computer. All sums, in any order, are whole numbers below
     2^53, so nothing is ever rounded (K. Ozaki et al., Numerical Algorithms 59, 2012).

@@ -15,7 +15,7 @@ def on_grid(function, x, y, width):
     """Return the values of function on the grid that x and y span, shape (k, len(y), len(x)).
 
     :param function: it returns values of shape (k, len(y), len(x)) for any x and y. Along each line in x and in y they
-        are sums of exp(-(t - a)^2 / w^2) with w >= width.
+        are constants plus sums of exp(-(t - a)^2 / w^2) with w >= width.
     :param x: increasing coordinates. :param y: the same. :param width: in their unit, > 0.
     """
     (at_x, to_x), (at_y, to_y) = _nodes(x, width), _nodes(y, width)
@@ -36,9 +36,10 @@ def on_grid(function, x, y, width):
 def _nodes(line, width):
     """Return (nodes, slices of the matrix from values there to the line's); (line, None) if that saves little."""
     half, middle = (line[-1] - line[0]) / 2.0, (line[0] + line[-1]) / 2.0
-    count = int(NODES + NODES_PER_WIDTH * half / width) + 1
-    if 2 * count > len(line):
+    most = len(line) // 2 - 1  # with more nodes the matrix costs what they save
+    if most < NODES or not NODES_PER_WIDTH * half <= (most - NODES) * width:  # the user's own fit may give 0 or nan
         return line, None
+    count = int(NODES + NODES_PER_WIDTH * half / width) + 1
     odd = np.arange(1, 2 * count, 2)
     nodes = middle + half * sine((count - odd) * (np.pi / (2 * count)))
     weights = sine(np.minimum(odd, 2 * count - odd) * (np.pi / (2 * count)))
@@ -47,5 +48,6 @@ def _nodes(line, width):
     on_node = away == 0.0
     terms = weights[:, None] / np.where(on_node, 1.0, away)
     terms = np.where(on_node.any(axis=0), on_node, terms)  # a place on a node has the node's value
-    # The values of polynomials are at most 5 in sum (their Lebesgue constant), so product() never rounds.
+    # The polynomials' values at a place are in sum their Lebesgue constant. It grows as the logarithm of their number,
+    # and is 10 for a million of them, so product() never rounds.
     return nodes, slices((terms / fold(terms.copy())).T)

@@ -5,6 +5,8 @@ of the variogram. C is factorised as L D L', by elimination without exchanges, w
 arithmetic.py the results are the same on every computer.
 """
 
+import math
+
 import numpy as np
 
 from .arithmetic import MOST_TERMS, fold, product, slices
@@ -12,7 +14,6 @@ from .chebyshev import on_grid
 
 COINCIDENT = 1e-10  # coordinates that differ by less than this are one place, as in PyKrige
 LEAST_PIVOT = 1e-12  # of the sill: a sample with less variance, given the others, is redundant and left out
-SQRT_2 = 1.4142135623730951
 BLOCK = 32768  # numbers in one step of the computation, so that they stay in the processor's cache
 
 
@@ -52,7 +53,7 @@ class KrigingSystem:
                 values[0, block] = found[0] + self._mean
                 values[1, block] = self._variance(1.0 - found[1], found[2:])
             return values
-        mean, variance = on_grid(at, x, y, self._variogram.scale_m / SQRT_2)  # the variance has products of two decays
+        mean, variance = on_grid(at, x, y, self._variogram.scale_m / math.sqrt(2.0))  # of two decays' product
         np.maximum(variance, 0.0, out=variance)
         for hits, value in self._samples_on(x, y):
             mean[hits], variance[hits] = value, 0.0
