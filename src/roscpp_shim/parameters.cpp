@@ -65,8 +65,7 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
   const std::string name = ros::names::resolve(key, false);
   answer = 0;
   if (!ros::ok() && method != "getParam" && method != "hasParam") {
-    return ask(method, request, answer) ==
-           Asked::kGood;  // the program ends: there may be no more rounds
+    return ask(method, request, answer) == Asked::kGood;  // there may be no more rounds
   }
   if (method == "setParam") {
     const std::string text = internal::parameterText(request[2]);
