@@ -23,6 +23,7 @@ LISTENER = os.path.join(HERE, 'unmodified', 'late_listener.py')
 GUARD = 120.0  # s, wall; only ends a run that would never end
 #: a node that takes no part, and listens to all topics of the robots
 ONLOOKER = """
+import sys
 import time
 import xmlrpc.client
 import rosgraph
@@ -32,7 +33,9 @@ from std_srvs.srv import Trigger
 from move_base_abstract.msg import TimeState
 from move_base_abstract.srv import RunUntil
 rospy.init_node('onlooker')
-def hear(topic, callback=lambda message: print(message._connection_header['topic'])):
+def say(*words):
+    sys.stdout.write(' '.join(map(str, words)) + '\\n')  # at once: callbacks run in several threads
+def hear(topic, callback=lambda message: say(message._connection_header['topic'])):
     return rospy.Subscriber(topic, AnyMsg, callback)
 def state_when(phase, seconds=0):
     while True:
@@ -42,16 +45,16 @@ def state_when(phase, seconds=0):
 state_when('paused')  # all is advertised
 heard = [hear('/%s/%s' % (robot, topic)) for robot in ('robot_0', 'robot_1')
          for topic in ('odom', 'amcl_pose', 'robot_pose', 'move_base/feedback', 'move_base/status')]
-hear('/tf', lambda message: None)
+heard.append(hear('/tf', lambda message: None))
 fleet = xmlrpc.client.ServerProxy(rosgraph.Master('/onlooker').lookupNode('/fleet'))
 while not {one.resolved_name for one in heard} <= {
         topic for _, node, _, _, topic, *_ in fleet.getBusInfo('/onlooker')[2] if node == '/onlooker'}:
     time.sleep(0.02)  # it is the fleet that must have taken the connections
 rospy.ServiceProxy('/time_master/run_until', RunUntil)(rospy.Time(12))
 for one in state_when('paused', 12).participants:
-    print('tells', one.name, one.tells)
+    say('tells', one.name, one.tells)
 rospy.ServiceProxy('/time_master/resume', Trigger)()
-print('idle at', state_when('idle', 13).sim_time)
+say('idle at', state_when('idle', 13).sim_time)
 rospy.spin()
 """
 
