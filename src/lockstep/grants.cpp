@@ -39,7 +39,8 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
   if (grant.happened) {
     wire::append(items, wire::Happened{*grant.happened});
   }
-  if (std::exchange(member.has_changed, false) && !run_.rounds.windows().areThere()) {
+  items += grant.window;
+  if (std::exchange(member.has_changed, false)) {
     wire::append(items, wire::Changed{});
   }
   items += grant.later;

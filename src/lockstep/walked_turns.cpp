@@ -39,7 +39,8 @@ void WalkedTurns::take(MemberId id, wire::Report report,
 
 /**
  * @brief Take the items out of @p turns that do not have to wait until no member can act before
- * them: the state of the participant after its last turn, and the parameters that it has set.
+ * them: the state of the participant after its last turn, and the parameters that it has set or
+ * asked for. (Another one's set may be applied before it asks, and changes the answer that it has.)
  */
 void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   SessionMember& member = run_.members.at(id);
@@ -57,6 +58,8 @@ void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
                          run_.rounds.members().order(id, 0, member.actions + sets_.size()),
                          member.name, walked.turn.frame, *set});
         run_.rounds.windows().holdUntil(id, walked.at);  // it must see the value that it has set
+      } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
+        run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
       } else {
         kept.push_back(item);
       }

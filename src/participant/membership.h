@@ -143,7 +143,7 @@ class Membership {
   Nanoseconds lookahead() const { return window_.lookahead(); }
   /**
    * @return how often the time master has said that parameters for which this node has asked may
-   * have changed. With a lookahead it does not say so.
+   * have changed.
    */
   std::uint64_t parameterChanges() const { return parameter_changes_; }
   const std::shared_ptr<Bell>& bell() const { return bell_; }

@@ -203,9 +203,8 @@ void Parameters::settle() {
 bool Parameters::askMaster(const char* method, const std::string& name, const XmlRpcValue& request,
                            XmlRpcValue& answer, const AskMaster& ask) {
   note(name);
-  const auto& membership = node().membership();
-  const std::uint64_t changes = membership.parameterChanges();
-  if (std::exchange(changes_, changes) != changes || !keeps_ || membership.lookahead() > 0) {
+  const std::uint64_t changes = node().membership().parameterChanges();
+  if (std::exchange(changes_, changes) != changes || !keeps_) {
     kept_.clear();
   }
   const auto key = std::make_pair(std::string(method), name);

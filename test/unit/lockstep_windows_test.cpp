@@ -38,6 +38,8 @@ std::string text(const std::optional<ClientGrant>& granted) {
       text += " call " + std::string(call->request);
     } else if (const auto* answer = std::get_if<wire::Answer>(&item)) {
       text += " answer " + std::string(answer->bytes);
+    } else if (std::holds_alternative<wire::Changed>(item)) {
+      text += " changed";
     } else {
       text += " link";
     }
@@ -139,6 +141,20 @@ TEST(Windows, WhatIsSetIsToldBeforeItsNodeGoesOnAndNotBeforeOthersHaveComeSoFar)
   both.report(1, 1150 * kMilli);
   EXPECT_EQ(both.session.takeParameters().size(), 1U);
   EXPECT_EQ(text(both.grant(2)), "1145 to 1195");
+}
+
+TEST(Windows, WhoHasAskedIsToldOfAChangeAlsoOfOneThatIsAppliedBeforeTheInstantAtWhichItAsked) {
+  Talkers both;
+  both.grant(1);
+  both.grant(2);
+  both.report(1, 1120 * kMilli,
+              {wire::At{1110 * kMilli}, wire::Parameter{"/p", true, "<value>1</value>"}});
+  both.report(2, 1160 * kMilli, {wire::At{1140 * kMilli}, wire::Asks{"/p"}});
+  EXPECT_EQ(text(both.grant(1)), "1120 to 1170");
+  EXPECT_EQ(text(both.grant(2)), "1160 to 1170 changed");
+  both.report(1, 1180 * kMilli);
+  both.report(2, kNever);
+  EXPECT_EQ(text(both.grant(1)), "1180 to 1230");
 }
 
 TEST(Windows, WhatSeveralSetIsToldInTheOrderOfTimeThenOfNames) {

@@ -119,13 +119,12 @@ std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gat
 
 /**
  * @brief Let the member go on at @p next, and by itself up to the end of the window.
- * @return encoded items that tell it the end of the window, and the mail that arrives before that.
+ * @return encoded items: the mail that arrives before that.
  */
 std::string RoundWindows::enter(MemberState& member, Nanoseconds next) {
   member.latest = next;
   member.window_end = end_;
   std::string items;
-  wire::append(items, wire::Window{end_, lookahead_});
   Nanoseconds told = next;
   while (!member.arrivals.empty() && member.arrivals.front().at < end_) {
     const Arrival& arrival = member.arrivals.front();

@@ -50,6 +50,8 @@ class RoundWindows {
    */
   std::vector<MemberId> open(Nanoseconds begin, const RoundGate& gate);
   Nanoseconds nextOf(const MemberState& member) const;
+  /** @return the latest window, as members are told of it. */
+  wire::Window item() const { return {end_, lookahead_}; }
   std::string enter(MemberState& member, Nanoseconds next);
   Nanoseconds latest() const;
   Nanoseconds present() const;

@@ -107,9 +107,7 @@ class Parameters:
         if kept is None or not self._keeps:
             with aside():
                 code, _, value = getattr(self._master, method)(self._participant.members.own_name, name)
-            kept = code, value
-            if not self._participant.rounds.window.is_open:  # in a window it is not told of changes
-                self._kept[method, name] = kept
+            kept = self._kept[method, name] = code, value
         return kept
 
     def _note(self, name):
