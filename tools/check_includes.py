@@ -46,8 +46,10 @@ ROOMS = {
     'src/roscpp_shim/tf2': (('roscpp_shim/machine/', 'roscpp_shim/interest.h', 'roscpp_shim/waits.h'), False),
     'src/python_shim': (('roscpp_shim/machine/byte_stream.h', 'roscpp_shim/machine/devices.h',
                          'roscpp_shim/machine/glibc_fields.h', 'roscpp_shim/machine/instants.h'), False),
-    'src/time_master': (('parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
+    'src/time_master': (('cores/', 'parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
                          'participant/run_secret.h', 'participant/shared_channel.h'), False),
+    'src/time_master/cores': (('clock/', 'lockstep/core_choice.h', 'time_master/descriptor.h',
+                               'time_master/whole_file.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

@@ -1,4 +1,5 @@
-// Decides whether a run goes faster on one core or on all, from the durations of its rounds.
+// Decides whether a run goes faster if each participant is kept on one core, or if it has all, from
+// the durations of its rounds.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CORE_CHOICE_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_CORE_CHOICE_H
 
@@ -48,7 +49,8 @@ class RoundCosts {
 };
 
 /**
- * @brief Measures short spans of rounds on one core and on all cores in turn, and keeps what is
+ * @brief Measures short spans of rounds in turn, in which each participant is kept on one core
+ * ("one"; it may be the same core for all) and in which it has all cores, and keeps what is
  * faster. It measures ("looks") again later, or when the cost of rounds has changed.
  *
  * A look ends when its outcome depends on no single pair of spans. Looks cost at most a fiftieth of

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core_keeper.h"
+#include "cores/core_keeper.h"
 #include "lockstep/session.h"
 #include "participant_stream.h"
 #include "sockets.h"

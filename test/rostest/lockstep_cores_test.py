@@ -48,13 +48,13 @@ class CoresTest(unittest.TestCase):
     def setUp(self):
         self.addCleanup(os.sched_setaffinity, 0, OWN)
 
-    def join(self, cores):
+    def join(self, cores, others=(), **clock):
         """Start a time master; return its Loopback, its Child and a participant that has said hello."""
         ros = Loopback()
         ros.__enter__()
         self.addCleanup(ros.close)
         child = ros.run('time_master', 'time_master', parameters={
-            'mode': 'lockstep', 'participants': ['/raw'], 'cores': cores})
+            'mode': 'lockstep', 'participants': ['/raw', *others], 'cores': cores, **clock})
         master = rosgraph.Master('/test', master_uri=ros.uri)
         wait_for('the address', lambda: master.hasParam('/time_master/lockstep_address'))
         client = LocalClient(master.getParam('/time_master/lockstep_address'))
@@ -108,6 +108,23 @@ class CoresTest(unittest.TestCase):
         for _turn, _number in zip(turns, range(ROUNDS)):
             self.assertEqual(os.sched_getaffinity(0), other)
 
+    def test_with_a_lookahead_each_participant_has_one_of_several_cores(self):
+        ros, _child, client = self.join('alternate', ['/fleet'], lookahead=STEP_NS / 1e9)
+        fleet = ros.run('fleet', 'fleet', parameters={'robots': [{'name': 'robot_0'}]}).process.pid
+        turns = client.turns()
+        seen = [[os.sched_getaffinity(process) for process in (0, fleet)] for _, _ in zip(turns, range(ROUNDS))]
+        apart = [cores for cores in seen if cores != [OWN, OWN]]
+        self.assertEqual({len(cores) for both in apart for cores in both}, {1})
+        self.assertTrue(all(one.isdisjoint(other) for one, other in apart), apart)
+        self.assertGreater(len(apart), ROUNDS / 4)
+        self.assertGreater(len(seen) - len(apart), ROUNDS / 4)
+        while os.sched_getaffinity(0) == OWN:
+            next(turns)
+        wait_for('the state says so', lambda: 'cores of this computer: one each (cores ' in self.why(ros))
+        client.leave()
+        client.close()
+        wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+
     def test_at_the_end_of_the_run_all_is_given_back_before_it_is_told(self):
         _ros, child, client = self.join('one')
         next(client.turns())
@@ -127,9 +144,11 @@ class CoresTest(unittest.TestCase):
         self.assertEqual(os.sched_getaffinity(0), OWN)
 
     def test_the_log_is_the_same_on_one_core_on_all_and_while_that_changes(self):
-        logs = [self.log(cores) for cores in ('one', 'all', 'alternate', 'auto')]
-        self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
-        self.assertEqual(set(logs), {logs[0]})
+        for lookahead in (0.0, 0.05):
+            with self.subTest(lookahead):
+                logs = [self.log(cores, lookahead) for cores in ('one', 'all', 'alternate', 'auto')]
+                self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
+                self.assertEqual(set(logs), {logs[0]})
 
     def test_a_program_in_cpp_sees_its_own_cores_and_what_it_starts_has_them(self):
         run = run_programs({'cores': [find_executable('shim_cores')]}, until=5.0, clock={'cores': 'one'})
@@ -138,13 +157,13 @@ class CoresTest(unittest.TestCase):
             what + many for what in ('sees', 'thread_sees', 'fork', 'system', 'popen', 'spawn')] + [
             'has' + alone, 'chose' + many, 'chose' + alone])
 
-    def log(self, cores):
+    def log(self, cores, lookahead):
         """Return the event log of a run of a fleet and a coordinator [bytes]."""
         with Loopback() as ros:
             path = os.path.join(ros.log_dir, 'events.jsonl')
             clock = ros.run('time_master', 'time_master', parameters={
                 'mode': 'lockstep', 'participants': ['/fleet', '/coordinator'], 'event_log': path,
-                'end_with': ['/coordinator'], 'cores': cores})
+                'end_with': ['/coordinator'], 'cores': cores, 'lookahead': lookahead})
             ros.run('fleet', 'fleet', parameters={
                 'defaults': {'max_speed': 10.0}, 'robots': [{'name': f'robot_{i}'} for i in range(ROBOTS)]})
             ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})

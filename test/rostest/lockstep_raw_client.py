@@ -68,7 +68,7 @@ class Reader:
 
 GRANT_ITEMS = {1: ('publisher', 'IIssBs'), 2: ('no_publisher', 'II'), 3: ('subscriber', 'II'),
                4: ('no_subscriber', 'II'), 5: ('deliver', 'IIb'), 6: ('call', 'IIIb'), 7: ('response', 'IBb'),
-               8: ('found', 's')}
+               8: ('found', 's'), 11: ('window', 'qq')}
 
 
 def text(value):

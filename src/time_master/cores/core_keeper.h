@@ -1,6 +1,6 @@
 // Keeps a run on the cores that are chosen: measures its rounds, and binds its processes. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_KEEPER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_KEEPER_H
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
 
 #include <sys/types.h>
 
@@ -17,7 +17,11 @@ namespace move_base_abstract {
 /** @brief Not thread-safe. The thread that sends the grants calls begin(). */
 class CoreKeeper {
  public:
-  explicit CoreKeeper(CoresWish wish) : wish_(wish), choice_(wish) {}
+  /**
+   * @param is_ahead whether the run has a lookahead: then all participants work at once, and each
+   * is kept on one core if that is faster. Otherwise all are kept on the same one.
+   */
+  CoreKeeper(CoresWish wish, bool is_ahead);
 
   void begin() { binding_.useThisThread(); }
   /** @brief Add the process of a participant on this computer. */
@@ -40,15 +44,17 @@ class CoreKeeper {
   /** @brief Give all processes their cores back, because the run is over. */
   void end();
 
-  /** @return the cores in use: "all", or a text such as "one (core 3)". */
+  /** @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)". */
   std::string text() const;
 
  private:
   bool isWatched() const { return wish_ != CoresWish::kAll && !is_over_; }
+  bool isApart() const { return layout_ == CoreLayout::kApart; }
   void finishRound(Nanoseconds wall);
   void apply();
 
   const CoresWish wish_;
+  const CoreLayout layout_;
   CoreChoice choice_;
   CoreBinding binding_;
   bool is_over_ = false;
@@ -62,4 +68,4 @@ class CoreKeeper {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CORE_KEEPER_H
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H

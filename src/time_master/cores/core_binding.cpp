@@ -1,25 +1,23 @@
 #include "core_binding.h"
 
 #include <dirent.h>
-#include <sys/socket.h>
 #include <sys/syscall.h>
-#include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <sstream>
 
-#include "whole_file.h"
+#include "time_master/whole_file.h"
 
 namespace move_base_abstract {
 namespace {
 
 constexpr int kDeepestChild = 16;
-constexpr double kFewestTicks = 5.0;  // fewer do not tell how busy a core is
 
 std::string folderOf(pid_t process) { return "/proc/" + std::to_string(process); }
 
@@ -58,29 +56,24 @@ std::optional<cpu_set_t> coresOf(pid_t thread) {
                                                                : std::nullopt;
 }
 
+/** @return the time for which @p process has worked, on all cores together [ns]. */
+Nanoseconds workOf(pid_t process) {
+  clockid_t clock = 0;
+  timespec time{};
+  return clock_getcpuclockid(process, &clock) == 0 && clock_gettime(clock, &time) == 0
+             ? time.tv_sec * kNanosecondsPerSecond + time.tv_nsec
+             : 0;
+}
+
+bool isOnly(int core, const cpu_set_t& cores) {
+  return core >= 0 && CPU_COUNT(&cores) == 1 && CPU_ISSET(core, &cores) != 0;
+}
+
 bool setCores(pid_t thread, const cpu_set_t& cores) {
   return sched_setaffinity(thread, sizeof(cores), &cores) == 0;
 }
 
-/**
- * @return a claim that keeps other runs off a core until it is closed; none if another run has the
- * core.
- */
-Descriptor claimCore(int core) {
-  Descriptor claim(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  const std::string name = "move_base_abstract/core/" + std::to_string(core);
-  std::copy(name.begin(), name.end(), address.sun_path + 1);
-  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  return bind(claim.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0
-             ? std::move(claim)
-             : Descriptor();
-}
-
 }  // namespace
-
-CoreBinding::CoreBinding() : one_() { takeWork(); }
 
 void CoreBinding::useThisThread() {
   own_thread_id_ = static_cast<pid_t>(syscall(SYS_gettid));
@@ -99,6 +92,7 @@ void CoreBinding::add(pid_t process) {
   }
   const auto own = coresOf(process);
   added.began = beginOf(process);
+  added.worked = workOf(process);
   added.is_left_alone = !own || added.began.empty() || process == getpid();
   if (own) {
     added.own = *own;
@@ -136,24 +130,71 @@ bool CoreBinding::hasChoice() const {
          });
 }
 
-bool CoreBinding::isOne(const cpu_set_t& cores) const {
-  return core_ >= 0 && CPU_EQUAL(&cores, &one_) != 0;
-}
-
 bool CoreBinding::bind(bool is_wished) {
-  const cpu_set_t cores = allowed();
-  if (core_ >= 0 && CPU_ISSET(core_, &cores) == 0) {
-    leaveCore();
+  if (!claimed_.areIn(allowed())) {
+    leaveCores();
   }
-  if (core_ < 0 && !choose(is_wished)) {
+  if (cores().empty() && !choose(is_wished)) {
     return false;
   }
+  share();
   is_bound_ = true;
-  applyTo(own_thread_id_, own_thread_, true);
+  if (layout_ == CoreLayout::kTogether) {
+    own_thread_.core = cores().front();
+    applyTo(own_thread_id_, own_thread_, true);
+  }
   for (auto& [id, process] : processes_) {
     apply(id, process, true);
   }
   return true;
+}
+
+void CoreBinding::measureWork() {
+  for (auto& [id, process] : processes_) {
+    process.worked = workOf(id);
+  }
+}
+
+bool CoreBinding::choose(bool is_wished) {
+  const auto processes = static_cast<std::size_t>(
+      std::count_if(processes_.begin(), processes_.end(),
+                    [](const auto& entry) { return !entry.second.is_left_alone; }));
+  return layout_ == CoreLayout::kTogether ? claimed_.choose(allowed(), 1, 1, is_wished)
+                                          : claimed_.choose(allowed(), 2, processes, is_wished);
+}
+
+/**
+ * @brief Share the cores out: from the process that has worked most since the last time, each gets
+ * the core with the least work so far. One that is bound already stays where it is.
+ */
+void CoreBinding::share() {
+  std::map<int, Nanoseconds> loads;
+  std::vector<std::pair<Nanoseconds, Process*>> order;
+  for (const int core : cores()) {
+    loads[core] = 0;
+  }
+  for (auto& [id, process] : processes_) {
+    if (process.is_left_alone) {
+      continue;
+    }
+    const Nanoseconds worked = workOf(id);
+    const Nanoseconds lately = worked - process.worked;
+    if (is_bound_ && process.core >= 0) {
+      loads[process.core] += lately;
+    } else {
+      order.emplace_back(lately, &process);
+      process.worked = worked;
+    }
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [worked, process] : order) {
+    const auto least =
+        std::min_element(loads.begin(), loads.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    process->core = least->first;
+    least->second += std::max<Nanoseconds>(worked, 1);
+  }
 }
 
 void CoreBinding::release() {
@@ -168,12 +209,9 @@ void CoreBinding::release() {
   applyTo(own_thread_id_, own_thread_, false);
 }
 
-void CoreBinding::leaveCore() {
+void CoreBinding::leaveCores() {
   release();
-  if (core_ >= 0) {
-    avoided_ = std::exchange(core_, -1);
-    claim_ = Descriptor();
-  }
+  claimed_.leave();
 }
 
 // ---- one process -----------------------------------------------------------------------------
@@ -186,10 +224,14 @@ void CoreBinding::apply(pid_t id, Process& process, bool to_one) {
   if (process.is_left_alone || !isThere(id, process)) {
     return;
   }
-  for (const pid_t thread : threadsOf(id)) {
-    if (!applyTo(thread, process, to_one)) {
-      leaveAlone(id, process);
-      return;
+  std::vector<pid_t> threads = threadsOf(id);
+  for (std::size_t known = 0; threads.size() > known; threads = threadsOf(id)) {
+    known = threads.size();  // a thread that is made meanwhile has the cores of its maker
+    for (const pid_t thread : threads) {
+      if (!applyTo(thread, process, to_one)) {
+        leaveAlone(id, process);
+        return;
+      }
     }
   }
 }
@@ -203,15 +245,19 @@ bool CoreBinding::applyTo(pid_t id, Process& process, bool to_one) {
   const auto [entry, is_new] = process.threads.try_emplace(id);
   Thread& thread = entry->second;
   if (is_new) {  // it has the cores of the thread that made it
-    thread.is_bound = isOne(*now);
+    thread.is_bound = isOnly(process.core, *now);
     thread.own = thread.is_bound ? process.own : *now;
   }
   const bool is_own = CPU_EQUAL(&*now, &thread.own) != 0;
-  if (!is_own && !(thread.is_bound && isOne(*now))) {
+  if (!is_own && !(thread.is_bound && isOnly(process.core, *now))) {
     return false;
   }
-  thread.is_bound = to_one && CPU_ISSET(core_, &thread.own) != 0;
-  const cpu_set_t& wanted = thread.is_bound ? one_ : thread.own;
+  thread.is_bound = to_one && CPU_ISSET(process.core, &thread.own) != 0;
+  cpu_set_t wanted = thread.own;
+  if (thread.is_bound) {
+    CPU_ZERO(&wanted);
+    CPU_SET(process.core, &wanted);
+  }
   return CPU_EQUAL(&*now, &wanted) != 0 || setCores(id, wanted) || !coresOf(id);
 }
 
@@ -221,7 +267,7 @@ void CoreBinding::leaveAlone(pid_t id, Process& process) {
     const auto now = coresOf(thread);
     const auto found = process.threads.find(thread);
     const bool is_bound = found != process.threads.end() && found->second.is_bound;
-    if (now && is_bound && isOne(*now)) {
+    if (now && is_bound && isOnly(process.core, *now)) {
       setCores(thread, found->second.own);
     }
   }
@@ -233,12 +279,12 @@ void CoreBinding::freeChildren() {
   }
   for (const auto& [id, process] : processes_) {
     if (!process.is_left_alone && isThere(id, process)) {
-      freeChildrenOf(id, process.own, 0);
+      freeChildrenOf(id, process, 0);
     }
   }
 }
 
-void CoreBinding::freeChildrenOf(pid_t parent, const cpu_set_t& own, int depth) {
+void CoreBinding::freeChildrenOf(pid_t parent, const Process& of, int depth) {
   for (const pid_t thread : threadsOf(parent)) {
     std::ifstream children(folderOf(parent) + "/task/" + std::to_string(thread) + "/children");
     for (pid_t child = 0; children >> child;) {
@@ -247,73 +293,15 @@ void CoreBinding::freeChildrenOf(pid_t parent, const cpu_set_t& own, int depth) 
       }
       for (const pid_t one : threadsOf(child)) {
         const auto now = coresOf(one);
-        if (now && isOne(*now)) {
-          setCores(one, own);
+        if (now && isOnly(of.core, *now)) {
+          setCores(one, of.own);
         }
       }
       if (depth < kDeepestChild) {
-        freeChildrenOf(child, own, depth + 1);
+        freeChildrenOf(child, of, depth + 1);
       }
     }
   }
-}
-
-// ---- which core ------------------------------------------------------------------------------
-
-/** @return the work of each core since the last call, or since the computer was started. */
-std::map<int, CoreBinding::Work> CoreBinding::takeWork() {
-  std::ifstream file("/proc/stat");
-  std::map<int, Work> latest;
-  for (std::string line; std::getline(file, line) && line.rfind("cpu", 0) == 0;) {
-    std::istringstream fields(line.substr(3));
-    int core = -1;
-    if (line[3] == ' ' || !(fields >> core)) {
-      continue;
-    }
-    double ticks = 0.0;
-    for (int k = 0; k < 8 && fields >> ticks; ++k) {  // user nice system idle iowait irq ... steal
-      latest[core].idle += k == 3 || k == 4 ? ticks : 0.0;
-      latest[core].all += ticks;
-    }
-  }
-  std::map<int, Work> since = latest;
-  for (auto& [core, work] : since) {
-    work.idle -= work_[core].idle;
-    work.all -= work_[core].all;
-  }
-  work_ = std::move(latest);
-  return since;
-}
-
-/** @brief Choose the core that is idle most of the time and is not another run's. */
-bool CoreBinding::choose(bool is_wished) {
-  const cpu_set_t cores = allowed();
-  std::map<int, Work> work = takeWork();
-  std::vector<std::pair<int, int>> order;  // tenths of the time that it worked; core
-  for (int core = 0; core < CPU_SETSIZE; ++core) {
-    if (CPU_ISSET(core, &cores) != 0) {
-      const Work& done = work[core];
-      const double busy = done.all < kFewestTicks ? 0.0 : 1.0 - done.idle / done.all;
-      order.emplace_back(static_cast<int>(std::lround(10.0 * busy)) + (core == avoided_ ? 5 : 0),
-                         core);
-    }
-  }
-  std::sort(order.begin(), order.end());
-  for (const auto& [busy, core] : order) {
-    claim_ = claimCore(core);
-    if (claim_.get() >= 0) {
-      core_ = core;
-      break;
-    }
-  }
-  if (core_ < 0 && is_wished && !order.empty()) {
-    core_ = order.front().second;
-  }
-  CPU_ZERO(&one_);
-  if (core_ >= 0) {
-    CPU_SET(core_, &one_);
-  }
-  return core_ >= 0;
 }
 
 }  // namespace move_base_abstract

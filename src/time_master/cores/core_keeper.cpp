@@ -20,6 +20,12 @@ Nanoseconds wallNow() {
 
 }  // namespace
 
+CoreKeeper::CoreKeeper(CoresWish wish, bool is_ahead)
+    : wish_(wish),
+      layout_(is_ahead && wish != CoresWish::kOne ? CoreLayout::kApart : CoreLayout::kTogether),
+      choice_(wish),
+      binding_(layout_) {}
+
 void CoreKeeper::join(pid_t process) {
   if (isWatched() && process > 0) {
     binding_.add(process);
@@ -60,8 +66,11 @@ void CoreKeeper::finishRound(Nanoseconds wall) {
   }
   const bool was_looking = choice_.isLooking();
   choice_.add(grants, wall - begun_, wall);
-  if (choice_.isLooking() && !was_looking && choice_.isDearer()) {
-    binding_.leaveCore();  // another program may work there now
+  if (choice_.isLooking() && !was_looking) {
+    binding_.measureWork();
+    if (choice_.isDearer()) {
+      binding_.leaveCores();  // another program may work there now
+    }
   }
   if (binding_.isBound() && wall >= children_due_) {
     binding_.freeChildren();
@@ -79,30 +88,36 @@ void CoreKeeper::apply() {
   if (!is_wanted) {
     binding_.release();
   } else if (begin >= core_due_) {
-    core_due_ = binding_.bind(wish_ == CoresWish::kOne) ? 0 : begin + kCoreGap;
+    core_due_ = binding_.bind(wish_ != CoresWish::kAuto) ? 0 : begin + kCoreGap;
     is_new_ = false;
   }
   if (wish_ == CoresWish::kAuto && !choice_.isLooking() && !choice_.isOne()) {
-    binding_.leaveCore();  // for other runs
+    binding_.leaveCores();  // for other runs
   }
   choice_.addChange(wallNow() - begin);
 }
 
 Nanoseconds CoreKeeper::due() const {
   const bool may_free = wish_ != CoresWish::kOne && binding_.isBound() && grants_ > 0;
-  return may_free ? begun_ + kLongRound : kNever;
+  const auto at_once = static_cast<Nanoseconds>(isApart() ? grants_ : 1);
+  return may_free ? begun_ + at_once * kLongRound : kNever;
 }
 
 void CoreKeeper::end() {
-  binding_.leaveCore();
+  binding_.leaveCores();
   is_over_ = true;
 }
 
 std::string CoreKeeper::text() const {
   const bool is_one = wish_ == CoresWish::kAuto ? choice_.keepsOne() : choice_.isOne();
-  return is_one && !is_over_ && binding_.core() >= 0
-             ? "one (core " + std::to_string(binding_.core()) + ")"
-             : "all";
+  if (!is_one || is_over_ || binding_.cores().empty()) {
+    return "all";
+  }
+  std::string numbers;
+  for (const int core : binding_.cores()) {
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(core);
+  }
+  return isApart() ? "one each (cores " + numbers + ")" : "one (core " + numbers + ")";
 }
 
 }  // namespace move_base_abstract
