@@ -28,7 +28,9 @@ class WithoutAMap(unittest.TestCase):
         buffer = tf2_ros.Buffer(debug=False)
         tf2_ros.TransformListener(buffer)
         self.assertEqual(go(simple_client('/husky'), pose_stamped(2.0, frame='odom')), REACHED)
-        found = buffer.lookup_transform('odom', 'base_link', rospy.Time.now(), rospy.Duration(100.0))
+        # Later than the first tf after the arrival: tf2 interpolates between it and the last one on the way.
+        later = rospy.Time.now() + rospy.Duration(5.0)
+        found = buffer.lookup_transform('odom', 'base_link', later, rospy.Duration(100.0))
         self.assertAlmostEqual(found.transform.translation.x, 2.0)
         pairs = {(transform.header.frame_id, transform.child_frame_id)
                  for message in transforms.messages for transform in message.transforms}
