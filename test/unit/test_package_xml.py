@@ -1,7 +1,6 @@
 """package.xml names what installed programs need: what their Python imports and what launch files start."""
 import ast
 import importlib.util
-import os
 import re
 import sysconfig
 import xml.etree.ElementTree as ElementTree
@@ -102,12 +101,3 @@ def test_the_version_is_the_same_everywhere():
     released = re.findall(r'^(\d+\.\d+\.\d+) \((.*)\)\n-+$', (ROOT / 'CHANGELOG.rst').read_text(), re.MULTILINE)
     assert released[0][0] == version
     assert f'date-released: {released[0][1]}\n' in (ROOT / 'CITATION.cff').read_text()
-
-
-def test_no_other_executable_has_the_name_of_a_program():
-    # rosrun asks which one is meant, or takes neither: `bench/lockstep` is run by `make bench` through Python.
-    programs = {path.name for path in (ROOT / 'scripts').iterdir()} | {'time_master'}
-    places = [path for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith('.')]
-    others = [path for place in places if place.name != 'scripts' for path in place.rglob('*')
-              if path.name in programs and path.is_file() and os.access(path, os.X_OK)]
-    assert others == []
