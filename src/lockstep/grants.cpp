@@ -39,7 +39,9 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
   if (grant.happened) {
     wire::append(items, wire::Happened{*grant.happened});
   }
-  items += grant.window;
+  if (const RoundWindows& windows = run_.rounds.windows(); windows.areThere()) {
+    wire::append(items, windows.latestWindow());
+  }
   if (std::exchange(member.has_changed, false)) {
     wire::append(items, wire::Changed{});
   }

@@ -40,7 +40,7 @@ void WalkedTurns::take(MemberId id, wire::Report report,
 /**
  * @brief Take the items out of @p turns that do not have to wait until no member can act before
  * them: the state of the participant after its last turn, and the parameters that it has set or
- * asked for. (Another one's set may be applied before it asks, and changes the answer that it has.)
+ * asked for. (What others set may be applied before this turn is, and it must be told of that.)
  */
 void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   SessionMember& member = run_.members.at(id);

@@ -113,11 +113,10 @@ class CoresTest(unittest.TestCase):
         fleet = ros.run('fleet', 'fleet', parameters={'robots': [{'name': 'robot_0'}]}).process.pid
         turns = client.turns()
         seen = [[os.sched_getaffinity(process) for process in (0, fleet)] for _, _ in zip(turns, range(ROUNDS))]
-        apart = [cores for cores in seen if cores != [OWN, OWN]]
-        self.assertEqual({len(cores) for both in apart for cores in both}, {1})
-        self.assertTrue(all(one.isdisjoint(other) for one, other in apart), apart)
-        self.assertGreater(len(apart), ROUNDS / 4)
-        self.assertGreater(len(seen) - len(apart), ROUNDS / 4)
+        self.assertIn([OWN, OWN], seen)
+        bound = [both for both in seen if {len(cores) for cores in both} == {1}]
+        self.assertGreater(len(bound), ROUNDS / 6)  # not each second one: a long round is given all cores
+        self.assertTrue(all(one.isdisjoint(other) for one, other in bound), bound)
         while os.sched_getaffinity(0) == OWN:
             next(turns)
         wait_for('the state says so', lambda: 'cores of this computer: one each (cores ' in self.why(ros))

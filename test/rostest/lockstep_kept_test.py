@@ -115,14 +115,15 @@ class AskingAgainInCppTest(unittest.TestCase):
     """The ROS master is asked once for a parameter until it changes, by roscpp programs, too."""
 
     def test_it_is_asked_once_for_each_value_and_once_for_all_lines_that_are_logged(self):
-        self.check(first='1.251', looks=['2.553 1', '2.653 1', '2.753 2', '2.853 2', '2.953 2', '3.053 3'])
+        self.check_asking(first='1.251', looks=['2.553 1', '2.653 1', '2.753 2', '2.853 2', '2.953 2', '3.053 3'])
 
     def test_with_a_lookahead_too(self):
         # each set is seen in the first window that begins after it
-        self.check(first='1.300', looks=['2.602 1', '2.702 1', '2.802 2', '2.902 2', '3.002 2', '3.102 3'],
-                   lookahead=0.05)
+        self.check_asking(first='1.300', looks=['2.602 1', '2.702 1', '2.802 2', '2.902 2', '3.002 2', '3.102 3'],
+                          lookahead=0.05)
 
-    def check(self, first, looks, **parameters):
+    def check_asking(self, first, looks, **parameters):
+        """Check what ``shim_board ask`` prints: when it sees the first value, and each later one [s, simulated]."""
         runs = CountedRuns()
         run = runs.run([Program('asker', own('shim_board'), 'ask'), Program('giver', own('shim_board'), 'give')],
                        **parameters)

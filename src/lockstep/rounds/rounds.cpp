@@ -242,7 +242,6 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin
     const Nanoseconds next = windows_.nextOf(member);
     grants.push_back(grantOne(id, member, wall));
     grants.back().time = next;
-    wire::append(grants.back().window, windows_.item());
     grants.back().later += windows_.enter(member, next);
   }
   watch_.begin(wall) = std::move(ids);
@@ -261,7 +260,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
     MemberState& member = members_.at(id);
     if (isForeseen(member)) {
       members_.takeForeseen(id, member);
-      grants.push_back({id, clock_.rounds, clock_.time, clock_.microstep, {}, true, {}, {}, {}});
+      grants.push_back({id, clock_.rounds, clock_.time, clock_.microstep, {}, true, {}, {}});
     } else {
       grants.push_back(grantOne(id, member, wall));
       granted.push_back(id);
@@ -297,8 +296,7 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
           std::move(mail),
           false,
           std::exchange(member.happened, std::nullopt),
-          mail_.takeLater(member),
-          {}};
+          mail_.takeLater(member)};
 }
 
 void LockstepRounds::becomeIdle() {

@@ -51,9 +51,8 @@ class LockstepRounds {
     std::vector<Mail> mail;  // in the order in which it is to be handled
     bool foreseen = false;   // the turn is in a report already: the member sends none
     std::optional<std::uint32_t>
-        happened;        // how many of its foreseen turns have come; no more will
-    std::string later;   // encoded items, to be handled before the mail
-    std::string window;  // encoded: its end, if there are windows
+        happened;       // how many of its foreseen turns have come; no more will
+    std::string later;  // encoded items, to be handled before the mail
   };
 
   struct Event {

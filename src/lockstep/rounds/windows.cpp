@@ -119,7 +119,7 @@ std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gat
 
 /**
  * @brief Let the member go on at @p next, and by itself up to the end of the window.
- * @return encoded items: the mail that arrives before that.
+ * @return the mail that arrives before that, as encoded items.
  */
 std::string RoundWindows::enter(MemberState& member, Nanoseconds next) {
   member.latest = next;

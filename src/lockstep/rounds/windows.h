@@ -26,6 +26,8 @@ class RoundWindows {
       : members_(members), clock_(clock), mail_(mail), outside_(outside), lookahead_(lookahead) {}
 
   bool areThere() const { return lookahead_ > 0; }
+  /** @return the latest window, as the members that are granted are told of it. */
+  wire::Window latestWindow() const { return {end_, lookahead_}; }
   /** @return the earliest instant at which any member may still act, or kNever. */
   Nanoseconds begin() const;
   /**
@@ -50,8 +52,6 @@ class RoundWindows {
    */
   std::vector<MemberId> open(Nanoseconds begin, const RoundGate& gate);
   Nanoseconds nextOf(const MemberState& member) const;
-  /** @return the latest window, as members are told of it. */
-  wire::Window item() const { return {end_, lookahead_}; }
   std::string enter(MemberState& member, Nanoseconds next);
   Nanoseconds latest() const;
   Nanoseconds present() const;

@@ -69,8 +69,8 @@ class CoreBinding {
   struct Process {
     std::string began;       // as /proc says, since another process may get its number
     cpu_set_t own;           // of its first thread
-    int core = -1;           // of the run, on which it is bound; -1: none yet
-    Nanoseconds worked = 0;  // at the latest measureWork() or share()
+    int core = -1;           // the one that it has when it is bound; -1: none yet
+    Nanoseconds worked = 0;  // CPU time, at the latest measureWork() or share()
     int uses = 0;
     bool is_left_alone = false;
     std::map<pid_t, Thread> threads;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
 // A participant that works for so long may need a core for itself, or have several threads: a round
-// that only handles messages takes less.
+// that only handles messages takes less. With a lookahead a core may have several to work off.
 constexpr Nanoseconds kLongRound = 20 * kMillisecond;
 constexpr Nanoseconds kCoreGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kChildrenGap = 500 * kMillisecond;  // a look takes about 1 ms
@@ -20,9 +20,10 @@ Nanoseconds wallNow() {
 
 }  // namespace
 
-CoreKeeper::CoreKeeper(CoresWish wish, bool is_ahead)
+CoreKeeper::CoreKeeper(CoresWish wish, bool has_lookahead)
     : wish_(wish),
-      layout_(is_ahead && wish != CoresWish::kOne ? CoreLayout::kApart : CoreLayout::kTogether),
+      layout_(has_lookahead && wish != CoresWish::kOne ? CoreLayout::kApart
+                                                       : CoreLayout::kTogether),
       choice_(wish),
       binding_(layout_) {}
 

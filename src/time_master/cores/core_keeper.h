@@ -18,10 +18,10 @@ namespace move_base_abstract {
 class CoreKeeper {
  public:
   /**
-   * @param is_ahead whether the run has a lookahead: then all participants work at once, and each
-   * is kept on one core if that is faster. Otherwise all are kept on the same one.
+   * @param has_lookahead whether the run has one: then all participants work at once, so each is
+   * kept on a core of its own, as far as there are enough. Otherwise all are kept on the same one.
    */
-  CoreKeeper(CoresWish wish, bool is_ahead);
+  CoreKeeper(CoresWish wish, bool has_lookahead);
 
   void begin() { binding_.useThisThread(); }
   /** @brief Add the process of a participant on this computer. */

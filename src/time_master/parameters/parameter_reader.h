@@ -20,7 +20,7 @@ constexpr const char* kAddress = "lockstep_address";  // not a setting; a killed
 
 /**
  * @brief Typed look-ups of the parameters in the table, below one namespace, as they are when this
- * is made. They are asked for at once, since each question takes as long as all together.
+ * is made. They are asked for in one question, since each takes as long, whatever it is about.
  */
 class ParameterReader {
  public:
@@ -46,38 +46,17 @@ class ParameterReader {
 
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, bool& value) {
-    XmlRpc::XmlRpcValue raw;
-    if (!find(key, raw)) {
-      return;
-    }
-    if (raw.getType() != XmlRpc::XmlRpcValue::TypeBoolean) {
-      refuse(key, "true or false", raw);
-    }
-    value = static_cast<bool>(raw);
+    readAs(XmlRpc::XmlRpcValue::TypeBoolean, "true or false", key, value);
   }
 
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, int& value) {
-    XmlRpc::XmlRpcValue raw;
-    if (!find(key, raw)) {
-      return;
-    }
-    if (raw.getType() != XmlRpc::XmlRpcValue::TypeInt) {
-      refuse(key, "a whole number", raw);
-    }
-    value = static_cast<int>(raw);
+    readAs(XmlRpc::XmlRpcValue::TypeInt, "a whole number", key, value);
   }
 
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, std::string& value) {
-    XmlRpc::XmlRpcValue raw;
-    if (!find(key, raw)) {
-      return;
-    }
-    if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) {
-      refuse(key, "a text", raw);
-    }
-    value = static_cast<std::string>(raw);
+    readAs(XmlRpc::XmlRpcValue::TypeString, "a text", key, value);
   }
 
   /**
@@ -165,6 +144,20 @@ class ParameterReader {
   }
 
  private:
+  template <typename Value>
+  void readAs(XmlRpc::XmlRpcValue::Type type, const char* wanted, const std::string& key,
+              Value& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != type) {
+      refuse(key, wanted, raw);
+    }
+    value = static_cast<Value&>(raw);
+  }
+
+  /** @return whether the parameter is set; then @p raw is its value. */
   bool find(const std::string& key, XmlRpc::XmlRpcValue& raw) {
     if (!isParameter(key)) {
       throw std::logic_error(key + " has no row in parameter_table.h");
@@ -186,8 +179,8 @@ class ParameterReader {
   }
 
   ros::NodeHandle node_;
-  XmlRpc::XmlRpcValue all_;
-  bool are_known_;
+  XmlRpc::XmlRpcValue all_;  // by key
+  bool are_known_;           // otherwise none is set, or the answer as a whole cannot be read
 };
 
 }  // namespace move_base_abstract
