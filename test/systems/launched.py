@@ -1,0 +1,54 @@
+"""The launch file with which a test file begins, on a ROS master of its own; the test's process is a node of it.
+
+    LAUNCH = '<launch> ... </launch>'      # in a test file: started before its first test, ended after its last one
+    NODE = 'name'                          # the name of the test's own node; without it there is none
+"""
+import os
+from contextlib import contextmanager
+
+import rospy
+from roslaunch.core import setup_env
+from roslaunch.node_args import create_local_process_args
+from warm import Loopback
+
+from move_base_abstract_ros.launching import plan, roles, ros_master
+
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+
+
+class Launched(Loopback):
+    """A Loopback with the nodes of a launch file."""
+
+    def __init__(self):
+        super().__init__()
+        self._given = {}  # environment variables of the node that is being started
+
+    @property
+    def environment(self):
+        """The environment for a process that uses this master."""
+        return {**super().environment, **self._given}
+
+    def launch(self, text):
+        """Start what a launch file names, in its order. ``text``: its XML; $(dirname) is the folder of the tests."""
+        path = os.path.join(self.log_dir, 'test.launch')
+        with open(path, 'w', encoding='utf-8') as stream:
+            stream.write(text.replace('$(dirname)', FOLDER))
+        config = plan.read([path])
+        ros_master.set_parameters(self.uri, [(one.key, one.value) for one in config.params.values()])
+        for node in config.nodes:
+            self._given = {name: value for name, value in setup_env(node, node.machine, self.uri).items()
+                           if os.environ.get(name) != value}
+            self.spawn(roles.name_of(node), create_local_process_args(node, node.machine))
+            self._given = {}
+
+
+@contextmanager
+def launched(text, node):
+    """Give a ROS master of this process, with what a launch file names; ``node``: the name of its own node, or None."""
+    with Launched() as ros:
+        ros.adopt()
+        ros.launch(text)
+        if node:
+            rospy.init_node(node)
+        yield ros
+        ros.check()

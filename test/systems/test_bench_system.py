@@ -1,0 +1,87 @@
+"""bench/system: its figures for a launch file, and its errors if there is nothing to measure.
+
+The tests compare no figure with a wanted one, since machines differ. They check what must hold on any machine.
+"""
+import json
+import os
+import subprocess
+import sys
+import time
+import unittest
+
+from own_folder import OwnFolder
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SYSTEM = os.path.join(HERE, '..', '..', 'bench', 'system')
+GUARD = 200.0  # s, wall; only ends a run that would never end
+PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+ROBOT = '<node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0"/>'
+NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}" output="screen"/>'
+SENDS = """#!/usr/bin/env python3
+import rospy
+from geometry_msgs.msg import PoseStamped
+rospy.init_node('sends')
+goals = rospy.Publisher('/robot_0/move_base_simple/goal', PoseStamped, queue_size=1)
+rospy.sleep(1.0)
+goal = PoseStamped()
+goal.header.frame_id = 'map'
+goal.pose.position.x = goal.pose.orientation.w = 1.0
+goals.publish(goal)
+rospy.spin()
+"""
+BREAKS = """#!/usr/bin/env python3
+import rospy
+rospy.init_node('breaks')
+raise ValueError('on purpose')
+"""
+
+
+class BenchSystemTest(OwnFolder, unittest.TestCase):
+
+    def measure(self, *words, nodes):
+        """Run bench/system on a launch file with these nodes; return (the finished process, its wall time [s])."""
+        self.write('package.xml', PACKAGE)
+        self.write('sends.py', SENDS, 0o755)
+        self.write('breaks.py', BREAKS, 0o755)
+        file = self.write('system.launch', '<launch>{}</launch>'.format(nodes))
+        environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
+        begin = time.monotonic()
+        done = subprocess.run([SYSTEM, *words, file], check=False, env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=GUARD)
+        return done, time.monotonic() - begin
+
+    def test_start_run_and_end_are_told_apart_and_runs_compared(self):
+        done, took = self.measure('--runs', '2', '--name', 'one robot', '--', '--until', '9',
+                                  nodes=ROBOT + NODE.format('sends'))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        machine, record = (json.loads(line) for line in done.stdout.splitlines())
+        self.assertEqual(machine['kind'], 'machine')
+        self.assertEqual((record['name'], record['runs'], record['simulated_s']), ('one robot', 2, 8.0))
+        self.assertEqual((record['repeatable'], record['same'], record['not_repeatable_because']), (True, True, []))
+        self.assertGreaterEqual(record['events'], 2)  # it departs and arrives
+        each = record['each_run']
+        whole = sum(each['start_s']) + sum(each['run_s']) + sum(each['end_s'])
+        self.assertTrue(0.0 < whole <= took, (whole, took))
+        for k in range(2):
+            self.assertGreater(min(each[key][k] for key in ('start_s', 'run_s', 'end_s')), 0.0, each)
+            self.assertAlmostEqual(each['speed_up'][k] * each['run_s'][k], 8.0)
+            self.assertTrue(0.0 < 8.0 * each['cpu_s_per_simulated_s'][k] < each['whole_cpu_s'][k], each)
+        self.assertGreaterEqual(record['rounds_per_s'] * 8.0, record['events'])
+        self.assertGreaterEqual(record['messages_per_s'] * 8.0, 1)  # the goal
+        self.assertIn('one robot', done.stderr)  # the table
+
+    def test_a_run_that_fails_or_does_not_end_is_no_measurement(self):
+        done, _ = self.measure('--runs', '1', '--', '--until', '9', nodes=ROBOT + NODE.format('breaks'))
+        self.assertEqual((done.returncode, done.stdout), (1, ''))
+        self.assertIn('lockstep_launch has ended with', done.stderr)
+        self.assertIn('on purpose', done.stderr)
+        done, _ = self.measure('--runs', '1', '--timeout', '8', '--', '--speed-limit', '1',
+                               nodes=ROBOT + NODE.format('sends'))
+        self.assertEqual((done.returncode, done.stdout), (1, ''))
+        self.assertIn('not over after 8 s', done.stderr)
+
+    def test_what_it_says_itself_to_lockstep_launch_is_refused(self):
+        done, _ = self.measure('--', '--event-log=mine.jsonl', nodes=ROBOT)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('--event-log is its own', done.stderr)

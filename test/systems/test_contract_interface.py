@@ -1,0 +1,287 @@
+"""Names, services, dynamic_reconfigure, frames and hopeless goals of two robots, each in a namespace of its own."""
+import math
+import unittest
+
+import rosgraph
+import rospy
+import rosservice
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped, Twist
+from move_base_msgs.msg import RecoveryStatus
+from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.srv import GetPlan, SetMap
+from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+from std_srvs.srv import Empty
+
+LAUNCH = """
+<launch>  <!-- two robots under namespaces: names, services, dynamic_reconfigure, frames, goals that cannot be reached -->
+  <include file="$(find move_base_abstract)/launch/time_master.launch">
+    <arg name="factor" value="50"/>
+  </include>
+  <group ns="robot_0">
+    <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
+      <rosparam>
+        base_local_planner: dwa_local_planner/DWAPlannerROS
+        base_global_planner: global_planner/GlobalPlanner
+        DWAPlannerROS: {max_vel_x: 2.0, xy_goal_tolerance: 0.0}
+        tf_prefix: robot_0
+        world_bounds: [-1000.0, -1000.0, 1000.0, 1000.0]
+      </rosparam>
+    </node>
+  </group>
+  <group ns="robot_1">
+    <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
+      <rosparam>
+        max_speed: 2.0
+        tf_prefix: robot_1
+        bad_frame_policy: wait
+        abort_policy: upstream
+        world_bounds: [-1000.0, -1000.0, 1000.0, 1000.0]
+      </rosparam>
+    </node>
+  </group>
+</launch>
+"""
+NODE = 'contract_interface_test'
+
+OUTSIDE = 1010.0  # m, x; the world ends at 1000
+REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
+PUBLISHED = {
+    'move_base/status': 'actionlib_msgs/GoalStatusArray', 'move_base/result': 'move_base_msgs/MoveBaseActionResult',
+    'move_base/feedback': 'move_base_msgs/MoveBaseActionFeedback',
+    'move_base/goal': 'move_base_msgs/MoveBaseActionGoal', 'move_base/current_goal': 'geometry_msgs/PoseStamped',
+    'move_base/recovery_status': 'move_base_msgs/RecoveryStatus', 'cmd_vel': 'geometry_msgs/Twist',
+    'move_base/{global_planner}/plan': 'nav_msgs/Path', 'move_base/{local_planner}/global_plan': 'nav_msgs/Path',
+    'move_base/{local_planner}/local_plan': 'nav_msgs/Path',
+    'move_base/{local_planner}/cost_cloud': 'sensor_msgs/PointCloud2',
+    'move_base/global_costmap/costmap': 'nav_msgs/OccupancyGrid',
+    'move_base/global_costmap/costmap_updates': 'map_msgs/OccupancyGridUpdate',
+    'move_base/global_costmap/footprint': 'geometry_msgs/PolygonStamped',
+    'move_base/local_costmap/costmap': 'nav_msgs/OccupancyGrid',
+    'move_base/parameter_descriptions': 'dynamic_reconfigure/ConfigDescription',
+    'move_base/parameter_updates': 'dynamic_reconfigure/Config',
+    'move_base/{local_planner}/parameter_updates': 'dynamic_reconfigure/Config',
+    'amcl_pose': 'geometry_msgs/PoseWithCovarianceStamped', 'odom': 'nav_msgs/Odometry',
+    'base_pose_ground_truth': 'nav_msgs/Odometry', 'robot_pose': 'geometry_msgs/PoseStamped'}
+SUBSCRIBED = ('move_base/goal', 'move_base/cancel', 'move_base_simple/goal', 'initialpose', 'set_pose')
+SERVICES = {
+    'move_base/make_plan': 'nav_msgs/GetPlan', 'move_base/{global_planner}/make_plan': 'nav_msgs/GetPlan',
+    'move_base/clear_costmaps': 'std_srvs/Empty', 'move_base/set_parameters': 'dynamic_reconfigure/Reconfigure',
+    'move_base/{local_planner}/set_parameters': 'dynamic_reconfigure/Reconfigure',
+    'set_robot_pose': 'move_base_abstract/SetPose', 'global_localization': 'std_srvs/Empty',
+    'request_nomotion_update': 'std_srvs/Empty', 'set_map': 'nav_msgs/SetMap'}
+ROBOTS = {'/robot_0/': {'global_planner': 'GlobalPlanner', 'local_planner': 'DWAPlannerROS'},
+          '/robot_1/': {'global_planner': 'NavfnROS', 'local_planner': 'TrajectoryPlannerROS'}}
+
+
+def call(name, kind, *arguments):
+    """Call a service that must be there."""
+    rospy.wait_for_service(name, GUARD * 50)
+    return rospy.ServiceProxy(name, kind)(*arguments)
+
+
+class ContractInterface(unittest.TestCase):
+    """robot_0 has the useful defaults, robot_1 those of upstream; both can go to x, y = -1000..1000 m."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.client, cls.upstream = RawClient('/robot_0'), RawClient('/robot_1')
+        cls.simple, cls.simple_upstream = simple_client('/robot_0'), simple_client('/robot_1')
+        cls.buffer = tf2_ros.Buffer(debug=False)
+        cls.listener = tf2_ros.TransformListener(cls.buffer)
+
+    def home(self):
+        """Drive robot_0 to the origin, heading east."""
+        self.assertEqual(go(self.simple, pose_stamped()), REACHED)
+
+    def test_topics_and_services_bear_upstreams_names_and_types(self):
+        master = rosgraph.Master('/contract_interface_test')
+        publishers, subscribers, services = ([name for name, _ in group] for group in master.getSystemState())
+        types = dict(master.getTopicTypes())
+        for ns, planners in ROBOTS.items():
+            for name, kind in PUBLISHED.items():
+                topic = ns + name.format(**planners)
+                self.assertIn(topic, publishers)
+                self.assertEqual(types[topic], kind, topic)
+            for name in SUBSCRIBED:
+                self.assertIn(ns + name, subscribers)
+            for name, kind in SERVICES.items():
+                service = ns + name.format(**planners)
+                self.assertIn(service, services)
+                self.assertEqual(rosservice.get_service_type(service), kind)
+
+    def test_make_plan_leads_from_the_robot_to_the_goal_while_idle(self):
+        self.home()
+        plan = call('/robot_0/move_base/make_plan', GetPlan, PoseStamped(), pose_stamped(10.0, 0.0, 1.0), 0.0).plan
+        self.assertEqual((plan.header.frame_id, plan.poses[0].pose.position.x), ('', 0.0))
+        self.assertEqual(plan.poses[-1].pose.position.x, 10.0)
+        self.assertEqual(plan.poses[-1].header.frame_id, 'map')
+
+    def test_make_plan_starts_where_it_is_told(self):
+        plan = call('/robot_0/move_base/make_plan', GetPlan, pose_stamped(5.0, 6.0), pose_stamped(8.0, 6.0), 0.0).plan
+        first = plan.poses[0].pose.position
+        self.assertEqual((first.x, first.y), (5.0, 6.0))
+
+    def test_make_plan_to_a_place_out_of_reach_is_empty_or_ends_near_it_within_the_tolerance(self):
+        name = '/robot_0/move_base/make_plan'
+        self.assertEqual(call(name, GetPlan, PoseStamped(), pose_stamped(OUTSIDE), 5.0).plan.poses, [])
+        near = call(name, GetPlan, PoseStamped(), pose_stamped(OUTSIDE), 15.0).plan.poses
+        self.assertEqual([pose.pose.position.x for pose in near[-2:]], [1000.0, OUTSIDE])
+
+    def test_make_plan_is_refused_while_a_goal_is_active_but_not_the_planners_own(self):
+        goal_id = self.client.send(pose_stamped(900.0))
+        self.client.wait_for_state(goal_id, GoalStatus.ACTIVE)
+        with self.assertRaisesRegex(rospy.ServiceException, 'must be in an inactive state to make a plan'):
+            call('/robot_0/move_base/make_plan', GetPlan, PoseStamped(), pose_stamped(1.0), 0.0)
+        plan = call('/robot_0/move_base/GlobalPlanner/make_plan', GetPlan, PoseStamped(), pose_stamped(1.0), 0.0).plan
+        self.assertEqual(plan.poses[-1].pose.position.x, 1.0)
+        call('/robot_0/move_base/clear_costmaps', Empty)
+        self.assertEqual(self.client.endings(goal_id), [])
+        self.client.cancel(goal_id)
+        self.client.ending(goal_id)
+
+    def test_make_plan_refuses_poses_that_are_none(self):
+        for bad in (pose_stamped(math.nan), pose_stamped(frame='moon'), pose_stamped(quaternion=(0, 0, 0, 0))):
+            with self.assertRaises(rospy.ServiceException):
+                call('/robot_0/move_base/make_plan', GetPlan, PoseStamped(), bad, 0.0)
+
+    def test_reconfigured_speed_and_tolerances_take_effect_on_the_next_leg(self):
+        self.home()
+        planner = Client('/robot_0/move_base/DWAPlannerROS', timeout=GUARD)
+        goal_id = self.client.send(pose_stamped(400.0))
+        start_ns = active_since_ns(self.client, goal_id)
+        planner.update_configuration({'max_vel_x': 4.0, 'xy_goal_tolerance': 20.0, 'yaw_goal_tolerance': 6.28})
+        self.assertEqual(self.client.ending(goal_id).header.stamp.to_nsec() - start_ns, 200_000_000_000)
+        second = self.client.send(pose_stamped(0.0))
+        start_ns = active_since_ns(self.client, second)
+        self.assertEqual(self.client.ending(second).header.stamp.to_nsec() - start_ns, 95_000_000_000)
+        answer = planner.update_configuration({'max_vel_x': 0.0})
+        self.assertEqual(answer['max_vel_x'], 4.0, 'a speed of 0 is refused')
+        planner.update_configuration({'max_vel_trans': 2.0, 'xy_goal_tolerance': 0.0, 'yaw_goal_tolerance': 0.0,
+                                      'acc_lim_x': 0.0})
+
+    def test_all_fields_that_clients_set_are_accepted(self):
+        move_base = Client('/robot_1/move_base', timeout=GUARD)
+        answer = move_base.update_configuration({'planner_frequency': 1.0, 'oscillation_timeout': 10.0,
+                                                 'controller_frequency': 10.0, 'clearing_rotation_allowed': False})
+        self.assertEqual((answer['controller_frequency'], answer['oscillation_timeout']), (10.0, 10.0))
+        planner = Client('/robot_1/move_base/TrajectoryPlannerROS', timeout=GUARD)
+        answer = planner.update_configuration({'max_vel_theta': 1.5, 'min_in_place_vel_theta': 0.2, 'sim_time': 2.0})
+        self.assertEqual((answer['max_vel_theta'], answer['max_vel_x']), (1.5, 2.0))
+        dwa = Client('/robot_0/move_base/DWAPlannerROS', timeout=GUARD)
+        self.assertEqual(dwa.update_configuration({'max_vel_theta': 0.9, 'vx_samples': 5})['vx_samples'], 5)
+
+    def test_a_goal_in_base_link_is_relative_to_the_robot_at_its_stamp(self):
+        self.home()
+        self.assertEqual(go(self.simple, pose_stamped(10.0, 0.0, math.pi / 2)), REACHED)
+        odom = Record('/robot_0/odom', Odometry)
+        self.assertEqual(go(self.simple, pose_stamped(3.0, frame='robot_0/base_link')), REACHED)
+        # Not the present time: the result may have overtaken /clock, and at that time the robot was not there yet.
+        arrived = odom.wait_for(lambda message: abs(message.pose.pose.position.y - 3.0) < 1e-9).header.stamp
+        self.assertEqual(go(self.simple, pose_stamped(1.0, frame='robot_0/base_link', stamp=arrived)), REACHED)
+        odom.wait_for(lambda message: abs(message.pose.pose.position.y - 4.0) < 1e-9)
+
+    def test_a_goal_stamped_in_the_future_of_a_moving_frame_starts_then(self):
+        self.home()
+        stamp = rospy.Time.now() + rospy.Duration(100.0)
+        goal_id = self.client.send(pose_stamped(20.0, frame='robot_0/base_link', stamp=stamp))
+        ended = self.client.ending(goal_id)
+        self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
+        self.assertEqual(ended.header.stamp - stamp, rospy.Duration(10.0))
+
+    def test_a_goal_in_a_frame_of_tf_is_transformed(self):
+        self.home()
+        broadcaster = tf2_ros.StaticTransformBroadcaster()
+        dock = TransformStamped(child_frame_id='dock')
+        dock.header.frame_id = 'map'
+        dock.transform.translation.x, dock.transform.rotation.w = 5.0, 1.0
+        broadcaster.sendTransform(dock)
+        odom = Record('/robot_0/odom', Odometry)
+        self.assertEqual(go(self.simple, pose_stamped(1.0, 2.0, frame='dock')), REACHED)
+        odom.wait_for(lambda message: (message.pose.pose.position.x, message.pose.pose.position.y) == (6.0, 2.0))
+
+    def test_current_goal_has_the_height_and_the_orientation_that_were_sent(self):
+        self.home()
+        shown = Record.fresh('/robot_0/move_base/current_goal', PoseStamped)
+        self.addCleanup(shown.close)
+        goal = pose_stamped(2.0, quaternion=(0.01, 0.0, 0.0, 2.0))
+        goal.pose.position.z = 0.75
+        self.assertEqual(go(self.simple, goal), REACHED)
+        told = shown.wait_for()
+        self.assertEqual(told.pose, goal.pose)
+        self.assertEqual(told.header.frame_id, 'map')
+
+    def test_the_services_of_amcl_tell_the_pose_once_more_and_place_the_robot(self):
+        self.home()
+        poses = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped)
+        self.addCleanup(poses.close)
+        before = poses.wait_for().header.stamp
+        call('/robot_0/global_localization', Empty)
+        call('/robot_0/request_nomotion_update', Empty)
+        again = poses.wait_for(lambda message: message.header.stamp > before).pose.pose.position
+        self.assertEqual((again.x, again.y), (0.0, 0.0))
+        there = PoseWithCovarianceStamped()
+        there.header.frame_id, there.pose.pose.position.x, there.pose.pose.orientation.w = 'map', 7.0, 1.0
+        self.assertTrue(call('/robot_0/set_map', SetMap, OccupancyGrid(), there).success)
+        poses.wait_for(lambda message: message.pose.pose.position.x == 7.0)
+        there.header.frame_id = 'moon'
+        self.assertFalse(call('/robot_0/set_map', SetMap, OccupancyGrid(), there).success)
+
+    def test_unknown_frames_abort_with_a_text_that_names_them(self):
+        for frame, hint in (('moon', 'moon'), ('/map', "did you mean 'map'"), ('', 'the frame_id is empty')):
+            state, text = go(self.simple, pose_stamped(1.0, frame=frame))
+            self.assertEqual(state, GoalStatus.ABORTED)
+            self.assertIn("Failed to transform the goal pose from '{}' into the 'map' frame".format(frame), text)
+            self.assertIn(hint, text)
+
+    def test_unknown_frames_wait_until_cancelled_where_that_is_configured(self):
+        for frame in ('/map', ''):
+            goal_id = self.upstream.send(pose_stamped(1.0, frame=frame))
+            start_ns = active_since_ns(self.upstream, goal_id)
+            self.upstream.status.wait_for(
+                lambda array, start_ns=start_ns: array.header.stamp.to_nsec() > start_ns + 60_000_000_000)
+            self.assertEqual(self.upstream.endings(goal_id), [])
+            self.upstream.cancel(goal_id)
+            self.assertEqual(self.upstream.ending(goal_id).status.status, GoalStatus.PREEMPTED)
+
+    def test_a_goal_out_of_reach_aborts_at_once_with_upstreams_text(self):
+        goal_id = self.client.send(pose_stamped(OUTSIDE))
+        start_ns = active_since_ns(self.client, goal_id)
+        ended = self.client.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text), (GoalStatus.ABORTED, NO_PLAN))
+        self.assertEqual(ended.header.stamp.to_nsec(), start_ns)
+
+    def test_a_goal_out_of_reach_takes_upstreams_time_where_that_is_configured(self):
+        recoveries = Record.fresh('/robot_1/move_base/recovery_status', RecoveryStatus)
+        self.addCleanup(recoveries.close)
+        goal_id = self.upstream.send(pose_stamped(OUTSIDE))
+        start_ns = active_since_ns(self.upstream, goal_id)
+        ended = self.upstream.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text), (GoalStatus.ABORTED, NO_PLAN))
+        two_turns_ns = 2 * round(2e9 * math.pi)
+        self.assertEqual(ended.header.stamp.to_nsec() - start_ns, 25_000_000_000 + two_turns_ns)
+        recoveries.wait_for(lambda status: status.current_recovery_number == 3)
+        self.assertEqual([(status.current_recovery_number, status.total_number_of_recoveries,
+                           status.recovery_behavior_name) for status in recoveries.messages],
+                         [(0, 4, 'conservative_reset'), (1, 4, 'rotate_recovery'), (2, 4, 'aggressive_reset'),
+                          (3, 4, 'rotate_recovery')])
+
+    def test_without_recoveries_a_goal_out_of_reach_takes_the_patience_only(self):
+        move_base = Client('/robot_1/move_base', timeout=GUARD)
+        move_base.update_configuration({'recovery_behavior_enabled': False})
+        goal_id = self.upstream.send(pose_stamped(OUTSIDE))
+        start_ns = active_since_ns(self.upstream, goal_id)
+        self.assertEqual(self.upstream.ending(goal_id).header.stamp.to_nsec() - start_ns, 5_000_000_000)
+        move_base.update_configuration({'recovery_behavior_enabled': True})
+
+    def test_robots_do_not_hear_each_others_goals(self):
+        self.home()
+        other = Record('/robot_1/odom', Odometry)
+        stood = other.wait_for().pose.pose
+        self.assertEqual(go(self.simple, pose_stamped(3.0)), REACHED)
+        arrived = rospy.Time.now()
+        other.wait_for(lambda message: message.header.stamp > arrived)
+        self.assertEqual({str(message.pose.pose) for message in other.messages}, {str(stood)})
+        self.assertEqual({str(message.twist.twist) for message in other.messages}, {str(Twist())})

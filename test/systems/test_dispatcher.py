@@ -1,0 +1,146 @@
+"""The node dispatcher: the same rows as in plain Python, to the byte; faulty orders; a user's policy."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+
+from move_base_abstract.fleet import Dispatch
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract.scenario import read_scenario
+from move_base_abstract_ros.loopback import find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+LAUNCH = os.path.join(HERE, '..', '..', 'launch', 'orders.launch')
+GUARD = 240.0
+SCENARIO = """
+seed: 3
+defaults: {max_speed: 1.0, acceleration: 0.5, battery_capacity: 0.4, charging_current: 3.0, failure_kind: KIND,
+           failures_per_km: 3.0, repair_time: 25.0}
+robots: [{name: robot, count: 4, step_x: 2.0}]
+zones:
+  - {name: dock, rectangle: [-4.0, -4.0, -2.0, -2.0], charger: true, capacity: 1}
+places:
+  - {name: shelf_1, x: 6.0, duration: 5.0}
+  - {name: shelf_2, x: 9.0, yaw: 1.0, duration: 5.0, duration_distribution: gamma, duration_cv: 0.5}
+  - {name: gate, y: 9.0, yaw: -2.0, duration: 6.0, capacity: 1, queue: 2, preemption: true}
+orders:
+  - {name: picks, rate_per_hour: 220.0, count: 40, deadline: 90.0,
+     stops: [{places: ['shelf_*'], action: load}, {place: gate, action: unload}]}
+  - {name: rounds, every: 60.0, count: 12, priority: 1,
+     stops: [{x: 3.0, y: 3.0, yaw: 0.7}, {area: [0.0, 0.0, 6.0, 6.0], duration: 4.0}]}
+dispatcher: {policy: nearest, charge_below: 0.5, charge_until: 0.8, charge_when_idle: 0.7}
+"""
+#: a net of 3 x 3 nodes, lanes for one robot each in both directions
+NET = json.dumps({
+    'nodes': [{'name': 'n{}'.format(one), 'x': 10.0 * (one % 3), 'y': 10.0 * (one // 3)} for one in range(9)],
+    'edges': [{'from': 'n{}'.format(one), 'to': 'n{}'.format(other), 'capacity': 1}
+              for one in range(9) for other in (one + 1, one + 3) if other < 9 and (other - one == 3 or other % 3)]})
+NARROW = """
+seed: 2
+lanes: net.yaml
+deadlock: retreat
+defaults: {max_speed: 1.0, acceleration: 0.5, routes: lanes}
+robots: [{name: robot, count: 6, step_x: 10.0}]
+zones: [{name: slow, rectangle: [3.0, -3.0, 7.0, 30.0], max_speed: 0.4}]
+places: []
+orders:
+  - {name: picks, rate_per_hour: 900.0, count: 40,
+     stops: [{area: [0.0, 0.0, 20.0, 20.0]}, {area: [0.0, 0.0, 20.0, 20.0]}]}
+  - {name: rounds, every: 30.0, count: 10, priority: 1, stops: [{x: 20.0, y: 20.0}, {x: 0.0, y: 20.0}]}
+dispatcher: {policy: nearest}
+"""
+POLICY = """
+class Last:
+    def choose(self, question):
+        return [(question.robots[-1].name, question.orders[-1].order.order_id)]
+
+
+class Wrong:
+    def choose(self, question):
+        return [('nobody', 'nothing')]
+"""
+
+
+class DispatcherTest(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix='dispatcher_')
+        self.addCleanup(shutil.rmtree, self.folder)
+        with open(self.path('own_policies.py'), 'w') as stream:
+            stream.write(POLICY)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def scenario(self, text=SCENARIO, kind='abort'):
+        with open(self.path('scenario.yaml'), 'w') as stream:
+            stream.write(text.replace('KIND', kind))
+        return self.path('scenario.yaml')
+
+    def run_it(self, scenario, *words):
+        environment = dict(os.environ, PYTHONPATH=os.pathsep.join([self.folder, os.environ['PYTHONPATH']]))
+        return subprocess.run(
+            [find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.path('run.jsonl'), LAUNCH,
+             'scenario:=' + scenario, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            timeout=GUARD, check=False, env=environment)
+
+    def events(self):
+        with open(self.path('run.jsonl')) as stream:
+            log = EventLog(stream, 'run.jsonl')
+            events = [event.compared for event in log]
+        self.assertEqual(log.remarks(), [])
+        return events
+
+    def check_same(self, policy, kind):
+        scenario = self.scenario(kind=kind)
+        done = self.run_it(scenario, 'policy:=' + policy)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        dispatch = Dispatch(read_scenario(scenario), policy=policy)
+        dispatch.run()
+        plain = [(entry.time_ns, entry.robot, entry.kind, json.dumps(list(entry.values)))
+                 for entry in dispatch.fleet.trace]
+        self.assertEqual(self.events(), plain)
+        kinds = {kind for _, _, kind, _ in plain}
+        self.assertLessEqual({'order_returned', 'charge_assigned', 'failed', 'waiting_began', 'order_done'}, kinds)
+
+    def test_the_rows_of_a_run_are_those_of_plain_python(self):
+        self.check_same('nearest', 'abort')
+
+    def test_they_are_also_for_an_auction_and_robots_that_stall(self):
+        self.check_same('auction', 'stall')
+
+    def test_they_are_also_where_robots_give_way_to_one_another_have_priorities_and_drive_slowly(self):
+        with open(self.path('net.yaml'), 'w') as stream:
+            stream.write(NET)
+        scenario = self.scenario(NARROW)
+        done = self.run_it(scenario)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        dispatch = Dispatch(read_scenario(scenario))
+        dispatch.run()
+        plain = [(entry.time_ns, entry.robot, entry.kind, json.dumps(list(entry.values)))
+                 for entry in dispatch.fleet.trace]
+        self.assertEqual(self.events(), plain)
+        self.assertLessEqual({'gave_way', 'priority', 'entered', 'held', 'order_done'}, {row[2] for row in plain})
+        self.assertEqual(sum(row[2] == 'order_done' for row in plain), 50)
+
+    def test_a_users_policy_is_taken_by_its_name_and_a_wrong_one_moves_nobody(self):
+        scenario = self.scenario(kind='abort')
+        self.assertEqual(self.run_it(scenario, 'policy:=own_policies:Last').returncode, 0)
+        events = self.events()
+        self.assertEqual(next(event[1] for event in events if event[2] == 'order_assigned'), 'robot_3')
+        self.assertGreaterEqual(sum(event[2] == 'order_done' for event in events), 50)
+        done = self.run_it(scenario, 'policy:=own_policies:Wrong')
+        self.assertIn("the policy Wrong chose 'nothing' for 'nobody'; allowed: a robot of question.robots", done.stdout)
+        kinds = {kind for _, _, kind, _ in self.events()}
+        self.assertLessEqual({'order_arrived', 'policy_failed'}, kinds)
+        self.assertNotIn('order_assigned', kinds)
+
+    def test_parameters_that_cannot_be_used_end_the_node_with_the_reason(self):
+        done = self.run_it(self.scenario(), 'policy:=best')
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("/dispatcher/policy: got 'best'; allowed: nearest, earliest_deadline, auction, batch, or",
+                      done.stdout)

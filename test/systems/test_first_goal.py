@@ -1,0 +1,175 @@
+"""If a client starts before the server, no goal is lost, since the server connects to the client only once.
+
+rospy drops a connection to a publisher when it makes a second one, with all messages on it. It makes a second one if it
+hears of another publisher of the topic (its own node, for example) while it makes the first one.
+"""
+import os
+import subprocess
+import threading
+import time
+import unittest
+import xmlrpc.client
+import xmlrpc.server
+
+import rosgraph
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
+from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
+from robot_harness import GUARD, RawClient, Record, pose_stamped
+from rospy.impl.registration import get_registration_listeners
+
+from move_base_abstract_ros.loopback import find_executable
+
+LAUNCH = """
+<launch>  <!-- the first goal of clients that start before the servers -->
+  <include file="$(find move_base_abstract)/launch/time_master.launch">
+    <arg name="factor" value="20"/>
+  </include>
+</launch>
+"""
+NODE = 'first_goal_test'
+
+
+class MasterProxy:
+    """A ROS master that notes the order of registrations and passes all calls on to the real one."""
+
+    def __init__(self):
+        self.registrations = []
+        self._server = xmlrpc.server.SimpleXMLRPCServer(('127.0.0.1', 0), logRequests=False, allow_none=True)
+        self._server.register_instance(self)
+        self.uri = 'http://127.0.0.1:{}/'.format(self._server.server_address[1])
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+
+    def close(self):
+        """Stop serving."""
+        self._server.shutdown()
+        self._server.server_close()
+
+    def _dispatch(self, method, arguments):
+        if method == 'system.multicall':
+            for call in arguments[0]:
+                self._note(call['methodName'], call['params'])
+        else:
+            self._note(method, arguments)
+        master = xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), allow_none=True)
+        return getattr(master, method)(*arguments)
+
+    def _note(self, method, arguments):
+        if method in ('registerPublisher', 'registerSubscriber'):
+            self.registrations.append((method, arguments[1]))
+
+
+class SlowClient:
+    """The publishers of a client in this process; requests for a connection wait until ``release`` is set."""
+
+    def __init__(self, topics):
+        self._handler = get_registration_listeners().listeners[0].handler
+        self._request_topic = self._handler.requestTopic
+        self.calls = dict.fromkeys(topics, 0)
+        self.release = threading.Event()
+        self._handler.requestTopic = self._answer
+
+    def _answer(self, caller_id, topic, protocols):
+        if topic in self.calls:
+            self.calls[topic] += 1
+            self.release.wait(GUARD)
+        return self._request_topic(caller_id, topic, protocols)
+
+    def close(self):
+        """Answer all requests at once."""
+        self.release.set()
+        self._handler.requestTopic = self._request_topic
+
+
+def wait_until(condition, what):
+    """Wait until ``condition()`` is true; fail after GUARD, naming ``what``."""
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.01)
+
+
+def is_up(node, topic):
+    """Return whether the ROS master lists ``node`` as a subscriber of ``topic``."""
+    return node in dict(rosgraph.Master(rospy.get_name()).getSystemState()[1]).get(topic, ())
+
+
+class FirstGoal(unittest.TestCase):
+    def start(self, executable, name, parameters, uri=None):
+        """Start a node that is ended with the test."""
+        rospy.set_param(name, parameters)
+        namespace, own = name.rsplit('/', 1)
+        process = subprocess.Popen([find_executable(executable), '__ns:=' + (namespace or '/'), '__name:=' + own],
+                                   env=dict(os.environ, ROS_MASTER_URI=uri or rosgraph.get_master_uri()))
+
+        def end():
+            process.terminate()
+            process.wait(GUARD)
+        self.addCleanup(end)
+
+    def test_every_server_advertises_a_topic_before_it_listens_to_it(self):
+        robots = {'robots': [{'name': 'a0'}, {'name': 'a1'}]}
+        for executable, name, parameters, last in (
+                ('move_base', '/o1/move_base', {}, '/o1/move_base_simple/goal'),
+                ('move_base_abstract_actionserver', '/o2/server', {}, '/o2/move_base_simple/goal'),
+                ('fleet', '/o3/fleet', robots, '/o3/a1/move_base_simple/goal'),
+                ('task_server', '/o4/tasks', {'robots': ['']}, '/o4/timed_task/goal')):
+            proxy = MasterProxy()
+            self.addCleanup(proxy.close)
+            self.start(executable, name, parameters, proxy.uri)
+            wait_until(lambda last=last, name=name: is_up(name, last), '{}: no {}'.format(name, last))
+            heard = set()
+            for method, topic in list(proxy.registrations):
+                if method == 'registerSubscriber':
+                    heard.add(topic)
+                else:
+                    self.assertNotIn(topic, heard, '{} advertises it after it has subscribed'.format(executable))
+            self.assertIn(last, heard)
+
+    def first_goal(self, executable, node_name, parameters, robot):
+        """Start a server before the client answers, announce the client again and again; the first goal must arrive."""
+        topics = [robot + '/move_base/goal', robot + '/move_base/cancel']
+        client = SlowClient(topics)
+        self.addCleanup(client.close)
+        result = Record(robot + '/move_base/result', MoveBaseActionResult)
+        publishers = [rospy.Publisher(topics[0], MoveBaseActionGoal, queue_size=10),
+                      rospy.Publisher(topics[1], GoalID, queue_size=10)]
+        self.start(executable, node_name, parameters)
+        wait_until(lambda: all(client.calls.values()), 'the server does not ask for the client')
+        wait_until(lambda: is_up(node_name, robot + '/move_base_simple/goal'), 'the server is not up')
+        node = xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node_name))
+        for other, kind in (('initialpose', PoseWithCovarianceStamped), ('set_pose', Pose),
+                            ('move_base_simple/goal', PoseStamped)):
+            for topic in topics:
+                node.publisherUpdate('/master', topic, [rospy.get_node_uri()])
+            # The server's rospy handles updates one by one, so it has handled the two above when this one is connected.
+            publishers.append(rospy.Publisher(robot + '/' + other, kind, queue_size=1))
+            wait_until(publishers[-1].get_num_connections, other)
+        self.assertEqual(client.calls, dict.fromkeys(topics, 1), 'a second connection is being made')
+        client.release.set()
+        wait_until(lambda: all(publisher.get_num_connections() for publisher in publishers), 'no connection')
+        publishers[0].publish(MoveBaseActionGoal(goal=MoveBaseGoal(pose_stamped(1.0))))
+        self.assertEqual(result.wait_for().status.status, GoalStatus.SUCCEEDED)
+
+    def test_a_robots_first_goal(self):
+        self.first_goal('move_base', '/f1/move_base', {'max_speed': 100.0}, '/f1')
+
+    def test_the_first_goal_of_a_robot_of_a_fleet(self):
+        self.first_goal('fleet', '/f2/fleet', {'robots': [{'name': 'a0', 'max_speed': 100.0}]}, '/f2/a0')
+
+    def test_in_a_fleet_a_goal_of_rviz_arrives_and_others_see_it(self):
+        """A robot of a fleet publishes on its own goal topic, and is not connected to itself."""
+        self.start('fleet', '/f3/fleet', {'robots': [{'name': 'a0', 'max_speed': 100.0}]})
+        client = RawClient('/f3/a0')
+        seen = Record.fresh('/f3/a0/move_base/goal', MoveBaseActionGoal)
+        publisher = rospy.Publisher('/f3/a0/move_base_simple/goal', PoseStamped, queue_size=1)
+        wait_until(publisher.get_num_connections, 'no connection')
+        publisher.publish(pose_stamped(1.0))
+        self.assertEqual(client.result.wait_for().status.status, GoalStatus.SUCCEEDED)
+        self.assertEqual(seen.wait_for().goal.target_pose.pose.position.x, 1.0)
+        self.assertEqual(len(client.result.messages), 1)
+        node = xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode('/f3/fleet'))
+        own_uri = rosgraph.Master(rospy.get_name()).lookupNode('/f3/fleet')
+        self.assertEqual([topic for _, other, _, _, topic, *_ in node.getBusInfo(rospy.get_name())[2]
+                          if other in ('/f3/fleet', own_uri)], [])

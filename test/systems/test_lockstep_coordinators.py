@@ -1,0 +1,53 @@
+"""Ten coordinators with one bug each: failures that chaos has found repeat, and do not occur without the bug.
+
+test/coordinators/found.json has the failure that `chaos --delay 0.05 --until 300` found for each, after shrinking.
+"""
+import json
+import os
+import subprocess
+import sys
+import unittest
+
+from own_folder import OwnFolder
+
+from move_base_abstract_ros.loopback import find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+FOLDER = os.path.join(os.path.dirname(HERE), 'coordinators')
+LAUNCH = os.path.join(FOLDER, 'coordinators.launch')
+GUARD = 300.0  # s, wall; only ends a run that would never end
+MOST_DECISIONS = 3
+
+
+class CoordinatorsTest(OwnFolder, unittest.TestCase):
+
+    def chaos(self, *words):
+        done = subprocess.run([find_executable('chaos'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, timeout=GUARD, check=False, cwd=self.folder)
+        return done.returncode, done.stdout
+
+    def check(self, name):
+        """Replay the failure of a coordinator; run it without its bug in the stated order and with the same seed."""
+        with open(os.path.join(FOLDER, 'found.json'), encoding='utf-8') as stream:
+            found = json.load(stream)[name]
+        self.assertLessEqual(len(found['only']), MOST_DECISIONS)
+        file = self.write('found.json', json.dumps({
+            'chaos': 1, 'launch': [LAUNCH, 'coordinator:=' + name], 'document': {'until': 300.0}, 'text': '',
+            'sha256': '', **found}))
+        code, said = self.chaos('--replay', file)
+        self.assertEqual(code, 1, said)
+        for line in found['happened']:
+            self.assertIn(line, said)
+        self.assertIn('chaos: failed: {} crashed at '.format(found['failure'].split()[1]), said)
+        code, said = self.chaos('--delay', str(found['delay']), '--until', '300', '--seeds', '{0}:{0}'.format(
+            found['seed']), LAUNCH, 'coordinator:=' + name, 'correct:=true')
+        self.assertEqual(code, 0, said)
+
+
+def add(name):
+    setattr(CoordinatorsTest, 'test_' + name, lambda self: self.check(name))
+
+
+for each in ('lost_result', 'two_goals', 'cancel_race', 'early_close', 'stale_pose', 'late_listener',
+             'double_assignment', 'missing_lock', 'status_order', 'timeout_answer'):
+    add(each)

@@ -1,0 +1,175 @@
+"""The cores on which a run works: processes that are kept on one core, those that are left alone, and the end.
+
+The test itself takes part, by the socket for participants on this computer.
+"""
+
+import os
+import socket
+import subprocess
+import sys
+import threading
+import unittest
+
+import rosgraph
+from lockstep_launcher_run import run_programs
+from lockstep_raw_client import GUARD, RawClient, wait_for
+
+from move_base_abstract_ros.lockstep.exchange.connection import Connection
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+OWN = os.sched_getaffinity(0)
+ROUNDS = 60  # `alternate` changes every 10 rounds
+STEP_NS = 10 ** 6
+COORDINATOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes', 'coordinator.py')
+ROBOTS, GOALS = 4, 60
+
+
+class LocalClient(RawClient):
+    """A participant whose process id the time master can see."""
+
+    def __init__(self, address):
+        super().__init__(address)
+        self.socket.close()
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.connect('\0move_base_abstract/' + address)
+
+    def turns(self):
+        """Take turns for ever, and yield in the middle of each."""
+        while True:
+            grant = self.grant()
+            yield
+            self.report(grant, next_ns=grant.time_ns + STEP_NS)
+
+
+@unittest.skipIf(len(OWN) < 2, 'this computer lets the tests use one core only')
+class CoresTest(unittest.TestCase):
+    def setUp(self):
+        self.addCleanup(os.sched_setaffinity, 0, OWN)
+
+    def join(self, cores, others=(), **clock):
+        """Start a time master; return its Loopback, its Child and a participant that has said hello."""
+        ros = Loopback()
+        ros.__enter__()
+        self.addCleanup(ros.close)
+        child = ros.run('time_master', 'time_master', parameters={
+            'mode': 'lockstep', 'participants': ['/raw', *others], 'cores': cores, **clock})
+        master = rosgraph.Master('/test', master_uri=ros.uri)
+        wait_for('the address', lambda: master.hasParam('/time_master/lockstep_address'))
+        client = LocalClient(master.getParam('/time_master/lockstep_address'))
+        self.addCleanup(client.close)
+        return ros, child, client.hello('/raw')
+
+    def test_one_core_of_those_that_a_process_may_use_and_all_back_when_it_leaves(self):
+        ros, _child, client = self.join('one')
+        turns = client.turns()
+        next(turns)
+        one = os.sched_getaffinity(0)
+        self.assertEqual(len(one), 1)
+        self.assertLess(one, OWN)
+        self.assertIn(f'cores of this computer: one (core {min(one)})', self.why(ros))
+        sleeper = subprocess.Popen(['sleep', '600'])  # inherits the core of the thread that starts it
+        self.addCleanup(sleeper.wait)
+        self.addCleanup(sleeper.kill)
+        wait_for('a child has all cores', lambda: next(turns) or os.sched_getaffinity(sleeper.pid) == OWN)
+        client.leave()
+        client.close()
+        wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+
+    def test_a_thread_that_has_its_own_core_keeps_it_and_others_join_on_it(self):
+        asked, go_on, masks = threading.Event(), threading.Event(), []
+
+        def work():
+            os.sched_setaffinity(0, {min(OWN)})
+            asked.set()
+            go_on.wait()
+            masks.append(os.sched_getaffinity(0))
+        thread = threading.Thread(target=work)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(go_on.set)
+        asked.wait()
+        _ros, _child, client = self.join('alternate')
+        for _turn, _number in zip(client.turns(), range(ROUNDS)):
+            pass
+        go_on.set()
+        thread.join()
+        self.assertEqual(masks, [{min(OWN)}])
+
+    def test_it_changes_while_the_run_goes_on_and_who_chooses_himself_is_left_alone(self):
+        _ros, _child, client = self.join('alternate')
+        turns, seen = client.turns(), []
+        for _turn, _number in zip(turns, range(ROUNDS)):
+            seen.append(frozenset(os.sched_getaffinity(0)))
+        self.assertEqual({len(cores) for cores in seen}, {1, len(OWN)})
+        other = {next(iter(OWN - min(seen, key=len)))}
+        os.sched_setaffinity(0, other)
+        for _turn, _number in zip(turns, range(ROUNDS)):
+            self.assertEqual(os.sched_getaffinity(0), other)
+
+    def test_with_a_lookahead_each_participant_has_one_of_several_cores(self):
+        ros, _child, client = self.join('alternate', ['/fleet'], lookahead=STEP_NS / 1e9)
+        fleet = ros.run('fleet', 'fleet', parameters={'robots': [{'name': 'robot_0'}]}).process.pid
+        turns = client.turns()
+        seen = [[os.sched_getaffinity(process) for process in (0, fleet)] for _, _ in zip(turns, range(ROUNDS))]
+        self.assertIn([OWN, OWN], seen)
+        bound = [both for both in seen if {len(cores) for cores in both} == {1}]
+        self.assertGreater(len(bound), ROUNDS / 6)  # not each second one: a long round is given all cores
+        self.assertTrue(all(one.isdisjoint(other) for one, other in bound), bound)
+        while os.sched_getaffinity(0) == OWN:
+            next(turns)
+        wait_for('the state says so', lambda: 'cores of this computer: one each (cores ' in self.why(ros))
+        client.leave()
+        client.close()
+        wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+
+    def test_at_the_end_of_the_run_all_is_given_back_before_it_is_told(self):
+        _ros, child, client = self.join('one')
+        next(client.turns())
+        self.assertEqual(len(os.sched_getaffinity(0)), 1)
+        child.process.terminate()
+        client.end()
+        self.assertEqual(os.sched_getaffinity(0), OWN)
+
+    def test_the_end_of_a_connection_gives_all_back_whoever_ends_it(self):
+        listener = socket.socket(socket.AF_UNIX)
+        self.addCleanup(listener.close)
+        listener.bind('\0move_base_abstract/127.0.0.1:0')  # no time master has port 0
+        listener.listen()
+        connection = Connection('127.0.0.1', 0, 1.0)
+        os.sched_setaffinity(0, {max(OWN)})
+        connection.close()
+        self.assertEqual(os.sched_getaffinity(0), OWN)
+
+    def test_the_log_is_the_same_on_one_core_on_all_and_while_that_changes(self):
+        for lookahead in (0.0, 0.05):
+            with self.subTest(lookahead):
+                logs = [self.log(cores, lookahead) for cores in ('one', 'all', 'alternate', 'auto')]
+                self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
+                self.assertEqual(set(logs), {logs[0]})
+
+    def test_a_program_in_cpp_sees_its_own_cores_and_what_it_starts_has_them(self):
+        run = run_programs({'cores': [find_executable('shim_cores')]}, until=5.0, clock={'cores': 'one'})
+        alone, many = ' 1', f' {len(OWN)}'
+        self.assertEqual(run.printed('cores'), ['has' + alone] + [
+            what + many for what in ('sees', 'thread_sees', 'fork', 'system', 'popen', 'spawn')] + [
+            'has' + alone, 'chose' + many, 'chose' + alone])
+
+    def log(self, cores, lookahead):
+        """Return the event log of a run of a fleet and a coordinator [bytes]."""
+        with Loopback() as ros:
+            path = os.path.join(ros.log_dir, 'events.jsonl')
+            clock = ros.run('time_master', 'time_master', parameters={
+                'mode': 'lockstep', 'participants': ['/fleet', '/coordinator'], 'event_log': path,
+                'end_with': ['/coordinator'], 'cores': cores, 'lookahead': lookahead})
+            ros.run('fleet', 'fleet', parameters={
+                'defaults': {'max_speed': 10.0}, 'robots': [{'name': f'robot_{i}'} for i in range(ROBOTS)]})
+            ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})
+            ros.spawn('/coordinator', ['/usr/bin/python3', COORDINATOR, '__name:=coordinator'])
+            self.assertEqual(clock.process.wait(GUARD), 0)
+            with open(path, 'rb') as stream:
+                return stream.read()
+
+    @staticmethod
+    def why(ros):
+        return subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE, text=True,
+                              timeout=GUARD, check=True).stdout

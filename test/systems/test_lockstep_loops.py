@@ -1,0 +1,126 @@
+"""Scripts that wait in loops without sleep, and scripts that log and publish much while they compute."""
+
+import os
+import sys
+import tempfile
+import unittest
+
+from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_thrice
+from roslib.packages import find_node
+
+# The relay that catkin makes for a script in its devel space.
+RELAY = """#!/usr/bin/python3
+# creates a relay to a python script source file, acting as that file.
+import sys
+sys.path[0] = {0!r}.rpartition('/')[0]
+python_script = {0!r}
+with open(python_script, 'r') as fh:
+    context = {{
+        '__builtins__': __builtins__,
+        '__doc__': None,
+        '__file__': python_script,
+        '__name__': __name__,
+        '__package__': None,
+    }}
+    exec(compile(fh.read(), python_script, 'exec'), context)
+"""
+
+
+class LookingTest(unittest.TestCase):
+    """Loops without sleep see each change at its instant, and the run is repeatable."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.runs = run_thrice({'looking': ['looking.py', 'move_base:=/robot_0/move_base'], 'rival': ['rival.py']},
+                              until=30.0, fleet=[{'name': 'robot_0'}])
+
+    def test_all_runs_are_the_same(self):
+        assert_same(self, self.runs)
+
+    def test_they_go_on_at_the_instant_at_which_something_happens(self):
+        self.assertEqual([line.split(None, 1)[1] for line in self.runs[0].printed('looking')],
+                         ['heard', 'by a flag', 'by the state', 'by the time'])
+        heard, flag, state, time = (float(line.split()[0]) for line in self.runs[0].printed('looking'))
+        self.assertLess(heard, 1.1)
+        # Both only look, so each wait ends at the callback, not at the next step of time.
+        self.assertAlmostEqual(flag, heard + 2.0, places=9)
+        self.assertAlmostEqual(state, flag + 2.0, places=9)
+        self.assertTrue(state + 0.25 <= time <= state + 0.2511, (state, time))
+        self.assertEqual(self.runs[0].printed('rival'), ["%.9f ['there', 'back']" % state])
+
+
+class ExplorerTest(unittest.TestCase):
+    """Loops that look at variables: in a script, in its module, in a thread and in a relay of catkin's."""
+
+    def test_they_go_on_exactly_where_they_do_nothing_but_look(self):
+        with tempfile.TemporaryDirectory() as folder:
+            relay = os.path.join(folder, 'relay')
+            with open(relay, 'w') as script:
+                script.write(RELAY.format(os.path.join(FOLDER, 'explorer.py')))
+            runs = run_thrice({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
+                              until=17.5)
+        assert_same(self, runs)
+        # Frontiers come at 200 Hz from 2 s on, with a word after each 300th. A looking thread sees the end of another
+        # one 10 ms later, or at the next event.
+        self.assertEqual(runs[0].printed('explorer'), [
+            '2.000000000 frontier 0.0', '3.495000000 come', '3.500000000 stopped', '16.995000000 heard'])
+        self.assertEqual(runs[0].printed('relay'), runs[0].printed('explorer'))
+        # They look for ever, but end with the run.
+        self.assertEqual(runs[0].codes, {'explorer': 1, 'relay': 1, 'finder': 0})
+
+    def test_they_go_on_exactly_where_functions_of_the_program_do_nothing_but_look(self):
+        runs = run_thrice({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
+        assert_same(self, runs)
+        self.assertEqual(runs[0].printed('explorer')[-1], '4.995000000 come')
+
+    def test_they_go_on_with_a_label_where_they_may_compute(self):
+        run = run_programs({'explorer': ['explorer.py', '_computes:=true'], 'finder': ['frontier_finder.py']},
+                           until=10.0)
+        self.assertEqual(run.printed('explorer')[-1], '4.995000000 come')
+        with open(os.path.join(FOLDER, 'partner.py')) as script:
+            line = 1 + script.read().splitlines().index('        while not self.has_spoken():')
+        text = 'the loop in {}, line {}, went round 1,000,000 times without a wait'.format(
+            os.path.join(FOLDER, 'partner.py'), line)
+        self.assertEqual(len(run.state.not_repeatable_because), 1)
+        self.assertIn(text, run.state.not_repeatable_because[0])
+        self.assertEqual(len([warning for warning in run.logged('explorer', 'WARN') if text in warning]), 1)
+
+
+class RestlessTest(unittest.TestCase):
+    """Waits that take no time, and a thread that computes until a flag stops it."""
+
+    def test_sleeps_of_no_length_and_questions_to_the_master_let_time_go_on(self):
+        run = run_programs({'restless': ['restless.py', 'event,sleep,yield,parameter']}, until=20.0)
+        *said, asked = run.printed('restless')
+        self.assertEqual([line.split()[1] for line in said], ['event', 'sleep', 'yield', 'parameter'])
+        for number, line in enumerate(said, 2):
+            self.assertAlmostEqual(float(line.split()[0]), number, delta=0.02 * number)
+        self.assertLess(int(asked.split()[1]), 1000)  # about a hundred steps of time
+        self.assertEqual(list(run.state.not_repeatable_because), [])
+
+    def test_a_thread_that_computes_until_it_is_told_to_stop_goes_on_with_a_label(self):
+        run = run_programs({'restless': ['restless.py', 'work']}, until=20.0)
+        self.assertEqual(run.codes, {'restless': 0}, run.outputs)
+        label, = run.state.not_repeatable_because
+        self.assertIn('restless.py, line 19, went round 10,000,000 times without a wait', label)
+
+
+class TalkingTest(unittest.TestCase):
+    """While rospy sends a message or a log line, no other thread gets the turn."""
+
+    def test_a_callback_that_logs_and_publishes_is_not_interrupted(self):
+        run = run_programs({'ledger': ['ledger.py'], 'clerk': ['clerk.py']}, until=5000.0, onlookers=['/notes'],
+                           clock={'speed_limit': 200.0})
+        self.assertEqual(run.outputs['ledger'].count('KeyError'), 0)
+        self.assertEqual(run.printed('ledger'), ['job %d took 0.000000000 s' % number for number in range(3)])
+        self.assertEqual(run.state.degraded_because, [])
+        self.assertNotEqual(run.state.phase, 'zero_delay_loop')
+
+    def test_it_does_not_matter_when_rosout_is_there(self):
+        rosout = find_node('rosout', 'rosout')[0]
+        runs = [run_programs({'accountant': ['accountant.py'], 'clerk': ['clerk.py']}, until=6.0, others=others,
+                             clock={'speed_limit': 2.0})
+                for others in ({'/rosout': ([rosout], 0.0)}, {'/rosout': ([rosout], 1.0)}, {})]
+        assert_same(self, runs)
+        self.assertEqual(runs[0].printed('accountant'), ['job %d took 0.000000000 s' % number for number in range(3)])
+        self.assertEqual(runs[0].outputs['accountant'].count('KeyError'), 0)

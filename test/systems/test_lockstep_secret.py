@@ -1,0 +1,79 @@
+"""A run with a secret: participants of all three kinds have it, and strangers do not get in."""
+
+import os
+import sys
+import unittest
+
+import rosgraph
+from lockstep_raw_client import GUARD, RawClient, wait_for
+
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+ROSPY_NODE = """
+import rospy
+from move_base_abstract_ros import lockstep
+rospy.init_node('rospy_node')
+lockstep.join()
+rospy.spin()
+"""
+NAMES = ('/listener', '/shimmed', '/rospy_node')
+#: the test reads the output of the time master while it runs
+os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
+
+
+def read(child):
+    with open(child.log_path, errors='replace') as log:
+        return log.read()
+
+
+class SecretTest(unittest.TestCase):
+    def setUp(self):
+        self.ros = Loopback()
+        self.ros.__enter__()
+        self.addCleanup(self.ros.close)
+
+    def secret_file(self, mode=0o600):
+        path = os.path.join(self.ros.log_dir, 'secret')
+        with open(path, 'w') as stream:
+            stream.write('open sesame\n')
+        os.chmod(path, mode)
+        return path
+
+    def start(self, **parameters):
+        master = self.ros.run('time_master', 'time_master', parameters=dict(
+            parameters, mode='lockstep', participants=[*NAMES, '/raw']))
+        asked = rosgraph.Master('/test', master_uri=self.ros.uri)
+        wait_for('the address', lambda: asked.hasParam('/time_master/lockstep_address')
+                 or master.process.poll() is not None)
+        return master
+
+    def test_the_library_the_preloaded_one_and_rospy_nodes_read_it_and_strangers_are_kept_out(self):
+        for parameters in ({'lockstep_secret_file': self.secret_file()}, {'lockstep_secret': 'open sesame'}):
+            note = os.path.join(self.ros.log_dir, 'started by ' + min(parameters))
+            master = self.start(note_of_start=note, **parameters)
+            address = rosgraph.Master('/test', master_uri=self.ros.uri).getParam('/time_master/lockstep_address')
+            stranger = RawClient(address)
+            self.addCleanup(stranger.close)
+            with self.assertRaisesRegex(AssertionError, "must have the secret of the run, got none from '/raw'"):
+                stranger.hello('/raw')
+            nodes = [
+                self.ros.run('lockstep_listener', 'listener'),
+                self.ros.spawn('/shimmed', [find_executable('lockstep'), find_executable('shim_listener'),
+                                            '__name:=shimmed']),
+                self.ros.spawn('/rospy_node', [sys.executable, '-c', ROSPY_NODE])]
+            insider = RawClient(address).hello('/raw', secret=b'open sesame')
+            insider.turn()  # time has started, so all four are there
+            wait_for('the start', lambda note=note: os.path.exists(note))
+            self.assertIn("a connection was refused: HELLO must have the secret of the run, got none from '/raw'",
+                          read(master))
+            insider.close()
+            for child in [*nodes, master]:
+                self.ros.end(child)
+            rosgraph.Master('/test', master_uri=self.ros.uri).deleteParam('/time_master')
+
+    def test_a_file_that_others_can_read_is_fatal_for_all(self):
+        path = self.secret_file(0o644)
+        master = self.start(lockstep_secret_file=path)
+        self.assertEqual(master.process.wait(GUARD), 1)
+        words = 'others may use it too; chmod 600 changes that'
+        self.assertRegex(read(master), f'FATAL.*/time_master/lockstep_secret_file must be .*{words}')

@@ -1,0 +1,186 @@
+"""Runs with a lookahead: the times that calls and messages take, and that each run is the same on any machine."""
+import os
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+from busy_cores import busy
+
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
+GUARD = 240.0  # s, wall; only ends a run that would never end
+NS, AHEAD = 1000000000, 50000000
+PACKAGE = """<package format="2"><name>study_of_windows</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+# Programs as people write them. A C++ node repeats the messages of the first; the last asks for its parameters.
+SCRIPTS = {
+    'tells.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import String
+rospy.init_node('tells')
+ticks = rospy.Publisher('/ticks', String, queue_size=5)
+rospy.sleep(0.5)
+rate = rospy.Rate(40)
+for number in range(100):
+    ticks.publish(str(rospy.Time.now().to_nsec()))
+    rospy.set_param('/told', number)
+    rate.sleep()
+""", 'hears.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import String
+rospy.init_node('hears')
+lines = []
+for topic in ('/ticks', '/heard', '/answers'):
+    rospy.Subscriber(topic, String, lambda message, topic=topic: lines.append(
+        '{} {} {}\\n'.format(rospy.Time.now().to_nsec(), topic, message.data)))
+rospy.sleep(8)
+with open(rospy.get_param('~path'), 'w') as stream:
+    stream.writelines(lines)
+""", 'asks.py': """#!/usr/bin/env python3
+import rospy
+rospy.init_node('asks')
+lines = []
+for number in range(60):
+    rospy.sleep(0.033)
+    topics = [name for name, _ in rospy.get_published_topics()] if number % 20 == 0 else ''
+    lines.append('{} {} {}\\n'.format(rospy.Time.now().to_nsec(), rospy.get_param('/told', -1), topics))
+with open(rospy.get_param('~path'), 'w') as stream:
+    stream.writelines(lines)
+"""}
+LAUNCH = """<launch>
+  <arg name="path"/>
+  <node pkg="study_of_windows" type="tells.py" name="tells"/>
+  <node pkg="study_of_windows" type="asks.py" name="asks"><param name="path" value="$(arg path).asks"/></node>
+  <node pkg="study_of_windows" type="hears.py" name="hears" required="true">
+    <param name="path" value="$(arg path).hears"/>
+  </node>
+  <node pkg="move_base_abstract" type="shim_listener" name="relay"/>
+  <node pkg="move_base_abstract" type="shim_calls" name="server"><param name="work" value="0.02"/></node>
+  <node pkg="move_base_abstract" type="shim_calls" name="client"><param name="client" value="true"/></node>
+</launch>
+"""
+
+
+def descendants(pid):
+    """Return the ids of all processes below a process."""
+    found = []
+    try:
+        for task in os.listdir('/proc/{}/task'.format(pid)):
+            with open('/proc/{}/task/{}/children'.format(pid, task)) as stream:
+                for child in map(int, stream.read().split()):
+                    found += [child, *descendants(child)]
+    except OSError:  # it has ended in the meantime
+        pass
+    return found
+
+
+def stop_some(process):
+    """Stop one process below a process for up to 0.05 s (wall), then another one, until the process ends."""
+    chance = random.Random(5)
+    while process.poll() is None:
+        children = descendants(process.pid)
+        if children:
+            child = chance.choice(children)
+            try:
+                os.kill(child, signal.SIGSTOP)
+                time.sleep(chance.uniform(0.0, 0.05))
+                os.kill(child, signal.SIGCONT)
+            except ProcessLookupError:
+                pass
+        time.sleep(0.02)
+
+
+class WindowsTest(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix='lockstep_windows_')
+        self.addCleanup(shutil.rmtree, self.folder)
+        for name, text in {'package.xml': PACKAGE, 'all.launch': LAUNCH, **SCRIPTS}.items():
+            with open(self.path(name), 'w') as stream:
+                stream.write(text)
+            os.chmod(self.path(name), 0o755)
+        self.environment = dict(os.environ, ROS_PACKAGE_PATH=os.pathsep.join(
+            [self.folder, os.environ['ROS_PACKAGE_PATH']]))
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_it(self, name, *words, prefix=(), disturb=None):
+        """Run a launch file with a lookahead; return (its events, the end of its log)."""
+        command = [*prefix, find_executable('lockstep_launch'), '--lookahead', '0.05', '--log-messages',
+                   '--event-log', self.path(name + '.jsonl'), *words]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              env=self.environment) as process:
+            if disturb is not None:
+                threading.Thread(target=disturb, args=(process,), daemon=True).start()
+            output, _ = process.communicate(timeout=GUARD)
+        self.assertEqual(process.returncode, 0, output)
+        with open(self.path(name + '.jsonl')) as stream:
+            log = EventLog(stream.readlines(), name)
+        events = [event.compared for event in log]
+        self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
+        return events, log.end
+
+    def lines(self, name):
+        with open(self.path(name)) as stream:
+            return stream.read().splitlines()
+
+    def test_everything_takes_exactly_the_lookahead_and_every_run_is_the_same(self):
+        runs = []
+        for name, prefix, disturb, load in (('a', (), None, 0), ('b', ('taskset', '-c', '0'), None, 2),
+                                            ('c', (), stop_some, 0)):
+            with busy(load):
+                events, end = self.run_it(name, self.path('all.launch'), 'path:=' + self.path(name), prefix=prefix,
+                                          disturb=disturb)
+            self.assertEqual((end['ended_by'], end['node'], end['at_ns']), ('departure', '/hears', 9 * 10 ** 9))
+            runs.append((events, end, self.lines(name + '.hears'), self.lines(name + '.asks')))
+        self.assertEqual(runs[0], runs[1])
+        self.assertEqual(runs[0], runs[2])
+        heard = [line.split(' ', 2) for line in runs[0][2]]
+        ticks = [(int(now), int(text)) for now, topic, text in heard if topic == '/ticks']
+        self.assertEqual(ticks, [(sent + AHEAD, sent) for sent in range(3 * NS // 2, 4 * NS, NS // 40)])
+        relayed = [(int(now), text) for now, topic, text in heard if topic == '/heard']
+        self.assertEqual(relayed, [(sent + 2 * AHEAD, '{} heard {}'.format(sent + AHEAD, sent)) for _, sent in ticks])
+        # The request takes 0.05 s, the server 0.02 s, the answer 0.05 s, and the message about it 0.05 s.
+        answers = [(int(now), text) for now, topic, text in heard if topic == '/answers']
+        self.assertEqual(answers, [(3 * NS + AHEAD, '{} not found'.format(3 * NS)),
+                                   (3 * NS + 2 * AHEAD, '{} found'.format(3 * NS + AHEAD))] + [
+            (called + 170000000, '{} at {}'.format(called + 120000000, called + 70000000))
+            for called in range(3 * NS + AHEAD, 9 * NS, NS)])
+        # A value is not seen before it is set, and it is seen one lookahead later at the latest.
+        for line in runs[0][3]:
+            now, told, _ = line.split(' ', 2)
+            since = int(now) - 3 * NS // 2
+            self.assertLessEqual(int(told), max(since // (NS // 40), -1))
+            self.assertGreaterEqual(int(told), min((since - AHEAD) // (NS // 40), 99))
+
+    def test_a_whole_system_with_actions_and_a_bag_is_the_same_on_one_core(self):
+        runs = [self.run_it(name, SYSTEM, 'bag:=' + self.path(name), 'tasks:=6', prefix=prefix)
+                for name, prefix in (('a', ()), ('b', ('taskset', '-c', '0')))]
+        self.assertGreater(len(runs[0][0]), 100)
+        self.assertEqual(runs[0][0], runs[1][0])
+        self.assertEqual(*[end['bags'][0]['sha256'] for _, end in runs])
+
+    def test_a_lookahead_is_refused_where_no_node_waits_for_another(self):
+        with Loopback() as ros:
+            done = subprocess.run([find_executable('time_master'), '_mode:=scaled', '_lookahead:=0.05'],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD,
+                                  env=dict(os.environ, ROS_MASTER_URI=ros.uri, ROS_IP='127.0.0.1'), check=False)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn('lookahead must be 0 in mode scaled', done.stdout)
+
+    def test_a_lookahead_that_cannot_be_is_refused_before_anything_starts(self):
+        for value, got in (('-1', '-1.0'), ('nan', 'nan'), ('1e-9', '1e-09'), ('5000', '5000.0'), ('abc', "'abc'")):
+            told = subprocess.run([find_executable('lockstep_launch'), '--lookahead=' + value, 'any.launch'], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=GUARD, check=False)
+            self.assertEqual(told.returncode, 2)
+            self.assertIn('--lookahead: got {}; allowed: a number in 1e-06..1000 [s, simulated], or 0, or network\n'
+                          .format(got), told.stderr)

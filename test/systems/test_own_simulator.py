@@ -1,0 +1,43 @@
+"""A user's own simulator and controllers in lockstep, without nodes of this package: the same bytes in each run."""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from busy_cores import busy
+
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 120.0  # s, wall; only ends a run that would never end
+
+
+class OwnSimulatorTest(unittest.TestCase):
+    def run_it(self, *options, load=0):
+        """Run the example; return (output, bytes of the event log)."""
+        folder = tempfile.mkdtemp()
+        path = os.path.join(folder, 'run.jsonl')
+        words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *options,
+                 'move_base_abstract', 'own_simulator.launch']
+        with busy(load):
+            done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
+                                  universal_newlines=True, env=dict(os.environ, ROS_HOME=folder, ROS_LOG_DIR=folder))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        with open(path, 'rb') as stream:
+            return done.stdout, stream.read()
+
+    def test_it_runs_the_same_at_any_load_and_on_any_cores_and_another_seed_has_other_noise(self):
+        said, log = self.run_it()
+        self.assertEqual(sorted(set(re.findall(r"'(/\S+)' takes part", said))), [
+            '/robot_0/controller', '/robot_0/simulator', '/robot_1/controller', '/robot_1/simulator'])
+        self.assertRegex(said, r'the run ended at 11\.62 s after \d+ rounds')
+        for options, load in (((), 2), (('--cores', 'all'), 0), (('--cores', 'one'), 2)):
+            self.assertEqual(self.run_it(*options, load=load)[1], log)
+        reader = EventLog(log.decode().splitlines(keepends=True), 'run.jsonl')
+        events = list(reader)
+        self.assertTrue(reader.end['repeatable'])
+        self.assertGreater(len(events), 1000)
+        self.assertEqual({event.robot.strip('/').split('/')[0] for event in events} - {''}, {'robot_0', 'robot_1'})
+        self.assertNotEqual(self.run_it('--seed', '2')[1], log)

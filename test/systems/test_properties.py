@@ -1,0 +1,126 @@
+"""Statements of nodes in Python, in C++ and by topic become the same rows; a broken one fails the run."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+import psutil
+
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 120.0  # s, wall
+PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+IN_PYTHON = """#!/usr/bin/env python3
+import rospy
+from move_base_abstract.properties import always, never_again, sometimes
+rospy.init_node('x')
+for k in range(5):
+    rospy.sleep(1.0)
+    always(k < 3, 'k stays small', k=k, **{'a\\n"b"': 0.5})
+    sometimes(k > 10, 'k gets large')
+    sometimes(k > 1, 'k gets past 1')
+    never_again(k % 2 == 1, 'k is odd once')
+"""
+ENDLESS = """#!/usr/bin/env python3
+import rospy
+rospy.init_node('endless')
+while not rospy.is_shutdown():
+    rospy.sleep(1.0)
+"""
+BY_TOPIC = """#!/usr/bin/env python3
+import json
+import rospy
+from std_msgs.msg import String
+rospy.init_node('x')
+said = rospy.Publisher('/properties', String, queue_size=10)
+for k in range(5):
+    rospy.sleep(1.0)
+    for kind, holds, text, details in (
+            ('always', k < 3, 'k stays small', {'k': k, 'a\\n"b"': 0.5}), ('sometimes', k > 10, 'k gets large', {}),
+            ('sometimes', k > 1, 'k gets past 1', {}), ('never_again', k % 2 == 1, 'k is odd once', {})):
+        said.publish(json.dumps({'kind': kind, 'holds': holds, 'text': text, 'details': details}))
+    said.publish('{"kind": "always", "holds": 1}')
+"""
+LAUNCH = """<launch>
+  <node pkg="study_of_others" type="stater" name="stater"/>
+  <node pkg="study_of_others" type="topic" name="topic"/>
+  <node pkg="move_base_abstract" type="property_monitor" name="property_monitor"/>
+  <node pkg="move_base_abstract" type="shim_statements" name="shim"/>
+  <node pkg="move_base_abstract" type="lockstep_statements" name="library"/>
+</launch>
+"""
+ROWS = [
+    [2, ['always', 'k stays small', 'stated']], [2, ['sometimes', 'k gets large', 'stated']],
+    [2, ['sometimes', 'k gets past 1', 'stated']], [2, ['never_again', 'k is odd once', 'stated']],
+    [4, ['sometimes', 'k gets past 1', 'held']],
+    [5, ['always', 'k stays small', 'broken', 'a "b"=0.5', 'k=3']], [5, ['never_again', 'k is odd once', 'broken']]]
+
+
+class PropertiesTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        for name, text in (('stater', IN_PYTHON), ('topic', BY_TOPIC), ('package.xml', PACKAGE),
+                           ('system.launch', LAUNCH)):
+            with open(os.path.join(self.folder, name), 'w') as stream:
+                stream.write(text)
+            os.chmod(stream.name, 0o755)
+        path = '{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH'])
+        self.environment = dict(os.environ, ROS_PACKAGE_PATH=path)
+
+    def run_it(self, program, *words):
+        """Run a program; return (exit code, output)."""
+        done = subprocess.run([sys.executable, find_executable(program), *words], env=self.environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False)
+        return done.returncode, done.stdout
+
+    def test_statements_are_the_same_rows_whoever_makes_them_and_breaks_are_told(self):
+        log = os.path.join(self.folder, 'events.jsonl')
+        code, said = self.run_it('lockstep_launch', '--check', '--event-log', log,
+                                 os.path.join(self.folder, 'system.launch'))
+        self.assertEqual(code, 4, said)
+        with open(log) as stream:
+            events = list(EventLog(stream, log))
+        for node in ('/stater', '/topic', '/shim', '/library'):
+            self.assertEqual([[one.time_ns // 10 ** 9, json.loads(one.values)] for one in events
+                              if one.kind == 'property' and one.robot == node], ROWS, node + said)
+            self.assertIn('broken: always: at 5.000000000 s, {}: k stays small (a "b"=0.5, k=3)'.format(node), said)
+        self.assertRegex(said, 'a message of /topic on /properties is not a statement: got .*; allowed: an object with')
+
+    def test_a_run_that_breaks_something_fails_as_a_test_in_words(self):
+        results = os.path.join(self.folder, 'results.xml')
+        with open(os.path.join(self.folder, 'system.launch'), 'w') as stream:
+            stream.write('<launch><node pkg="study_of_others" type="stater" name="stater"/></launch>')
+        code, said = self.run_it('run_checked', stream.name, '--gtest_output=xml:' + results, '__name:=x')
+        self.assertEqual(code, 1, said)
+        cases = {case.get('name'): [one.get('message') for one in case] for case in ElementTree.parse(results).iter(
+            'testcase')}
+        self.assertEqual({name: told for name, told in cases.items() if told}, {
+            'always: /stater: k stays small':
+                ['always: at 5.000000000 s, /stater: k stays small (a "b"=0.5, k=3)'],
+            'never_again: /stater: k is odd once': ['never_again: at 5.000000000 s, /stater: k is odd once']})
+        self.assertEqual(len(cases), 1 + 7 + 2)
+
+    def test_a_test_that_is_ended_leaves_nothing_behind(self):
+        launch = '<launch><node pkg="study_of_others" type="endless" name="endless"/></launch>'
+        for name, text in (('endless', ENDLESS), ('endless.launch', launch)):
+            with open(os.path.join(self.folder, name), 'w') as stream:
+                stream.write(text)
+            os.chmod(stream.name, 0o755)
+        with subprocess.Popen([sys.executable, find_executable('run_checked'), stream.name], env=self.environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as test:
+            told = next((line for line in test.stdout if 'process[endless' in line), None)
+            family = psutil.Process(test.pid).children(recursive=True)
+            test.terminate()
+            said = test.stdout.read()
+        self.assertTrue(told)
+        self.assertIn('the run comes to its end: broken', said)
+        self.assertGreaterEqual(len(family), 3, family)
+        _gone, alive = psutil.wait_procs(family, timeout=GUARD)
+        self.assertEqual(alive, [])

@@ -1,0 +1,159 @@
+"""ROS masters and Python nodes as forks of a process that has imported all modules, so that they start sooner.
+
+    from warm import Loopback            # instead of the one of move_base_abstract_ros.loopback
+
+This Loopback starts Python scripts and the launcher as such forks, if that makes no difference for them. A fork has the
+environment, files, signals and process group that it would have otherwise. A command that needs another Python, other
+options of Python or another environment of Python is started anew. There are two processes to fork from; each starts
+when it is first needed. Forks for the launcher have the order of sets, the layout of memory and the library with which
+the launcher would start again; all others have those of the test. `Loopback(is_warm=False)` starts everything anew.
+"""
+import functools
+import importlib
+import os
+import socket
+import subprocess
+import sys
+
+from move_base_abstract.common import processes, sockets
+from move_base_abstract_ros import loopback
+from move_base_abstract_ros.launching import request, ros_master, warm_nodes, warm_process
+from move_base_abstract_ros.lockstep.programs import address_layout, native_library
+
+GUARD = 60.0  # s, wall
+LAUNCHER, PLAIN = 'launcher', 'plain'
+_HERE = os.path.dirname(os.path.abspath(__file__))
+_MASTER = 'a ROS master'
+_CODE = ('import sys; path = sys.path[1:]; sys.path[0] = {!r}; from warm import main; del sys.modules["warm"]; '
+         'become = main({!r}, {}, path); become and become()')
+_SPACE = ' ' * 4000  # room in the command line, in which each fork shows its own
+
+
+class Loopback(loopback.Loopback):
+    """A Loopback whose ROS master and Python nodes are forks."""
+
+    def __init__(self, use_sim_time=True, is_warm=True):
+        """Make a Loopback; is_warm: whether processes are forks, otherwise each is started anew."""
+        super().__init__(use_sim_time)
+        self.is_warm = is_warm
+
+    def close(self, keep_logs=False):
+        """End all children. Their logs stay: they are shown if the test fails, and go with the tests' own folder."""
+        super().close(keep_logs=True)
+
+    def _start_master(self):
+        if not self.is_warm:
+            super()._start_master()
+            return
+        self.uri = ''
+        told, tell = os.pipe()
+        log_path = self._log_path('rosmaster')
+        with open(log_path, 'wb') as log:
+            forked = _parent(PLAIN).fork([_MASTER], self.environment, [tell, log.fileno()])
+        self._child('rosmaster', forked, log_path)
+        os.close(tell)
+        with os.fdopen(told) as stream:
+            self.uri = stream.read()
+        self.check()
+        self.set_param('/use_sim_time', self._use_sim_time)
+
+    def _start(self, command, log):
+        kind, words = kind_of(command) if self.is_warm else (None, command)
+        if kind is None:
+            return super()._start(command, log)
+        return _parent(kind).fork(words, self.environment, [log.fileno()] * 2)
+
+
+def kind_of(command):
+    """Return (kind of the process to fork from, or None; words of the command line without Python's)."""
+    if command[0] == sys.executable and os.path.isfile(command[1]):
+        words = command[1:]
+    elif processes.interpreter_of(command[0]) == sys.executable or (
+            os.path.dirname(command[0]) == os.path.dirname(launcher()) and processes.interpreter_of(command[0])):
+        words = command
+    else:
+        return None, command
+    return LAUNCHER if words[0] == launcher() else PLAIN, words
+
+
+@functools.lru_cache(maxsize=None)
+def launcher():
+    """Return the path of the launcher."""
+    return loopback.find_executable('lockstep')
+
+
+@functools.lru_cache(maxsize=None)
+def _parent(kind):
+    return _Parent(kind)
+
+
+class _Parent:
+    """A process to fork from. Make it in the main thread, since the kernel ends it with that thread."""
+
+    def __init__(self, kind):
+        processes.adopt_orphans()
+        self._socket, its = sockets.pair()
+        self._socket.settimeout(GUARD)
+        environment = {**os.environ, **processes.ONE_THREAD}
+        if kind == LAUNCHER:
+            environment.setdefault('PYTHONHASHSEED', '0')
+            native_library.preload(environment)
+        code = _CODE.format(_HERE, kind, its.fileno())
+        self._process = subprocess.Popen([sys.executable, '-c', code, _SPACE], env=environment,
+                                         stdin=subprocess.DEVNULL, pass_fds=[its.fileno()])
+        its.close()
+
+    def fork(self, words, environment, outputs):
+        """Fork for a command line; return the processes.Forked."""
+        request.send(self._socket, request.Request(words, environment, os.getcwd(), outputs))
+        return processes.Forked(request.receive_answer(self._socket))
+
+
+def main(kind, descriptor, path):
+    """Serve until the test ends; in a fork, return the function that it must call. path: Python's own sys.path[1:]."""
+    processes.die_with(os.getppid())
+    if kind == LAUNCHER and address_layout.choose(os.environ):
+        native_library.preload(os.environ)
+        with open('/proc/self/cmdline', 'rb') as stream:
+            os.execv(sys.executable, stream.read().split(b'\0')[:-1])
+    os.setsid()
+    for name in warm_nodes.MODULES:
+        importlib.import_module(name)
+    if kind == LAUNCHER:
+        from move_base_abstract_ros.replacing import replaced
+        replaced.look_up()
+    warm_nodes.log_settings()
+    own_launcher = launcher()
+    if kind == PLAIN:
+        sys.path[1:] = path  # without the entries that imports have added
+    else:
+        sys.path[sys.path.index(_HERE)] = os.path.dirname(own_launcher)
+    return warm_process.serve(socket.socket(fileno=descriptor), lambda asked: _become(asked, own_launcher))
+
+
+def _become(asked, own_launcher):
+    """Become the program that was asked for; if a fork cannot be it, start it anew."""
+    processes.die_with(os.getppid())
+    if asked.words == [_MASTER]:
+        _be_master(asked)
+        return
+    environment = warm_nodes.with_log_settings(asked.environment)
+    if asked.words[0] == own_launcher:
+        environment = {'PYTHONHASHSEED': os.environ['PYTHONHASHSEED'], **environment}  # otherwise it would start again
+    processes.show_name('python3', sys.executable, *asked.words)
+    if warm_nodes.may_become(asked.words, environment, own_launcher):
+        warm_nodes.become(asked.words, environment)
+    else:
+        os.execve(sys.executable, [sys.executable, *asked.words], asked.environment)
+
+
+def _be_master(asked):
+    """Become a ROS master, and write its URI to the standard output, which is then closed."""
+    processes.show_name('rosmaster', 'rosmaster', '--core')
+    os.environ.clear()
+    os.environ.update(asked.environment)
+
+    def tell(uri):
+        os.write(1, uri.encode())
+        os.dup2(2, 1)
+    ros_master.serve(tell)
