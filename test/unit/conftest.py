@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
+from night import times
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
 
@@ -33,7 +34,7 @@ from move_base_abstract.motion.leg import MotionLimits, Tolerances  # noqa: E402
 from move_base_abstract.motion.robot import Robot  # noqa: E402
 
 # Every run takes the same examples, however slow the machine is: what is found by chance is found by `make explore`.
-settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=150,
+settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=times(40, 600),
                           suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile('explore', settings.get_profile('repeatable'), derandomize=False, print_blob=True,
                           max_examples=int(os.environ.get('EXAMPLES') or 5000))
