@@ -24,6 +24,11 @@ def times(day, night):
     return night if is_night() else day
 
 
+def runs_of_a_scenario():
+    """Return how many times a system runs whose results must be equal: once by day, NIGHT times by night."""
+    return int(float(os.environ[NAME])) if is_night() else 1
+
+
 def pytest_collection_modifyitems(config, items):
     """Leave out the tests of the night by day, unless ``-m`` chooses among all."""
     if is_night() or config.option.markexpr:

@@ -29,7 +29,7 @@ def pytest_configure(config):
 
 def pytest_collection_modifyitems(items):
     """Refuse two files that are nodes in one process."""
-    nodes = sorted({item.module.__name__ for item in items if getattr(item.module, 'NODE', None)})
+    nodes = sorted({item.module.__name__ for item in items if getattr(item.module, 'OWN_NODE', None)})
     if len(nodes) > 1:
         raise pytest.UsageError('{}: each of these files is a ROS node; give pytest one of them, or `make test ONLY=...`'
                                 .format(', '.join(nodes)))
@@ -37,13 +37,13 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope='module', autouse=True)
 def launch_of_the_file(request):
-    """Start the file's LAUNCH before its first test, and end it after its last one."""
-    text = getattr(request.module, 'LAUNCH', None)
+    """Start the file's LAUNCH_FILE before its first test, and end it after its last one."""
+    text = getattr(request.module, 'LAUNCH_FILE', None)
     if text is None:
         yield None
         return
     from launched import launched
-    with launched(text, getattr(request.module, 'NODE', None)) as ros:
+    with launched(text, getattr(request.module, 'OWN_NODE', None)) as ros:
         yield ros
 
 

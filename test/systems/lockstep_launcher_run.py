@@ -18,7 +18,7 @@ import threading
 import time
 from types import SimpleNamespace
 
-from busy_cores import busy
+from scenarios import Condition, repeated
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
@@ -50,17 +50,17 @@ class Run:
         return [line for line in lines if line.startswith('[{}]'.format(level))]
 
 
-def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
-                 onlookers=(), others=None, guard=GUARD, is_warm=True, ahead=0.0):
+def run_programs(programs, until, fleet=(), parameters=None, clock=None, condition=Condition(), commands=None,
+                 onlookers=(), others=None, guard=GUARD, ahead=0.0):
     """Run programs {name: words} in lockstep, and robots.
 
-    parameters: {name: value} of ROS; clock: parameters of the time master; load: number of cores to keep busy;
+    parameters: {name: value} of ROS; clock: parameters of the time master; condition: what else happens meanwhile;
     commands: whole command lines of programs that are started in another way; onlookers: topics of texts to which an
     onlooker listens; others: {name: (command line, s)} of programs that take no part, and are stopped at their start
-    for this long [s, wall]; guard: time after which a run is given up [s, wall]; is_warm: whether processes are forks;
+    for this long [s, wall]; guard: time after which a run is given up [s, wall];
     ahead: time by which programs start before the time master [s, wall].
     """
-    with Loopback(is_warm=is_warm) as ros:
+    with Loopback(is_warm=condition.is_warm) as ros:
         for name, value in (parameters or {}).items():
             ros.set_param(name, value)
         log = os.path.join(ros.log_dir, 'run.jsonl')
@@ -68,8 +68,8 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
         children = _spawn_ahead(ros, ahead, programs, commands)
         master = ros.run('time_master', 'time_master', parameters=dict(
             {'mode': 'lockstep', 'participants': names, 'event_log': log, 'log_messages': True, 'start_paused': True,
-             'state_rate': 50.0}, **(clock or {})))
-        with busy(load):
+             'state_rate': 50.0}, **condition.clock, **(clock or {})))
+        with condition.around():
             for name, (words, pause) in (others or {}).items():
                 _stop_for(pause, ros.spawn(name, [*words, *remaps(name.strip('/'))]))
             for topic in onlookers:
@@ -138,17 +138,14 @@ def _end(ros, children):
     return outputs, codes
 
 
-def run_thrice(*args, before=None, **kwds):
-    """Run twice under load at full speed, and once limited to 50 times real time; return the runs.
-
-    The processes of the last run are started anew, the others are forks. before() is called before each run.
-    """
-    runs = []
-    for extra in ({'load': os.cpu_count()}, {'load': 1}, {'clock': {'speed_limit': 50.0}, 'is_warm': False}):
+def run_scenario(programs, until, before=None, name='', **kwds):
+    """Run programs as a scenario, and return the runs; see run_programs. before() is called before each run."""
+    def run(condition):
         if before is not None:
             before()
-        runs.append(run_programs(*args, **extra, **kwds))
-    return runs
+        return run_programs(programs, until, condition=condition, **kwds)
+    return repeated(name or '; '.join(' '.join(map(str, words)) for words in programs.values()), run,
+                    lambda one: one.log)
 
 
 def command(words, name):

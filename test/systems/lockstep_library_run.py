@@ -11,6 +11,7 @@ import shutil
 import sys
 import time
 
+from scenarios import Condition
 from warm import Loopback
 
 GUARD = 40.0  # s, wall
@@ -65,23 +66,24 @@ class Runs:
         return self.ros.spawn(f'/{role}', command)
 
     def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False, onlook='',
-            is_warm=True, **settings):
+            condition=Condition(), **settings):
         """Run until all nodes have ended by themselves; outsiders do not take part, and are ended.
 
-        onlook: a topic to which an onlooker listens; is_warm: whether nodes are forks, otherwise each is started anew;
+        onlook: a topic to which an onlooker listens; condition: what else happens meanwhile;
         settings: parameters of the time master.
         """
-        self.ros.is_warm = is_warm
+        self.ros.is_warm = condition.is_warm
         for name, value in (parameters or {}).items():
             self.ros.set_param(name, value)
-        master, path = self.start_master(roles, log_messages=log_messages, **settings)
+        master, path = self.start_master(roles, log_messages=log_messages, **condition.clock, **settings)
         others = [self.start_node(module, role) for role in outsiders]
         nodes = {role: self.start_node(module, role, adverse) for role in roles}
         command = [shutil.which('rostopic'), 'echo', '-n', '1', onlook]
         onlooker = self.ros.spawn('/onlooker', command) if onlook else None
         try:
-            for node in nodes.values():
-                wait_for_end(node, nodes)
+            with condition.around():
+                for node in nodes.values():
+                    wait_for_end(node, nodes)
             if onlooker is not None:
                 wait_for_end(onlooker)
                 assert '---' in read(onlooker), read(onlooker)

@@ -8,11 +8,10 @@ import json
 import os
 import shutil
 import signal
-import subprocess
-import sys
 import time
 
 import rosgraph
+from scenarios import Condition, repeated
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
@@ -20,9 +19,6 @@ from move_base_abstract_ros.loopback import find_executable
 GUARD = 40.0  # s, wall
 # the tests read the programs' logs while they run
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
-#: a program that keeps a core busy
-# It ends with the process that started it, also if a test is killed.
-LOAD = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    sum(range(1000))\n'
 
 
 def own(name):
@@ -85,24 +81,24 @@ class Runs:
         master = rosgraph.Master('/run', master_uri=self.ros.uri)
         return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
 
-    def three(self, programs):
-        """Return three runs that must be the same: alone, under load, and slowed down with launchers started anew."""
-        return [self.run(programs), self.run(programs, load=True),
-                self.run(programs, is_warm=False, speed_limit=50.0)]
+    def scenario(self, programs):
+        """Run programs as a scenario; return the runs, whose events must be the same."""
+        return repeated(', '.join(' '.join([program.name, *map(str, program.parameters.values())]) for program in programs),
+                        lambda condition: self.run(programs, condition=condition),
+                        lambda run: repr(run.events).encode())
 
-    def run(self, programs, load=False, ask_why=False, onlook=(), is_warm=True, **parameters):
+    def run(self, programs, condition=Condition(), ask_why=False, onlook=(), **parameters):
         """Run until the first program has ended by itself; then end the others.
 
         onlook: topics to which onlookers listen; they come during the run, and each must hear a message.
-        is_warm: whether Python processes are forks.
+        condition: what else happens meanwhile; parameters: of the time master.
         """
-        with Loopback(is_warm=is_warm) as self.ros:
+        with Loopback(is_warm=condition.is_warm) as self.ros:
             path = os.path.join(self.ros.log_dir, 'events.jsonl')
             master = self.ros.run('time_master', 'time_master', parameters={
                 'mode': 'lockstep', 'participants': [f'/{program.name}' for program in programs], 'event_log': path,
-                'log_messages': True, **parameters})
-            burners = [subprocess.Popen([sys.executable, '-c', LOAD]) for _ in range(2 if load else 0)]
-            try:
+                'log_messages': True, **condition.clock, **parameters})
+            with condition.around():
                 children = [self.start(program) for program in programs]
                 onlookers = [self.ros.spawn('/onlooker', [shutil.which('rostopic'), 'echo', '-n', '1', topic])
                              for topic in onlook]
@@ -112,10 +108,6 @@ class Runs:
                     assert '---' in read(onlooker), read(onlooker)
                 values = self.parameters(programs[0])
                 why = self.ask_why() if ask_why else ''
-            finally:
-                for burner in burners:
-                    burner.kill()
-                    burner.wait()
             for child, program in zip(children, programs):
                 child.signal(program.ends_by)
             for child in children:

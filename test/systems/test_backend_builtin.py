@@ -11,7 +11,7 @@ from robot_harness import GUARD, RawClient, Record, active_since_ns, go, pose_st
 
 from move_base_abstract.srv import SetPose
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- tf, pose topics and teleports of the built-in simulator -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>
@@ -39,7 +39,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'backend_builtin_test'
+OWN_NODE = 'backend_builtin_test'
 
 REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 

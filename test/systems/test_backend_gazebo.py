@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Log
 
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the backend gazebo with a stand-in for its service in the test, since Debian has neither simulator -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>
@@ -40,7 +40,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'gazebo'
+OWN_NODE = 'gazebo'
 
 INSTALLED = importlib.util.find_spec('gazebo_msgs') is not None
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'data', 'gazebo_fake'))

@@ -15,7 +15,7 @@ from rosgraph_msgs.msg import Clock, Log
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros.messages import conversions
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the backend stage_ros with a stand-in for Stage in the test, since Debian has neither simulator -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="2"/>
@@ -47,7 +47,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'stageros'
+OWN_NODE = 'stageros'
 
 QUARTER_TURN = 1.5707963267948966
 PERIOD = 0.05  # s, wall

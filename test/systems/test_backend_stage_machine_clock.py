@@ -10,7 +10,7 @@ import unittest
 import rospkg
 import rospy
 
-NODE = 'backend_stage_machine_clock_test'
+OWN_NODE = 'backend_stage_machine_clock_test'
 
 GUARD = 30.0
 FAKE_GAZEBO = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'test', 'data', 'gazebo_fake')

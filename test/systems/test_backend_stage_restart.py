@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 from move_base_abstract.msg import TimedTaskActionGoal, TimedTaskActionResult
 from move_base_abstract_ros.messages import conversions
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a Stage that dies and is started again; a process of the test stands in for it -->
   <param name="/use_sim_time" value="true"/>
   <node pkg="move_base_abstract" type="fleet" name="fleet" required="true">
@@ -34,7 +34,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'backend_stage_restart_test'
+OWN_NODE = 'backend_stage_restart_test'
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 RESTARTED = 'Aborting on the goal because simulated time has started anew'

@@ -19,7 +19,7 @@ from robot_harness import (
     simple_client,
 )
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the life cycle of goals as move_base's clients know it, by raw topics and stock clients -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
@@ -29,7 +29,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'contract_goals_test'
+OWN_NODE = 'contract_goals_test'
 
 NAN = float('nan')
 FAR = 2000.0  # m; long enough to be still under way when the test acts

@@ -15,7 +15,7 @@ from nav_msgs.srv import GetPlan, SetMap
 from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
 from std_srvs.srv import Empty
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- two robots under namespaces: names, services, dynamic_reconfigure, frames, goals that cannot be reached -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="50"/>
@@ -44,7 +44,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'contract_interface_test'
+OWN_NODE = 'contract_interface_test'
 
 OUTSIDE = 1010.0  # m, x; the world ends at 1000
 REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')

@@ -5,7 +5,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from robot_harness import RawClient, active_since_ns, pose_stamped
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- no time master: the robot uses the machine's clock, as move_base does -->
   <param name="/use_sim_time" value="false"/>
   <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
@@ -13,7 +13,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'contract_machine_clock_test'
+OWN_NODE = 'contract_machine_clock_test'
 
 
 class MachineClock(unittest.TestCase):

@@ -6,7 +6,7 @@ from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseGoal
 from robot_harness import pose_stamped, simple_client
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a stock client that gets its results as early as possible -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="100"/>
@@ -16,7 +16,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'contract_stock_client_test'
+OWN_NODE = 'contract_stock_client_test'
 
 GOALS = 1000
 LOST = rospy.Duration(3000.0)  # simulated; 30 s of wall time

@@ -21,14 +21,14 @@ from rospy.impl.registration import get_registration_listeners
 
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the first goal of clients that start before the servers -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
   </include>
 </launch>
 """
-NODE = 'first_goal_test'
+OWN_NODE = 'first_goal_test'
 
 
 class MasterProxy:

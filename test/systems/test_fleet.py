@@ -21,7 +21,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.srv import AddRobot, Fail, RemoveRobot, SetCharge
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- twenty robots in two processes -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
@@ -32,7 +32,7 @@ LAUNCH = """
   </include>
 </launch>
 """
-NODE = 'fleet_test'
+OWN_NODE = 'fleet_test'
 
 #: a YAML text of about 200 bytes that expands to 9 ** 6 values
 EXPLODING = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + ''.join('{0}: &{0} [{1}]\n'.format(name, ', '.join(

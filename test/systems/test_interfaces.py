@@ -9,7 +9,7 @@ import rospy
 import rosservice
 import yaml
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- topics, services and actions of running nodes are those of docs/nodes/interfaces.yaml -->
   <include file="$(find move_base_abstract)/launch/time_master.launch"/>
   <node pkg="move_base_abstract" type="map_server" name="map_server"
@@ -37,7 +37,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'interfaces_test'
+OWN_NODE = 'interfaces_test'
 
 GUARD = 150.0  # s, wall
 PACKAGE = rospkg.RosPack().get_path('move_base_abstract')

@@ -6,7 +6,7 @@ import sys
 import unittest
 
 import rospy
-from lockstep_launcher_run import assert_same, run_programs, run_thrice
+from lockstep_launcher_run import assert_same, run_programs, run_scenario
 from robot_harness import GUARD
 from sensor_msgs.msg import LaserScan
 
@@ -15,7 +15,7 @@ from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a robot that scans on the scaled clock; the runs in lockstep are on ROS masters of the test's own -->
   <include file="$(find move_base_abstract)/launch/time_master.launch"/>
   <node pkg="move_base_abstract" type="move_base" name="move_base" ns="scaled" required="true">
@@ -23,7 +23,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'laser_scan_test'
+OWN_NODE = 'laser_scan_test'
 
 MAP = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'maps', 'farm_yard.yaml')
 LASER = {'scan_rate': 10.0, 'scan_beams': 181, 'scan_noise': 0.02, 'scan_x': 0.2, 'scan_y': -0.1, 'scan_yaw': 0.3,
@@ -53,7 +53,7 @@ def scans_of_the_plain_fleet(stamps):
 class LaserScans(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice({'scanner': ['scanner.py']}, until=8.0, fleet=ROBOTS, others=SERVER)
+        cls.runs = run_scenario({'scanner': ['scanner.py']}, until=8.0, fleet=ROBOTS, others=SERVER)
         cls.rows = [line.split() for line in cls.runs[0].printed('scanner')]
 
     def test_they_are_the_same_bytes_in_each_run_at_any_speed(self):

@@ -30,7 +30,7 @@ from move_base_abstract_ros.launching import plan
 from move_base_abstract_ros.lockstep.programs import binary
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the existing two-robot setup with its navigation swapped: stock clients reach goals with both robots -->
   <include file="$(find move_base_abstract)/launch/examples/two_robots_move_base.launch">
     <arg name="navigation_pkg" value="move_base_abstract"/>
@@ -38,7 +38,7 @@ LAUNCH = """
   </include>
 </launch>
 """
-NODE = 'launch_files_test'
+OWN_NODE = 'launch_files_test'
 
 GUARD = 600.0
 WALL_GUARD = 60.0

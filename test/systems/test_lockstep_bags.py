@@ -1,13 +1,13 @@
 """Bags of runs: recorders take part however they are started, write equal bytes, and are in the log or labelled."""
-import contextlib
+import itertools
 import os
 import subprocess
 import sys
 import unittest
 
 import rosbag
-from busy_cores import busy
 from own_folder import OwnFolder
+from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
@@ -55,16 +55,16 @@ class BagsTest(OwnFolder, unittest.TestCase):
         for name, text in FILES.items():
             self.write(name, text, 0o755)
 
-    def run_it(self, name, *words, nodes, is_busy=False, may_fail=False):
+    def run_it(self, name, *words, nodes, condition=Condition(), may_fail=False):
         """Run nodes in a folder of this name, which gets their bags; return (output, the EventLog)."""
         folder = self.path(name)
         os.mkdir(folder)
         environment = dict(os.environ, ROS_HOME=folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
         environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
         log = os.path.join(folder, 'events.jsonl')
-        command = [find_executable('lockstep_launch'), '--event-log', log, *words,
+        command = [find_executable('lockstep_launch'), '--event-log', log, *words, *condition.options,
                    self.write('system.launch', '<launch>{}</launch>'.format(COUNTS + nodes))]
-        with busy(os.cpu_count()) if is_busy else contextlib.nullcontext():
+        with condition.around():
             process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                        text=True)
             said, _ = process.communicate(timeout=GUARD)
@@ -83,25 +83,30 @@ class BagsTest(OwnFolder, unittest.TestCase):
         return found
 
     def test_recorders_as_people_start_them_leave_equal_bytes_at_any_load_and_speed(self):
-        digests = []
-        for name, words, is_busy in (('a', (), False), ('b', ('--speed-limit', '20'), True)):
-            said, log = self.run_it(name, '--until', '45', *words, nodes=RECORDERS + SPLIT, is_busy=is_busy)
+        names = itertools.count()
+
+        def run(condition):
+            name = 'run_{}'.format(next(names))
+            said, log = self.run_it(name, '--until', '45', nodes=RECORDERS + SPLIT, condition=condition)
             self.assertIn('6 of 6 nodes take part', said)
             self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [], said)
-            digests.append({node: [(bag['name'], bag['sha256']) for bag in bags] for node, bags in log.bags.items()})
+            found = {node: [(bag['name'], bag['sha256']) for bag in bags] for node, bags in log.bags.items()}
             self.assertEqual([one for one in sorted(os.listdir(self.path(name))) if '.bag' in one],
-                             sorted(one for bags in digests[-1].values() for one, _ in bags))
-        self.assertEqual(*digests)
+                             sorted(one for bags in found.values() for one, _ in bags))
+            return found
+        digests = [run(Condition()), *repeated('recorders', run, lambda found: repr(found).encode())]
+        for other in digests[1:]:
+            self.assertEqual(other, digests[0])
         self.assertEqual({node: len(bags) for node, bags in digests[0].items()},
                          {'/all': 1, '/by_name': 1, '/some': 1, '/script': 1, '/split': 5})
         ticks = [second * SECOND for second in range(2, 42)]
-        self.assertEqual(self.stamps('a', 'some.bag'), {'/ticks': ticks})
-        self.assertEqual(self.stamps('a', 'by_name.bag'), {'number': ticks, '/other': [SECOND]})
-        every = self.stamps('a', 'script.bag')
+        self.assertEqual(self.stamps('run_0', 'some.bag'), {'/ticks': ticks})
+        self.assertEqual(self.stamps('run_0', 'by_name.bag'), {'number': ticks, '/other': [SECOND]})
+        every = self.stamps('run_0', 'script.bag')
         self.assertEqual(sorted(every), ['/late', '/other', '/ticks'])  # topics that go past lockstep are left out
         self.assertEqual(every['/ticks'], ticks)
         done = subprocess.run([find_executable('compare'), *(self.path(os.path.join(name, 'events.jsonl'))
-                                                             for name in 'ab')],
+                                                             for name in ('run_0', 'run_1'))],
                               stdout=subprocess.PIPE, text=True, check=False)
         self.assertEqual((done.returncode, done.stdout), (0, 'identical\n0 events each, 9 bags each\n'))
 

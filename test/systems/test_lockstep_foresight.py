@@ -8,9 +8,10 @@ import tempfile
 import threading
 import unittest
 
-from busy_cores import busy
+from scenarios import Condition, repeated
+from warm import Loopback
 
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLLOWER = os.path.join(HERE, 'unmodified', 'feedback_follower.py')
@@ -30,19 +31,19 @@ rospy.spin()
 class Run:
     """A run of followers and their fleet, with all messages in its log."""
 
-    def __init__(self, foresee=True, followers=1, onlooker=False, **clock):
+    def __init__(self, condition=Condition(), foresee=True, followers=1, onlooker=False):
         folder = tempfile.mkdtemp(prefix='lockstep_foresight_')
         try:
-            self._run(os.path.join(folder, 'events.jsonl'), foresee, followers, onlooker, clock)
+            self._run(os.path.join(folder, 'events.jsonl'), condition, foresee, followers, onlooker)
         finally:
             shutil.rmtree(folder)
 
-    def _run(self, log, foresee, followers, onlooker, clock):
+    def _run(self, log, condition, foresee, followers, onlooker):
         names = ['/follower_{}'.format(number) for number in range(followers)]
-        with Loopback() as ros:
+        with Loopback(is_warm=condition.is_warm) as ros:
             ros.run('time_master', 'time_master', parameters=dict(
                 {'mode': 'lockstep', 'participants': ['/fleet', *names], 'event_log': log, 'log_messages': True},
-                **clock))
+                **condition.clock))
             ros.run('fleet', 'fleet', parameters={
                 'foresee': foresee, 'defaults': RATES,
                 'robots': [{'name': 'robot_{}'.format(i), 'start_y': 2.0 * i} for i in range(3)]})
@@ -52,7 +53,8 @@ class Run:
                         for name in names]
             guard = threading.Timer(GUARD, lambda: [child.kill() for child in children])
             guard.start()
-            self.said = [child.communicate()[0] for child in children]
+            with condition.around():
+                self.said = [child.communicate()[0] for child in children]
             guard.cancel()
             if any(child.returncode for child in children):
                 raise AssertionError('a follower ended with {}'.format([child.returncode for child in children]))
@@ -87,17 +89,12 @@ class Foresight(unittest.TestCase):
         self.assertEqual(self.plain.end['not_repeatable_because'], [])
 
     def test_every_message_is_the_same(self):
-        run = Run()
-        self.assert_same(run)
-        self.assertEqual(run.end['not_repeatable_because'], [])
-
-    def test_every_message_is_the_same_under_load_and_at_fifty_times_real_time(self):
-        with busy(os.cpu_count()):
-            self.assert_same(Run())
-        self.assert_same(Run(speed_limit=50.0))
+        for run in repeated('feedback followers', Run, lambda run: repr((run.said, run.events)).encode()):
+            self.assert_same(run)
+            self.assertEqual(run.end['not_repeatable_because'], [])
 
     def test_an_onlooker_hears_all_at_its_instant_and_changes_nothing(self):
-        run = Run(onlooker=True, speed_limit=20.0)
+        run = Run(Condition(speed_limit=20.0), onlooker=True)
         self.assert_same(run)
         self.assertGreater(len(run.watched), 50)
         self.assertEqual(run.watched, sorted(run.watched))

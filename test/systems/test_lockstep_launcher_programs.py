@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from lockstep_launcher_run import assert_same, run_thrice
+from lockstep_launcher_run import assert_same, run_scenario
 
 SIMULATED = ['--sleep', 'simulated']  # their loops use time.sleep
 
@@ -34,7 +34,7 @@ class ToolsTest(unittest.TestCase):
         where = os.getcwd()
         os.chdir(cls.folder)  # view_frames writes its files there
         try:
-            cls.runs = run_thrice({
+            cls.runs = run_scenario({
                 'pub': [rostopic, 'pub', '-r', '2', '/numbers', 'std_msgs/Float64', 'data: 1.5'],
                 'pub_once': [rostopic, 'pub', '-1', '/once', 'std_msgs/String', 'data: hi'],
                 'pub_latched': [rostopic, 'pub', '/latched', 'std_msgs/String', 'data: kept'],
@@ -128,7 +128,7 @@ class ActionsTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice({
+        cls.runs = run_scenario({
             'servers': ['action_servers.py'],
             'client_e': ['action_client.py', '_server:=executing'],
             'client_a': ['action_client.py', '_server:=accepting'],

@@ -1,13 +1,12 @@
 """Python nodes in lockstep: stock actionlib, tf2 and message_filters, and the same log in every run."""
 
-import multiprocessing
 import unittest
 
 from actionlib_msgs.msg import GoalStatus
 from lockstep_library_run import Runs
+from scenarios import Condition, repeated
 
 RUNS = None
-SAMENESS_RUNS = 20
 
 
 def setUpModule():  # noqa: N802
@@ -57,24 +56,14 @@ class MessagesTest(unittest.TestCase):
                                               for step in range(4)])
 
 
-def burn(until):
-    while not until.is_set():
-        pass
-
-
 class SamenessTest(unittest.TestCase):
-    """Some of everything, under load and with random delays, gives the same log."""
+    """Some of everything, with random delays, gives the same log."""
 
-    def test_twenty_runs_give_one_log(self):
-        enough = multiprocessing.Event()
-        load = multiprocessing.Process(target=burn, args=(enough,), daemon=True)
-        load.start()
-        try:
-            runs = [RUNS.run('actions', 'mixed_1', 'mixed_2', 'mixed_3', adverse=0.005 * (index % 2),
-                             log_messages=True, is_warm=index % 5 > 0) for index in range(SAMENESS_RUNS)]
-        finally:
-            enough.set()
-            load.join()
+    def test_each_run_gives_the_log_of_the_first_whatever_else_happens(self):
+        def run(condition, adverse=0.005):
+            return RUNS.run('actions', 'mixed_1', 'mixed_2', 'mixed_3', adverse=adverse, log_messages=True,
+                            condition=condition)
+        runs = [run(Condition(), 0.0), *repeated('some of everything', run, lambda one: one.text.encode())]
         self.assertGreater(len(runs[0].all), 300)
         self.assertTrue(runs[0].end['repeatable'], runs[0].end)
         for number, run in enumerate(runs):

@@ -5,7 +5,7 @@ import sys
 import tempfile
 import unittest
 
-from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_thrice
+from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_scenario
 from roslib.packages import find_node
 
 # The relay that catkin makes for a script in its devel space.
@@ -31,7 +31,7 @@ class LookingTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice({'looking': ['looking.py', 'move_base:=/robot_0/move_base'], 'rival': ['rival.py']},
+        cls.runs = run_scenario({'looking': ['looking.py', 'move_base:=/robot_0/move_base'], 'rival': ['rival.py']},
                               until=30.0, fleet=[{'name': 'robot_0'}])
 
     def test_all_runs_are_the_same(self):
@@ -57,7 +57,7 @@ class ExplorerTest(unittest.TestCase):
             relay = os.path.join(folder, 'relay')
             with open(relay, 'w') as script:
                 script.write(RELAY.format(os.path.join(FOLDER, 'explorer.py')))
-            runs = run_thrice({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
+            runs = run_scenario({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
                               until=17.5)
         assert_same(self, runs)
         # Frontiers come at 200 Hz from 2 s on, with a word after each 300th. A looking thread sees the end of another
@@ -69,7 +69,7 @@ class ExplorerTest(unittest.TestCase):
         self.assertEqual(runs[0].codes, {'explorer': 1, 'relay': 1, 'finder': 0})
 
     def test_they_go_on_exactly_where_functions_of_the_program_do_nothing_but_look(self):
-        runs = run_thrice({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
+        runs = run_scenario({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
         assert_same(self, runs)
         self.assertEqual(runs[0].printed('explorer')[-1], '4.995000000 come')
 

@@ -5,7 +5,7 @@ import sys
 import unittest
 from unittest import mock
 
-from lockstep_launcher_run import assert_same, run_programs
+from lockstep_launcher_run import assert_same, run_programs, run_scenario
 
 from move_base_abstract_ros.lockstep.programs import native_library
 from move_base_abstract_ros.lockstep.programs.binary import find_shim
@@ -23,8 +23,8 @@ def module():
         return []
 
 
-def run_native(path, *topics, options=(), load=0, name='native'):
-    return run_programs({name: [list(options), 'native.py', path, *topics]}, until=30.0, load=load)
+def run_native(path, *topics, options=(), name='native'):
+    return run_programs({name: [list(options), 'native.py', path, *topics]}, until=30.0)
 
 
 def said(run, topic, name='native'):
@@ -39,7 +39,7 @@ class FollowedTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.runs = [run_native(BY_CTYPES, *cls.TOPICS, load=load) for load in (0, 2)]
+        cls.runs = run_scenario({'native': [[], 'native.py', BY_CTYPES, *cls.TOPICS]}, until=30.0)
         cls.by_module = [run_native(path, *cls.TOPICS) for path in module()]
 
     def test_libraries_see_the_same_in_each_run_with_and_without_pythons_lock(self):

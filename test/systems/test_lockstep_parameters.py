@@ -4,7 +4,7 @@ import os
 import sys
 import unittest
 
-from lockstep_launcher_run import HERE, assert_same, run_programs, run_thrice
+from lockstep_launcher_run import HERE, assert_same, run_programs, run_scenario
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -15,7 +15,7 @@ class ParametersTest(unittest.TestCase):
     """Nodes in Python and C++ that communicate by parameters."""
 
     def test_writers_and_readers_on_a_board_see_the_same_in_each_run(self):
-        runs = run_thrice({'b': ['board_writer.py', '20'], 'a': ['board_writer.py', '20'],
+        runs = run_scenario({'b': ['board_writer.py', '20'], 'a': ['board_writer.py', '20'],
                            'quick': ['board_reader.py', '10', '22'], 'slow': ['board_reader.py', '7', '15'],
                            'board': [find_executable('shim_board')]}, until=4.0)
         assert_same(self, runs)
@@ -30,7 +30,7 @@ class ParametersTest(unittest.TestCase):
         self.assertEqual(len(board), 20, board)
 
     def test_what_is_set_in_a_turn_is_there_when_it_is_over(self):
-        runs = run_thrice({'messenger': ['messenger.py'], 'errand_reader': ['errand_reader.py']}, until=5.0)
+        runs = run_scenario({'messenger': ['messenger.py'], 'errand_reader': ['errand_reader.py']}, until=5.0)
         assert_same(self, runs, labelled=())
         seen = [line.split(' ', 1)[1] for line in runs[0].printed('errand_reader')]
         self.assertEqual(seen, 11 * ['sees None'] + ['told done'] + 10 * ['sees done'] + 4 * ['sees the last'])

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from busy_cores import busy
+from scenarios import ALL_CORES, Condition, repeated
 from warm import Loopback
 
 from move_base_abstract.runs.event_log import EventLog
@@ -24,22 +24,23 @@ COORDINATOR = [sys.executable, os.path.join(NODES, 'coordinator.py')]
 
 
 class Run:
-    """A run to its end; ``data`` is its log [bytes]. ``is_warm``: whether its processes are forks."""
+    """A run to its end; ``data`` is its log [bytes]. ``condition``: what else happens meanwhile."""
 
-    def __init__(self, folder, coordinator, processes=1, clock=None, parameters=None, robots=ROBOTS, scenario=None,
-                 is_warm=True):
+    def __init__(self, folder, coordinator, processes=1, parameters=None, robots=ROBOTS, scenario=None,
+                 condition=Condition()):
         log = os.path.join(folder, 'events.jsonl')
         fleets = ['fleet_{}'.format(part) for part in range(processes)]
-        with Loopback(is_warm=is_warm) as ros:
+        with Loopback(is_warm=condition.is_warm) as ros:
             ros.run('time_master', 'time_master', parameters=dict(
                 {'mode': 'lockstep', 'participants': ['/' + name for name in fleets] + ['/coordinator'],
-                 'event_log': log}, **(clock or {})))
+                 'event_log': log}, **condition.clock))
             for part, name in enumerate(fleets):
                 ros.run('fleet', name, parameters=dict(scenario or _scenario(robots), part=part, parts=processes))
             ros.set_param('/coordinator', dict({'robots': robots, 'goals': GOALS, 'seed': SEED, 'patient': True},
                                                **(parameters or {})))
             child = ros.spawn('/coordinator', coordinator + ['__name:=coordinator'])
-            code, words = child.process.wait(GUARD), child.last_lines()
+            with condition.around():
+                code, words = child.process.wait(GUARD), child.last_lines()
             ros.end(child)
             ros.check()
         if code != 0:
@@ -58,7 +59,9 @@ class Sameness(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.plain = cls.run_once(COORDINATOR)
+        cls.runs = repeated('a thousand goals', lambda condition: cls.run_once(COORDINATOR, condition=condition),
+                            lambda run: run.data)
+        cls.plain = cls.runs[0]
 
     @staticmethod
     def run_once(*args, **kwds):
@@ -89,21 +92,13 @@ class Sameness(unittest.TestCase):
         times = [event.time_ns for event in events if event.kind == 'departed']
         self.assertGreater(len(times) - len(set(times)), 200, 'there are hardly any ties')
 
-    def test_at_full_speed_again_with_processes_that_are_started_anew(self):
-        self.assert_same(self.run_once(COORDINATOR, is_warm=False))
+    def test_whatever_else_happens_on_the_machine(self):
+        for run in self.runs:
+            self.assert_same(run)
 
-    def test_limited_to_fifty_times_real_time(self):
-        self.assert_same(self.run_once(COORDINATOR, clock={'speed_limit': 50.0}))
-
-    def test_with_both_cores_loaded(self):
-        with busy(os.cpu_count()):
-            self.assert_same(self.run_once(COORDINATOR))
-
-    def test_with_random_delays_in_callbacks_in_sending_and_in_connecting(self):
-        self.assert_same(self.run_once(COORDINATOR, parameters={'delay': 0.005}))
-
-    def test_with_the_fleet_in_three_processes(self):
-        self.assert_same(self.run_once(COORDINATOR, processes=3))
+    def test_beside_busy_loops_with_delays_in_three_processes_and_started_anew(self):
+        condition = Condition(load=ALL_CORES, is_warm=False)
+        self.assert_same(self.run_once(COORDINATOR, processes=3, parameters={'delay': 0.002}, condition=condition))
 
     def test_with_the_coordinator_in_cpp(self):
         self.assert_same(self.run_once([find_executable('lockstep_coordinator_cpp')]))
@@ -111,15 +106,14 @@ class Sameness(unittest.TestCase):
     def test_another_seed_makes_another_run(self):
         self.assertNotEqual(self.run_once(COORDINATOR, parameters={'seed': SEED + 1}).data, self.plain.data)
 
-    def test_twenty_runs_of_robots_that_arrive_together_are_one(self):
+    def test_runs_of_robots_that_arrive_together_are_one(self):
         # Two robots arrive together, and a coordinator draws from one generator in the order of arrivals.
         # Without an order of equal events the draws would be swapped now and then.
         scenario = {'defaults': {'max_speed': 10.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}
-        runs = []
-        for number in range(20):
-            with busy(number % 3):  # each fifth run has another order of sets
-                run = self.run_once([sys.executable, os.path.join(NODES, 'pairs.py')], scenario=scenario,
-                                    parameters={'goals': 1000, 'delay': 0.0005 * (number % 4)}, is_warm=number % 5 > 0)
-            runs.append(run.data)
-        self.assertGreaterEqual(runs[0].count(b'"ended"'), 1000)
-        self.assertEqual(len(set(runs)), 1)
+
+        def run(condition, delay=0.0005):
+            return self.run_once([sys.executable, os.path.join(NODES, 'pairs.py')], scenario=scenario,
+                                 parameters={'goals': 1000, 'delay': delay}, condition=condition)
+        runs = [run(Condition(), 0.0), *repeated('pairs', run, lambda one: one.data)]
+        self.assertGreaterEqual(runs[0].data.count(b'"ended"'), 1000)
+        self.assertEqual(len({one.data for one in runs}), 1)

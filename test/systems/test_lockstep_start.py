@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-from lockstep_launcher_run import assert_same, command, run_programs, run_thrice
+from lockstep_launcher_run import assert_same, command, run_programs, run_scenario
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -17,7 +17,7 @@ class BeforeInitNodeTest(unittest.TestCase):
     """Calls of a program before rospy.init_node."""
 
     def test_who_waits_for_others_before_it_is_a_node_takes_part_from_there_on(self):
-        runs = run_thrice({'stock_taker': ['stock_taker.py'], 'store': ['store.py']}, until=6.0)
+        runs = run_scenario({'stock_taker': ['stock_taker.py'], 'store': ['store.py']}, until=6.0)
         assert_same(self, runs)
         # The service exists from 2.5 s on, the parameter from 3.005 s on; the program looks every 10 ms.
         self.assertEqual(runs[0].printed('stock_taker'), ["3.010000000 2500 pieces ['/store/sold']",
@@ -61,7 +61,7 @@ class WhoIsThereTest(unittest.TestCase):
         links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k]
                  for k in reversed(range(LINKS))}  # not in the order of their names
         links['link_3'].append('_slow:=0.3')  # s, wall
-        runs = run_thrice(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
+        runs = run_scenario(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
                           until=5.0)
         assert_same(self, runs)
         names = ' '.join('/link_%d' % k for k in range(LINKS))

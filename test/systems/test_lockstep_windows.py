@@ -1,15 +1,12 @@
 """Runs with a lookahead: the times that calls and messages take, and that each run is the same on any machine."""
+import itertools
 import os
-import random
 import shutil
-import signal
 import subprocess
 import tempfile
-import threading
-import time
 import unittest
 
-from busy_cores import busy
+from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import Loopback, find_executable
@@ -69,35 +66,6 @@ LAUNCH = """<launch>
 """
 
 
-def descendants(pid):
-    """Return the ids of all processes below a process."""
-    found = []
-    try:
-        for task in os.listdir('/proc/{}/task'.format(pid)):
-            with open('/proc/{}/task/{}/children'.format(pid, task)) as stream:
-                for child in map(int, stream.read().split()):
-                    found += [child, *descendants(child)]
-    except OSError:  # it has ended in the meantime
-        pass
-    return found
-
-
-def stop_some(process):
-    """Stop one process below a process for up to 0.05 s (wall), then another one, until the process ends."""
-    chance = random.Random(5)
-    while process.poll() is None:
-        children = descendants(process.pid)
-        if children:
-            child = chance.choice(children)
-            try:
-                os.kill(child, signal.SIGSTOP)
-                time.sleep(chance.uniform(0.0, 0.05))
-                os.kill(child, signal.SIGCONT)
-            except ProcessLookupError:
-                pass
-        time.sleep(0.02)
-
-
 class WindowsTest(unittest.TestCase):
 
     def setUp(self):
@@ -113,14 +81,12 @@ class WindowsTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run_it(self, name, *words, prefix=(), disturb=None):
+    def run_it(self, name, *words, prefix=()):
         """Run a launch file with a lookahead; return (its events, the end of its log)."""
         command = [*prefix, find_executable('lockstep_launch'), '--lookahead', '0.05', '--log-messages',
                    '--event-log', self.path(name + '.jsonl'), *words]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               env=self.environment) as process:
-            if disturb is not None:
-                threading.Thread(target=disturb, args=(process,), daemon=True).start()
             output, _ = process.communicate(timeout=GUARD)
         self.assertEqual(process.returncode, 0, output)
         with open(self.path(name + '.jsonl')) as stream:
@@ -134,16 +100,18 @@ class WindowsTest(unittest.TestCase):
             return stream.read().splitlines()
 
     def test_everything_takes_exactly_the_lookahead_and_every_run_is_the_same(self):
-        runs = []
-        for name, prefix, disturb, load in (('a', (), None, 0), ('b', ('taskset', '-c', '0'), None, 2),
-                                            ('c', (), stop_some, 0)):
-            with busy(load):
-                events, end = self.run_it(name, self.path('all.launch'), 'path:=' + self.path(name), prefix=prefix,
-                                          disturb=disturb)
+        names = itertools.count()
+
+        def run(condition, prefix=()):
+            name = str(next(names))
+            with condition.around():
+                events, end = self.run_it(name, *condition.options, self.path('all.launch'), 'path:=' + self.path(name),
+                                          prefix=prefix)
             self.assertEqual((end['ended_by'], end['node'], end['at_ns']), ('departure', '/hears', 9 * 10 ** 9))
-            runs.append((events, end, self.lines(name + '.hears'), self.lines(name + '.asks')))
-        self.assertEqual(runs[0], runs[1])
-        self.assertEqual(runs[0], runs[2])
+            return events, end, self.lines(name + '.hears'), self.lines(name + '.asks')
+        runs = repeated('with a lookahead', run, lambda one: repr(one).encode())
+        for other in (*runs[1:], run(Condition(), ('taskset', '-c', '0'))):
+            self.assertEqual(other, runs[0])
         heard = [line.split(' ', 2) for line in runs[0][2]]
         ticks = [(int(now), int(text)) for now, topic, text in heard if topic == '/ticks']
         self.assertEqual(ticks, [(sent + AHEAD, sent) for sent in range(3 * NS // 2, 4 * NS, NS // 40)])

@@ -23,7 +23,7 @@ from rosgraph_msgs.msg import Log
 
 from move_base_abstract_ros.maps.map_listener import MapListener
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a map with a block in it, and a fleet whose robots use the map in different ways -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
@@ -48,7 +48,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'map_goals_test'
+OWN_NODE = 'map_goals_test'
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data')
 FREE, OCCUPIED, UNKNOWN, OFF = (1.25, 0.25), (2.25, 0.25), (4.25, 0.25), (10.0, 0.0)

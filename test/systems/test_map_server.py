@@ -15,14 +15,14 @@ from robot_harness import GUARD, LoadMap, Record
 
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the test starts map servers of its own with good and bad arguments -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>
   </include>
 </launch>
 """
-NODE = 'map_server_test'
+OWN_NODE = 'map_server_test'
 
 BLOCKS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data', 'blocks.yaml')
 YAML = {'image': 'm.pgm', 'resolution': 0.5, 'origin': [1.0, 2.0, 0.0], 'negate': 0, 'occupied_thresh': 0.65,

@@ -20,7 +20,7 @@ from move_base_abstract_ros.markers import marker_builder, world_markers
 from move_base_abstract_ros.markers.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
 from move_base_abstract_ros.markers.world_markers import OUTLINE, SIGN
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- robots as markers: one message for all robots of a process -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="5"/>
@@ -38,7 +38,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'markers_test'
+OWN_NODE = 'markers_test'
 
 TOPIC = '/move_base_abstract/markers'
 LOOK = Look('robot_7', 7, 'map', 2.0)

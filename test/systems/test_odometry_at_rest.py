@@ -4,11 +4,11 @@ import unittest
 
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from lockstep_launcher_run import assert_same, run_thrice
+from lockstep_launcher_run import assert_same, run_scenario
 from nav_msgs.msg import Odometry
 from robot_harness import Record
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a robot whose odometry goes on while it stands; the runs in lockstep are on ROS masters of the test's own -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>
@@ -18,7 +18,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'odometry_at_rest_test'
+OWN_NODE = 'odometry_at_rest_test'
 
 MS = 1_000_000  # ns
 PROGRAM = {'odometer': ['odometer.py']}
@@ -28,7 +28,7 @@ ASKED = [{'name': 'robot_0', 'odom_rate_at_rest': 5.0, 'pose_update_freq': 10.0}
 class OdometryAtRest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice(PROGRAM, until=6.0, fleet=ASKED)
+        cls.runs = run_scenario(PROGRAM, until=6.0, fleet=ASKED)
 
     def heard(self, run, robot, topic):
         """Return [(stamp [ms], x [m], speed [m/s])] of the messages that the program heard."""

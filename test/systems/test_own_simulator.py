@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-from busy_cores import busy
+from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
@@ -15,13 +15,13 @@ GUARD = 120.0  # s, wall; only ends a run that would never end
 
 
 class OwnSimulatorTest(unittest.TestCase):
-    def run_it(self, *options, load=0):
+    def run_it(self, *options, condition=Condition()):
         """Run the example; return (output, bytes of the event log)."""
         folder = tempfile.mkdtemp()
         path = os.path.join(folder, 'run.jsonl')
-        words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *options,
+        words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *condition.options, *options,
                  'move_base_abstract', 'own_simulator.launch']
-        with busy(load):
+        with condition.around():
             done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
                                   universal_newlines=True, env=dict(os.environ, ROS_HOME=folder, ROS_LOG_DIR=folder))
         self.assertEqual(done.returncode, 0, done.stdout)
@@ -29,12 +29,13 @@ class OwnSimulatorTest(unittest.TestCase):
             return done.stdout, stream.read()
 
     def test_it_runs_the_same_at_any_load_and_on_any_cores_and_another_seed_has_other_noise(self):
-        said, log = self.run_it()
+        runs = repeated('own simulator', lambda condition: self.run_it(condition=condition), lambda run: run[1])
+        said, log = runs[0]
         self.assertEqual(sorted(set(re.findall(r"'(/\S+)' takes part", said))), [
             '/robot_0/controller', '/robot_0/simulator', '/robot_1/controller', '/robot_1/simulator'])
         self.assertRegex(said, r'the run ended at 11\.62 s after \d+ rounds')
-        for options, load in (((), 2), (('--cores', 'all'), 0), (('--cores', 'one'), 2)):
-            self.assertEqual(self.run_it(*options, load=load)[1], log)
+        for other in (*runs[1:], self.run_it('--cores', 'all'), self.run_it('--cores', 'one')):
+            self.assertEqual(other[1], log)
         reader = EventLog(log.decode().splitlines(keepends=True), 'run.jsonl')
         events = list(reader)
         self.assertTrue(reader.end['repeatable'])

@@ -9,14 +9,14 @@ from move_base_msgs.msg import MoveBaseActionFeedback
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
 from robot_process import RobotProcess
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the test starts robots of its own with good and bad parameters -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
   </include>
 </launch>
 """
-NODE = 'parameters_test'
+OWN_NODE = 'parameters_test'
 
 _names = ('/r{}'.format(number) for number in itertools.count())
 

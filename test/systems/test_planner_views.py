@@ -9,7 +9,7 @@ from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the topics that RViz shows for a robot without costmaps and planner -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="2"/>
@@ -27,7 +27,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'planner_views_test'
+OWN_NODE = 'planner_views_test'
 
 MOVE_BASE = '/robot_0/move_base'
 PLANS = ('NavfnROS/plan', 'TrajectoryPlannerROS/global_plan', 'TrajectoryPlannerROS/local_plan')

@@ -4,7 +4,7 @@ import os
 import sys
 import unittest
 
-from lockstep_launcher_run import assert_same, run_thrice
+from lockstep_launcher_run import assert_same, run_scenario
 
 READER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'robot_event_reader.py')
 KINDS = ('departed', 'stands', 'ended', 'battery')
@@ -13,7 +13,7 @@ KINDS = ('departed', 'stands', 'ended', 'battery')
 class RobotEventsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice({'event_reader': [READER]}, until=40.0, fleet=[
+        cls.runs = run_scenario({'event_reader': [READER]}, until=40.0, fleet=[
             {'name': 'robot_0', 'battery_capacity': 0.5, 'battery_thresholds': [0.9999, 0.9998]},
             {'name': 'robot_1', 'start_y': 4.0}])
 

@@ -17,7 +17,7 @@ from move_base_abstract.msg import ZoneStates
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.srv import CloseZone, SetZoneLimit
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the farm yard, and robots that drive around its buildings -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
@@ -42,7 +42,7 @@ LAUNCH = """
   </node>
 </launch>
 """
-NODE = 'routes_test'
+OWN_NODE = 'routes_test'
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 MAPS = os.path.join(ROOT, 'maps')

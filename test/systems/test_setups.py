@@ -12,7 +12,7 @@ from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go
 from robot_process import RobotProcess
 from tf2_msgs.msg import TFMessage
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- parameters and remaps as existing move_base set-ups have them -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="20"/>
@@ -52,7 +52,7 @@ LAUNCH = """
   </group>
 </launch>
 """
-NODE = 'setups_test'
+OWN_NODE = 'setups_test'
 
 REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 REFUSED = (GoalStatus.ABORTED, NO_PLAN)

@@ -9,12 +9,14 @@ import sys
 import time
 import unittest
 
+import pytest
 import rospy
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
-LAUNCH = """
+pytestmark = pytest.mark.night
+LAUNCH_FILE = """
 <launch>  <!-- the study as a user starts it, two robots, 30 times real time -->
   <include file="$(find move_base_abstract)/launch/soil_mapping.launch">
     <arg name="factor" value="30"/>
@@ -27,7 +29,7 @@ LAUNCH = """
     <arg name="stay" value="true"/>
     <arg name="output" value="$(optenv ROS_HOME /tmp)/soil_mapping_trial"/>
   </include>
-  </test>
+  <param name="/soil_launch_test/output" value="$(optenv ROS_HOME /tmp)/soil_mapping_trial"/>
 </launch>
 """
 

@@ -16,7 +16,7 @@ from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task, TimedTa
 from move_base_abstract.tasks.timed_task import DrawnDurations
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- two robots with tasks, at 10 times real time -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>

@@ -3,6 +3,7 @@
 GUARD [s, wall] only ends a test that would never end.
 """
 import csv
+import itertools
 import json
 import os
 import pathlib
@@ -16,7 +17,8 @@ import time
 import unittest
 from unittest import mock
 
-from busy_cores import busy
+import pytest
+from scenarios import ALL_CORES, Condition, repeated
 
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.loopback import find_executable
@@ -28,6 +30,7 @@ LIMIT = 40.0  # simulated s per wall s
 FILES = ['.made_by_move_base_abstract', 'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv',
          'trajectories.csv', 'trial.json', 'truth.npy', 'variance.npy']
 
+pytestmark = pytest.mark.night
 NEEDS_MESA = unittest.skipIf(sys.version_info < (3, 11), 'Mesa is not installed; it needs Python 3.11')
 
 
@@ -35,7 +38,14 @@ class Trials(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix='soil_trial_')
-        cls.plain = cls.trial('plain')
+        numbers = itertools.count()
+
+        def run(condition):
+            limit = ['--limit', str(condition.speed_limit)] if condition.speed_limit else []
+            with condition.around():
+                return cls.trial('plain_{}'.format(next(numbers)), *limit)
+        cls.runs = repeated('trial of the study', run, lambda one: one[0] + one[1])
+        cls.plain = cls.runs[0]
 
     @classmethod
     def tearDownClass(cls):
@@ -78,17 +88,18 @@ class Trials(unittest.TestCase):
         self.assertEqual(about['simulated_s'], 120.0)
         end = json.loads(log.splitlines()[-1])['end']
         self.assertEqual((end['repeatable'], end['degraded_because']), (True, []))
-        self.assertEqual(sorted(os.listdir(self.path('plain'))), sorted([*FILES, 'lockstep_events.jsonl']))
+        self.assertEqual(sorted(os.listdir(self.path('plain_0'))), sorted([*FILES, 'lockstep_events.jsonl']))
 
     @NEEDS_MESA
     def test_mesa_makes_the_same_events(self):
         self.assertEqual(self.trial('mesa', '--engine', 'mesa')[0], self.plain[0])
 
-    def test_the_same_at_full_speed_again(self):
-        self.assertEqual(self.trial('again')[:2], self.plain[:2])
+    def test_the_same_whatever_else_happens(self):
+        for run in self.runs:
+            self.assertEqual(run[:2], self.plain[:2])
 
     def test_the_same_at_a_limited_speed_on_loaded_cores(self):
-        with busy(os.cpu_count()):
+        with Condition(load=ALL_CORES).around():
             began = time.monotonic()
             events, log, about = self.trial('limited', '--limit', str(LIMIT))
         self.assertGreater(time.monotonic() - began, 120.0 / LIMIT)

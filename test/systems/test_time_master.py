@@ -25,14 +25,14 @@ from move_base_abstract.srv import AcquireHold, ReleaseHold, RunUntil, SetFactor
 from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.time_master_client import TimeMasterClient, TimeMasterError
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- a running time master: topics, services, holds, and warnings; it owns /clock -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="busy_factor" value="0.5"/>
   </include>
 </launch>
 """
-NODE = 'time_master_test'
+OWN_NODE = 'time_master_test'
 
 GUARD = 30.0
 BUSY_FACTOR = 0.5  # as in time_master.test

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from move_base_abstract.srv import AcquireHold, ReleaseHold, RunUntil, SetFactor, SetMode, Step
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the time master in lockstep, by its protocol, byte by byte: start, rounds, gate, modes, /clock -->
   <param name="/use_sim_time" value="true"/>
 </launch>

@@ -19,7 +19,7 @@ from lockstep_run import GUARD, NEVER, SECOND, START, Closed, LockstepCase, RawC
 
 from move_base_abstract_ros.loopback import Loopback
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the time master in lockstep, by its protocol, byte by byte: silence, death, deadlock, bad frames, no ROS master -->
   <param name="/use_sim_time" value="true"/>
 </launch>

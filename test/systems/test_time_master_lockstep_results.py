@@ -15,7 +15,7 @@ from lockstep_run import GUARD, NEVER, SECOND, START, LockstepCase, wait_for
 
 from move_base_abstract.runs.event_log import EventLog, open_text
 
-LAUNCH = """
+LAUNCH_FILE = """
 <launch>  <!-- the results of a run in lockstep: the event log and compare, why, bystanders, the end -->
   <param name="/use_sim_time" value="true"/>
 </launch>

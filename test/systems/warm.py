@@ -7,6 +7,9 @@ environment, files, signals and process group that it would have otherwise. A co
 options of Python or another environment of Python is started anew. There are two processes to fork from; each starts
 when it is first needed. Forks for the launcher have the order of sets, the layout of memory and the library with which
 the launcher would start again; all others have those of the test. `Loopback(is_warm=False)` starts everything anew.
+
+The runner of the tests calls import_all(), and prepare() in each of its forks: the other process to fork from is then a
+fork, too, which needs no imports.
 """
 import functools
 import importlib
@@ -23,10 +26,12 @@ from move_base_abstract_ros.lockstep.programs import address_layout, native_libr
 GUARD = 60.0  # s, wall
 LAUNCHER, PLAIN = 'launcher', 'plain'
 _HERE = os.path.dirname(os.path.abspath(__file__))
+_ROOT = os.path.dirname(os.path.dirname(_HERE))
 _MASTER = 'a ROS master'
 _CODE = ('import sys; path = sys.path[1:]; sys.path[0] = {!r}; from warm import main; del sys.modules["warm"]; '
          'become = main({!r}, {}, path); become and become()')
-_SPACE = ' ' * 4000  # room in the command line, in which each fork shows its own
+SPACE = ' ' * 4000  # room in the command line, in which each fork shows its own
+_standard_path = []  # of Python, without the folder of the program; empty before import_all()
 
 
 class Loopback(loopback.Loopback):
@@ -87,6 +92,17 @@ def _parent(kind):
     return _Parent(kind)
 
 
+def import_all(path):
+    """Import what all processes need. ``path``: sys.path as Python begins with it, without the folder of the program."""
+    _standard_path[:] = path
+    _import()
+
+
+def prepare():
+    """Fork the process for all but the launcher. Call it after import_all(), before anything else happens."""
+    _parent(PLAIN)
+
+
 class _Parent:
     """A process to fork from. Make it in the main thread, since the kernel ends it with that thread."""
 
@@ -94,14 +110,28 @@ class _Parent:
         processes.adopt_orphans()
         self._socket, its = sockets.pair()
         self._socket.settimeout(GUARD)
+        if kind == PLAIN and _standard_path:
+            processes.fork(lambda: self._be_forked(its), new_session=True)
+        else:
+            self._start(kind, its)
+        its.close()
+
+    def _be_forked(self, its):
+        self._socket.close()
+        for name in [name for name, module in sys.modules.items() if _is_of_tests(module)]:
+            del sys.modules[name]
+        become = _serve(PLAIN, its.detach(), list(_standard_path))
+        if become:
+            become()
+
+    def _start(self, kind, its):
         environment = {**os.environ, **processes.ONE_THREAD}
         if kind == LAUNCHER:
             environment.setdefault('PYTHONHASHSEED', '0')
             native_library.preload(environment)
         code = _CODE.format(_HERE, kind, its.fileno())
-        self._process = subprocess.Popen([sys.executable, '-c', code, _SPACE], env=environment,
+        self._process = subprocess.Popen([sys.executable, '-c', code, SPACE], env=environment,
                                          stdin=subprocess.DEVNULL, pass_fds=[its.fileno()])
-        its.close()
 
     def fork(self, words, environment, outputs):
         """Fork for a command line; return the processes.Forked."""
@@ -117,12 +147,26 @@ def main(kind, descriptor, path):
         with open('/proc/self/cmdline', 'rb') as stream:
             os.execv(sys.executable, stream.read().split(b'\0')[:-1])
     os.setsid()
-    for name in warm_nodes.MODULES:
-        importlib.import_module(name)
+    _import()
     if kind == LAUNCHER:
         from move_base_abstract_ros.replacing import replaced
         replaced.look_up()
+    return _serve(kind, descriptor, path)
+
+
+def _import():
+    for name in warm_nodes.MODULES:
+        importlib.import_module(name)
     warm_nodes.log_settings()
+    launcher()
+
+
+def _is_of_tests(module):
+    path = getattr(module, '__file__', None) or ''
+    return os.path.dirname(path) in (_HERE, os.path.dirname(_HERE), os.path.join(_ROOT, 'tools'))
+
+
+def _serve(kind, descriptor, path):
     own_launcher = launcher()
     if kind == PLAIN:
         sys.path[1:] = path  # without the entries that imports have added
