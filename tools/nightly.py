@@ -79,8 +79,9 @@ def table(state, names):
     lines += ['', f'{"scenario":<72} {"runs":>4}  {"equal":<7} {"slowest":>9}  under']
     for name in names:
         for scenario, found in sorted(state.get(name, {}).get('scenarios', {}).items()):
-            lines.append(f'{_short(scenario, 72):<72} {found["runs"]:4d}  {"equal" if found["equal"] else "DIFFERS":<7} '
-                         f'{found["slowest_s"]:7.1f} s  {found["slowest"]}')
+            end = 'equal' if found['equal'] else 'DIFFERS'
+            lines.append(f'{_short(scenario, 72):<72} {found["runs"]:4d}  {end:<7} {found["slowest_s"]:7.1f} s  '
+                         f'{found["slowest"]}')
     return '\n'.join(lines)
 
 

@@ -3,12 +3,13 @@
 usage: run_tests.py [--only PART_OF_A_NAME] [--jobs N]    (in the built environment: source .ws/setup.sh)
        run_tests.py --night RUNS [--part K/N] [--hours H] ...    what `make nightly` runs
 
-A step is one process (test_steps.py has them all). It writes its results to a folder of its own below .ws/test_results,
-which is emptied first, and its output to output.log there. A step that dies, hangs or leaves no result counts as a failure
-of its own. Steps share no ROS master, port or folder, and none measures wall time, so they may run at the same time.
+A step is one process (test_steps.py has them all). It writes its results to a folder of its own below
+.ws/test_results, which is emptied first, and its output to output.log there. A step that dies, hangs or leaves no
+result counts as a failure of its own. Steps share no ROS master, port or folder, and none measures wall time, so they may run
+at the same time.
 
-The runner has one thread, imports what the tests of systems need, and forks for each of their files: otherwise each would
-import the same for a second.
+The runner has one thread, imports what the tests of systems need, and forks for each of their files: otherwise each
+would import the same for a second.
 """
 import argparse
 import fcntl
@@ -100,8 +101,8 @@ class Runner:
             _write_failure(step, folder, problem)
             failed = True
         note = f'  ({problem})' if problem else ''
-        print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s, {cpu:5.1f} s of CPU'
-              f'{note}', flush=True)
+        print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s, '
+              f'{cpu:5.1f} s of CPU{note}', flush=True)
         self.done.append((step, cpu, seconds, not failed))
 
 

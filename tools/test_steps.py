@@ -65,9 +65,10 @@ def by_day():
 def by_night():
     """Return the steps of `make nightly`: all that has scenarios, more examples or tests that the day leaves out."""
     pages = re.findall(r'^docs/(\w+)$', INDEX.read_text().split(':caption: ')[1], re.MULTILINE)
+    tutorials = [Step(f'tutorial_{page}', (f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]',))
+                 for page in pages]
     return [*_unit(), *(_system(path) for path in _files('systems') if HAS_SCENARIOS.search(path.read_text())),
-            *(Step(f'tutorial_{page}', (f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]',)) for page in pages),
-            Step('install', (TEST / 'install',))]
+            *tutorials, Step('install', (TEST / 'install',))]
 
 
 def _gtests():

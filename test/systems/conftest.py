@@ -31,8 +31,8 @@ def pytest_collection_modifyitems(items):
     """Refuse two files that are nodes in one process."""
     nodes = sorted({item.module.__name__ for item in items if getattr(item.module, 'OWN_NODE', None)})
     if len(nodes) > 1:
-        raise pytest.UsageError('{}: each of these files is a ROS node; give pytest one of them, or `make test ONLY=...`'
-                                .format(', '.join(nodes)))
+        raise pytest.UsageError('{}: each of these files is a ROS node, and a process can be only one; give pytest one '
+                                'of them, or use `make test ONLY=...`'.format(', '.join(nodes)))
 
 
 @pytest.fixture(scope='module', autouse=True)

@@ -1,7 +1,7 @@
 """The launch file with which a test file begins, on a ROS master of its own; the test's process is a node of it.
 
-    LAUNCH_FILE = '<launch> ... </launch>'      # in a test file: started before its first test, ended after its last one
-    OWN_NODE = 'name'                          # the name of the test's own node; without it there is none
+    LAUNCH_FILE = '<launch> ... </launch>'   # in a test file: started before its first test, ended after its last
+    OWN_NODE = 'name'                        # the name of the test's own node; without it there is none
 """
 import os
 from contextlib import contextmanager

@@ -83,8 +83,8 @@ class Runs:
 
     def scenario(self, programs):
         """Run programs as a scenario; return the runs, whose events must be the same."""
-        return repeated(', '.join(' '.join([program.name, *map(str, program.parameters.values())]) for program in programs),
-                        lambda condition: self.run(programs, condition=condition),
+        name = ', '.join(' '.join([program.name, *map(str, program.parameters.values())]) for program in programs)
+        return repeated(name, lambda condition: self.run(programs, condition=condition),
                         lambda run: repr(run.events).encode())
 
     def run(self, programs, condition=Condition(), ask_why=False, onlook=(), **parameters):

@@ -84,7 +84,8 @@ def repeated(name, run, data_of):
     """Run a scenario under each condition; return the results of ``run(condition)``.
 
     :param name: what the scenario is called in the table, after its file.
-    :param data_of: what must be equal, as bytes, of a result. The test compares it in the way that shows best where it differs.
+    :param data_of: what must be equal, as bytes, of a result. The test compares it in the way that shows best where it
+        differs.
     """
     runs = []
     for condition in conditions():

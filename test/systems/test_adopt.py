@@ -2,7 +2,6 @@
 import os
 import shlex
 import subprocess
-import sys
 import unittest
 
 from own_folder import OwnFolder

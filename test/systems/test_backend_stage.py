@@ -37,7 +37,9 @@ LAUNCH_FILE = """
   </group>
   <group ns="robot_1">
     <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
-      <rosparam>{backend: stage, tf_prefix: robot_1, max_speed: 2.0, start_x: 3.0, stage_world_frame: stage_world}</rosparam>
+      <rosparam>
+        {backend: stage, tf_prefix: robot_1, max_speed: 2.0, start_x: 3.0, stage_world_frame: stage_world}
+      </rosparam>
     </node>
   </group>
   <group ns="robot_2">

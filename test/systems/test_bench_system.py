@@ -5,7 +5,6 @@ The tests compare no figure with a wanted one, since machines differ. They check
 import json
 import os
 import subprocess
-import sys
 import time
 import unittest
 

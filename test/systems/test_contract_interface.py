@@ -16,7 +16,8 @@ from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go
 from std_srvs.srv import Empty
 
 LAUNCH_FILE = """
-<launch>  <!-- two robots under namespaces: names, services, dynamic_reconfigure, frames, goals that cannot be reached -->
+<launch>
+  <!-- two robots under namespaces: names, services, dynamic_reconfigure, frames, goals that cannot be reached -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="50"/>
   </include>

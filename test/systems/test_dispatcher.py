@@ -3,10 +3,8 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
-
 
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.runs.event_log import EventLog

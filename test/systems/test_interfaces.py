@@ -5,7 +5,6 @@ import unittest
 
 import rosgraph
 import rospkg
-import rospy
 import rosservice
 import yaml
 

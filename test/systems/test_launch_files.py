@@ -6,7 +6,6 @@ GUARD [s, simulated] and WALL_GUARD [s] only end a test that would never end.
 import glob
 import os
 import shlex
-import sys
 import tempfile
 import time
 import unittest
@@ -23,12 +22,13 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from own_sockets import listening_addresses, pid_of
 from roslib.packages import find_node
+from warm import Loopback
 
 from move_base_abstract_mapf.layout import Grid, write_folder
 from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_ros.launching import plan
 from move_base_abstract_ros.lockstep.programs import binary
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 LAUNCH_FILE = """
 <launch>  <!-- the existing two-robot setup with its navigation swapped: stock clients reach goals with both robots -->

@@ -5,7 +5,6 @@ test/coordinators/found.json has the failure that `chaos --delay 0.05 --until 30
 import json
 import os
 import subprocess
-import sys
 import unittest
 
 from own_folder import OwnFolder

@@ -6,16 +6,16 @@ The test itself takes part, by the socket for participants on this computer.
 import os
 import socket
 import subprocess
-import sys
 import threading
 import unittest
 
 import rosgraph
 from lockstep_launcher_run import run_programs
 from lockstep_raw_client import GUARD, RawClient, wait_for
+from warm import Loopback
 
 from move_base_abstract_ros.lockstep.exchange.connection import Connection
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 OWN = os.sched_getaffinity(0)
 ROUNDS = 60  # `alternate` changes every 10 rounds

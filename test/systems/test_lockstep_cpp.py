@@ -16,9 +16,9 @@ from lockstep_roscpp_run import take_name
 from own_sockets import closed_connections
 from std_msgs.msg import Time
 from std_srvs.srv import Trigger
+from warm import Loopback
 
 from move_base_abstract.msg import TimeState
-from move_base_abstract_ros.loopback import Loopback
 
 GUARD = 30.0
 NS = 1000000000

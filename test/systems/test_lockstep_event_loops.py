@@ -1,7 +1,6 @@
 """Unmodified programs with event loops of asyncio are exact, or labelled by file and line if they wait for outside."""
 import os
 import re
-import sys
 import unittest
 from unittest import mock
 

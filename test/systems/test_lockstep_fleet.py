@@ -12,11 +12,12 @@ import unittest
 import rosgraph
 from lockstep_fleet_client import NS_PER_S, YARD, plan_of
 from roslib import packages
+from warm import Loopback
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 60.0  # s, wall; only ends a test that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -5,7 +5,6 @@ In test/systems/foreign only the launch file knows of lockstep, by its launch-pr
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 

@@ -7,7 +7,6 @@ once, in fewer rounds.
 import re
 import shutil
 import socketserver
-import sys
 import threading
 import unittest
 from collections import Counter

@@ -7,13 +7,11 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from types import SimpleNamespace
 from unittest import mock
-
 
 from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet

@@ -6,7 +6,6 @@ Each group runs three times: twice at full speed on a loaded machine, once at mo
 import glob
 import os
 import shutil
-import sys
 import tempfile
 import unittest
 

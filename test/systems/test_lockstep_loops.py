@@ -1,7 +1,6 @@
 """Scripts that wait in loops without sleep, and scripts that log and publish much while they compute."""
 
 import os
-import sys
 import tempfile
 import unittest
 

@@ -7,7 +7,6 @@ import array
 import os
 import re
 import socket
-import sys
 import tempfile
 import unittest
 import xmlrpc.client

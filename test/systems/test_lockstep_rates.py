@@ -11,10 +11,11 @@ import types
 import unittest
 
 import tf2_ros
+from warm import Loopback
 
 from move_base_abstract.lockstep.wire import Hearing as Heard
 from move_base_abstract_ros.lockstep.exchange.interest import Hearing
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LISTENER = os.path.join(HERE, 'unmodified', 'late_listener.py')

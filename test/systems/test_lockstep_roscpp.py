@@ -18,9 +18,10 @@ import rosbag
 from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
 from scenarios import repeated
+from warm import Loopback
 
 from move_base_abstract_ros.lockstep.programs.binary import find_shim
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 RUNS = Runs()
 SECOND = 10 ** 9

@@ -10,8 +10,7 @@ import unittest
 
 import rosgraph
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
-
-from move_base_abstract_ros.loopback import Loopback
+from warm import Loopback
 
 RUNS = Runs()
 SECOND = 10 ** 9
@@ -25,7 +24,7 @@ def rate(name='rate', frequency=10.0, ticks=100, topic=None):
 
 class LockstepRoscppThreadsTest(unittest.TestCase):
     def told(self, what, *others, program='shim_threads', **parameters):
-        """Return the messages of a program with threads, which must be the same in each run of the scenario: [(ns, text), ...]."""
+        """Return the messages of a program with threads, [(ns, text), ...]. They are the same in each run."""
         program = Program('threads', own(program), what=what, **parameters)
         runs = RUNS.scenario([program, recorder('/told', '/polled'), *others])
         for run in runs:
@@ -236,3 +235,4 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         for answer in (broods, reads, brooder):
             self.assertIn('what usually helps', answer)
         self.assertRegex(log, r"'/brooder'( has been silent for .*; it)? is in .*brooder.py, line 9")
+

@@ -6,8 +6,9 @@ import unittest
 
 import rosgraph
 from lockstep_raw_client import GUARD, RawClient, wait_for
+from warm import Loopback
 
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 ROSPY_NODE = """
 import rospy

@@ -7,7 +7,6 @@ import sys
 import tempfile
 import unittest
 
-
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -1,7 +1,6 @@
 """Sets of objects: the order repeats for the program's own classes; other sets are labelled with file and line."""
 
 import os
-import sys
 import unittest
 
 from lockstep_launcher_run import FOLDER, assert_same, run_programs

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import sys
 import tempfile
 import unittest
 
@@ -61,8 +60,8 @@ class WhoIsThereTest(unittest.TestCase):
         links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k]
                  for k in reversed(range(LINKS))}  # not in the order of their names
         links['link_3'].append('_slow:=0.3')  # s, wall
-        runs = run_scenario(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
-                          until=5.0)
+        others = {'census': ['census.py'], 'counter': [find_executable('shim_census')], 'late': ['late.py']}
+        runs = run_scenario({**links, **others}, until=5.0)
         assert_same(self, runs)
         names = ' '.join('/link_%d' % k for k in range(LINKS))
         self.assertEqual(runs[0].printed('census'), [

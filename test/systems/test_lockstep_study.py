@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -60,7 +59,8 @@ class StudyTest(unittest.TestCase):
         for name in os.listdir(STUDY):
             shutil.copy(os.path.join(STUDY, name), cls.folder)
             os.chmod(os.path.join(cls.folder, name), 0o755)
-        cls.runs = repeated('study of others', lambda condition: Run(cls.folder, *condition.options, condition=condition),
+        cls.runs = repeated('study of others',
+                            lambda condition: Run(cls.folder, *condition.options, condition=condition),
                             lambda run: repr((run.events, [bag['sha256'] for bag in run.bags['/recorder']])).encode())
         cls.first = cls.runs[0]
 

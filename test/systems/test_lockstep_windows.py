@@ -7,9 +7,10 @@ import tempfile
 import unittest
 
 from scenarios import Condition, repeated
+from warm import Loopback
 
 from move_base_abstract.runs.event_log import EventLog
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')

@@ -3,12 +3,12 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 import yaml
+from warm import Loopback
 
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract.runs.event_log import EventLog
@@ -16,7 +16,7 @@ from move_base_abstract_mapf.driving import drive
 from move_base_abstract_mapf.layout import Grid, read_folder, write_folder
 from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_mapf.plans import read_plan
-from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.nodes.orders_run.mapf_drive_node import PlanNode
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'launch', 'mapf.launch')

@@ -1,15 +1,13 @@
 """Odometry of a robot at rest: as on the way on the scaled clock, and at the wanted rate in lockstep."""
-import sys
 import unittest
 
-import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lockstep_launcher_run import assert_same, run_scenario
 from nav_msgs.msg import Odometry
 from robot_harness import Record
 
 LAUNCH_FILE = """
-<launch>  <!-- a robot whose odometry goes on while it stands; the runs in lockstep are on ROS masters of the test's own -->
+<launch>  <!-- a robot whose odometry goes on while it stands; runs in lockstep are on ROS masters of their own -->
   <include file="$(find move_base_abstract)/launch/time_master.launch">
     <arg name="factor" value="10"/>
   </include>

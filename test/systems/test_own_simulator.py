@@ -2,7 +2,6 @@
 import os
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 
@@ -19,8 +18,8 @@ class OwnSimulatorTest(unittest.TestCase):
         """Run the example; return (output, bytes of the event log)."""
         folder = tempfile.mkdtemp()
         path = os.path.join(folder, 'run.jsonl')
-        words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *condition.options, *options,
-                 'move_base_abstract', 'own_simulator.launch']
+        words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *condition.options,
+                 *options, 'move_base_abstract', 'own_simulator.launch']
         with condition.around():
             done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
                                   universal_newlines=True, env=dict(os.environ, ROS_HOME=folder, ROS_LOG_DIR=folder))

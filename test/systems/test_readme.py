@@ -9,8 +9,7 @@ import time
 import unittest
 
 from own_folder import OwnFolder
-
-from move_base_abstract_ros.loopback import Loopback
+from warm import Loopback
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'README.md')
 GUARD = 120.0  # s, wall; only ends a run that would never end
@@ -111,3 +110,4 @@ class Readme(OwnFolder, unittest.TestCase):
             self.run_when_there(echo, ros.environment, 'x: 20.0')
             process.terminate()
             process.wait(GUARD)
+

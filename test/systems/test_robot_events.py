@@ -1,7 +1,6 @@
 """The topic ~events has the rows of the event log in its order, and programs that react to it repeat exactly."""
 import json
 import os
-import sys
 import unittest
 
 from lockstep_launcher_run import assert_same, run_scenario

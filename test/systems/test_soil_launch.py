@@ -5,7 +5,6 @@ GUARD [s, wall] only ends a test that would never end.
 import csv
 import json
 import os
-import sys
 import time
 import unittest
 

@@ -1,6 +1,5 @@
 """Robots on their way to the start of the mission: a robot that gives up is sent again, but not for ever."""
 import queue
-import sys
 import unittest
 from types import SimpleNamespace
 

@@ -4,7 +4,6 @@ GUARD [s, simulated] only ends a test that would never end.
 """
 import os
 import subprocess
-import sys
 import unittest
 
 import rospy

@@ -13,7 +13,6 @@ import time
 import unittest
 
 import psutil
-import rosgraph
 import rospy
 from own_sockets import listening_addresses, pid_of
 from rosgraph_msgs.msg import Clock, Log

@@ -16,11 +16,10 @@ from pathlib import Path
 import lockstep_raw_client as raw
 import rosgraph
 from lockstep_run import GUARD, NEVER, SECOND, START, Closed, LockstepCase, RawClient, wait_for
-
-from move_base_abstract_ros.loopback import Loopback
+from warm import Loopback
 
 LAUNCH_FILE = """
-<launch>  <!-- the time master in lockstep, by its protocol, byte by byte: silence, death, deadlock, bad frames, no ROS master -->
+<launch>  <!-- the time master in lockstep, byte by byte: silence, death, deadlock, bad frames, no ROS master -->
   <param name="/use_sim_time" value="true"/>
 </launch>
 """
@@ -299,3 +298,4 @@ class LockstepFaultsTest(LockstepCase):
         self.launch(mode='scaled', lockstep_address=stale)
         wait_for('the old address gone', lambda: not self.master.hasParam('/time_master/lockstep_address'))
         self.assertNotIn('unknown', self.output())
+

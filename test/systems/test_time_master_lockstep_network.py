@@ -10,7 +10,6 @@ import sys
 import tempfile
 import unittest
 
-
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 

@@ -14,8 +14,7 @@ import time
 import unittest
 
 import rosgraph
-
-from move_base_abstract_ros.loopback import Loopback
+from warm import Loopback
 
 GUARD = 30.0
 #: the tests read the output of the time master while it runs
@@ -210,3 +209,4 @@ class StartTest(unittest.TestCase):
             os.kill(first.pid, signal.SIGKILL)
             first.process.wait(GUARD)
             self.running(ros, self.start(ros))
+

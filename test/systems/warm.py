@@ -93,7 +93,7 @@ def _parent(kind):
 
 
 def import_all(path):
-    """Import what all processes need. ``path``: sys.path as Python begins with it, without the folder of the program."""
+    """Import what all processes need. ``path``: Python's first sys.path, without the folder of the program."""
     _standard_path[:] = path
     _import()
 
