@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other, because two goals that install packages at the same time would disturb each other.
 .NOTPARALLEL:
-.PHONY: help deps build demo docs test explore lint bench study study-trial experiment picture clean
+.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture clean
 .PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
@@ -54,6 +54,13 @@ test: deps-test build  ## run all tests; ONLY=part_of_a_name runs some
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
+
+nightly: TESTS := tests
+nightly: deps-test build  ## run each scenario 20 times under other conditions, and all that `make test` leaves out; PART=3/16 HOURS=2 ONLY=part_of_a_name
+	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
+	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
+	@$(ENTER) $(PYTHON) tools/run_tests.py --night $(or $(RUNS),20) $(if $(PART),--part '$(PART)') \
+	  $(if $(HOURS),--hours '$(HOURS)') $(if $(ONLY),--only '$(ONLY)')
 
 explore: deps-test build  ## run the property tests for long, with other examples each time; EXAMPLES=50000 of each, ONLY=part_of_a_test
 	@$(ENTER) EXAMPLES='$(EXAMPLES)' '$(WS)/venv/bin/python' -m pytest -q -p no:cacheprovider test/unit -m hypothesis \

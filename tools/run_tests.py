@@ -5,8 +5,8 @@ usage: run_tests.py [--only PART_OF_A_NAME] [--jobs N]    (in the built environm
 
 A step is one process (test_steps.py has them all). It writes its results to a folder of its own below
 .ws/test_results, which is emptied first, and its output to output.log there. A step that dies, hangs or leaves no
-result counts as a failure of its own. Steps share no ROS master, port or folder, and none measures wall time, so they may run
-at the same time.
+result counts as a failure of its own. Steps share no ROS master, port or folder, and none measures wall time, so they
+may run at the same time.
 
 The runner has one thread, imports what the tests of systems need, and forks for each of their files: otherwise each
 would import the same for a second.
@@ -29,6 +29,8 @@ import psutil
 import test_steps
 import test_summary
 from test_steps import ROOT, WS
+
+from move_base_abstract.common import processes
 
 TIMES = WS / 'test_times.json'  # CPU seconds of each step, in its last run
 # Wall seconds. It only ends a step that would never end: a busy machine may need 20 times the time of an idle one.
@@ -107,13 +109,16 @@ class Runner:
 
 
 def _fork(step, results, log):
-    """Begin a step in a process of its own; return its id."""
+    """Begin a step in a process of its own, which ends with this one; return its id."""
+    parent = os.getpid()
     pid = os.fork()
     if pid:
         return pid
     code = 1
     try:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        processes.die_with(parent)
+        for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+            signal.signal(number, handler)
         with open(os.devnull) as nothing:
             os.dup2(nothing.fileno(), 0)
         os.dup2(log.fileno(), 1)
@@ -223,6 +228,7 @@ def _begin_again():
 def main():
     """Run the chosen steps; exit with 1 if anything failed."""
     _begin_again()
+    signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))  # so that it ends what it started
     arguments, parser = _arguments()
     night = nightly.Night(arguments, parser) if arguments.night else None
     steps = _chosen(night.steps if night else test_steps.by_day(), arguments.only, parser)

@@ -20,7 +20,7 @@ class Launched(Loopback):
     """A Loopback with the nodes of a launch file."""
 
     def __init__(self):
-        super().__init__()
+        super().__init__(use_sim_time=False)
         self._given = {}  # environment variables of the node that is being started
 
     @property

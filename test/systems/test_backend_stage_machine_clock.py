@@ -10,6 +10,7 @@ import unittest
 import rospkg
 import rospy
 
+LAUNCH_FILE = '<launch/>'
 OWN_NODE = 'backend_stage_machine_clock_test'
 
 GUARD = 30.0

@@ -38,8 +38,9 @@ class CoordinatorsTest(OwnFolder, unittest.TestCase):
         for line in found['happened']:
             self.assertIn(line, said)
         self.assertIn('chaos: failed: {} crashed at '.format(found['failure'].split()[1]), said)
-        code, said = self.chaos('--delay', str(found['delay']), '--until', '300', '--seeds', '{0}:{0}'.format(
-            found['seed']), LAUNCH, 'coordinator:=' + name, 'correct:=true')
+        seeds = '{0}:{0}'.format(found['seed'])
+        code, said = self.chaos('--delay', str(found['delay']), '--until', '300', '--workers', '1', '--seeds', seeds,
+                                LAUNCH, 'coordinator:=' + name, 'correct:=true')
         self.assertEqual(code, 0, said)
 
 

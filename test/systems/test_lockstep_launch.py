@@ -37,7 +37,7 @@ KINDS = """<launch>
   <node pkg="move_base_abstract" type="shim_listener" name="again" args="/a /c" respawn="true"/>
   <node pkg="move_base_abstract" type="shim_listener" name="elsewhere" args="/a /d" machine="robot"/>
   <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e" launch-prefix="gdb -ex run --args"/>
-  <node pkg="study_of_others" type="run_tests.py" name="no_node"/>
+  <node pkg="study_of_others" type="options.py" name="no_node"/>
   <node pkg="study_of_others" type="both" name="both"/>
   <node pkg="study_of_others" type="wrapped" name="wrapped"/>
   <node pkg="study_of_others" type="binary" name="binary"/>
@@ -61,6 +61,12 @@ SHELL = """<launch>
 """
 # Shell scripts as people write them: one finds its Python, one sets things up, one waits for its child.
 SCRIPTS = {
+    'options.py': """#!/usr/bin/env python3
+import argparse
+parser = argparse.ArgumentParser(description='is no node')
+parser.add_argument('--jobs')
+parser.parse_args()
+""",
     'both': """#!/bin/sh
 '''exec' python3 -u -- "$0" "$@"
 '''
@@ -169,8 +175,7 @@ class LaunchTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
         with open(self.path('package.xml'), 'w') as stream:
             stream.write(PACKAGE)
-        for name in ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py',
-                     '../../../tools/run_tests.py', '../../../tools/test_summary.py'):
+        for name in ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py'):
             shutil.copy(os.path.join(HERE, 'unmodified', name), self.folder)
             os.chmod(self.path(os.path.basename(name)), 0o755)
         for name, text in SCRIPTS.items():
@@ -340,7 +345,7 @@ class LaunchTest(unittest.TestCase):
 
     def test_a_node_that_ends_before_it_takes_part_ends_the_run_and_is_named(self):
         for word, told in (('--help', 'code 0.*--onlooker /early'), ('--no', '2.*said last:\n.*\n    [^\n]*--no ')):
-            early = '<node pkg="study_of_others" type="run_tests.py" name="early" args="{}"/>'.format(word)
+            early = '<node pkg="study_of_others" type="options.py" name="early" args="{}"/>'.format(word)
             done = self.run_it('--participant', '/early', self.file(TICKING.format(more=early)))
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertRegex(done.stdout, '(?s)lockstep_launch: /early ended .*' + told)
