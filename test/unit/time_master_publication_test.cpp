@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clock/time_master.h"
+#include "night.h"
 #include "time_master_adversary.h"
 
 namespace move_base_abstract {
@@ -149,14 +150,14 @@ TEST(AchievedFactor, IsTheOneOfTheLastSecond) {
 // ---- adversarial sequences against a model that counts every nanosecond ----------------------
 
 TEST(Adversary, RandomSequencesEqualTheModelWhenHoldsSlowDown) {
-  for (unsigned seed = 0; seed < 40; ++seed) {
-    Adversary(seed, 0.7).play(20'000);
+  for (int seed = 0; seed < times(4, 40); ++seed) {
+    Adversary(static_cast<unsigned>(seed), 0.7).play(20'000);
   }
 }
 
 TEST(Adversary, RandomSequencesEqualTheModelWhenHoldsFreeze) {
-  for (unsigned seed = 100; seed < 140; ++seed) {
-    Adversary(seed, 0.0).play(20'000);
+  for (int seed = 100; seed < times(104, 140); ++seed) {
+    Adversary(static_cast<unsigned>(seed), 0.0).play(20'000);
   }
 }
 
