@@ -67,8 +67,8 @@ def by_night():
     pages = re.findall(r'^docs/(\w+)$', INDEX.read_text().split(':caption: ')[1], re.MULTILINE)
     tutorials = [Step(f'tutorial_{page}', (f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]',))
                  for page in pages]
-    return [*_gtests(), *_unit(), *(_system(path) for path in _files('systems') if HAS_SCENARIOS.search(path.read_text())),
-            *tutorials, Step('install', (TEST / 'install',))]
+    systems = [_system(path) for path in _files('systems') if HAS_SCENARIOS.search(path.read_text())]
+    return [*_gtests(), *_unit(), *systems, *tutorials, Step('install', (TEST / 'install',))]
 
 
 def _gtests():
