@@ -1,4 +1,4 @@
-"""The table of what is replaced in rospy and Python's library: a name without a row is refused, unknown sources told."""
+"""The table of what is replaced in rospy and Python's library: what has no row is refused, unknown sources are told."""
 import re
 
 import pytest
