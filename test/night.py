@@ -1,8 +1,8 @@
 """What is tested by day and what by night: the night is where the environment variable NIGHT is a number of 1 or more.
 
-A test that takes long is marked with ``@pytest.mark.night``: by day it is left out, and pytest says how many are. A test
-that only needs fewer examples, seeds or repetitions by day asks ``times(day, night)``. test/conftest.py hands the hooks
-to all folders of tests.
+A test that takes long is marked with ``@pytest.mark.night``: by day it is left out, and pytest says how many are. A
+test that only needs fewer examples, seeds or repetitions by day asks ``times(day, night)``. test/conftest.py hands the
+hook to all folders of tests.
 """
 import os
 

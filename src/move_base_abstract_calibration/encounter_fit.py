@@ -171,18 +171,21 @@ class _Data:
         value = {name: float(back(packed[k])) for k, (name, *_, back) in enumerate(_FITTED)}
         chances, blocked = self._chances(packed, both)
         variance = math.log1p(value['delay_cv'] ** 2)
-        delays = stats.lognorm(math.sqrt(variance), scale=value['delay_mean'] * math.exp(-0.5 * variance))
+        # Keywords of scipy's distributions: to freeze three of them takes as long as all of the densities.
+        delays = {'s': math.sqrt(variance), 'scale': value['delay_mean'] * math.exp(-0.5 * variance)}
         shape = 1.0 / value['block_cv'] ** 2
-        blocks, longer = stats.gamma(shape, scale=value['block_mean'] / shape), stats.expon(scale=value['long_mean'])
+        blocks, longer = {'a': shape, 'scale': value['block_mean'] / shape}, {'scale': value['long_mean']}
         share = value['long_chance']
 
-        def density(late):
-            return (1.0 - share) * blocks.pdf(late) + share * longer.pdf(late)
-        ended = ((1.0 - chances) * self._alone, (chances - blocked) * (self._late @ delays.pdf(_DELAYS)) * _STEP,
-                 blocked * (self._late @ density(_DELAYS)) * _STEP)
-        cut = ((1.0 - chances) * self._alone_later, (chances - blocked) * delays.sf(self._over),
-               blocked * ((1.0 - share) * blocks.sf(self._over) + share * longer.sf(self._over)))
-        given_up = (0.0, 0.0, blocked * (1.0 - share) * blocks.pdf(self._until_end))
+        def mixed(block, long):
+            return (1.0 - share) * block + share * long
+        density = mixed(stats.gamma.pdf(_DELAYS, **blocks), stats.expon.pdf(_DELAYS, **longer))
+        ended = ((1.0 - chances) * self._alone,
+                 (chances - blocked) * (self._late @ stats.lognorm.pdf(_DELAYS, **delays)) * _STEP,
+                 blocked * (self._late @ density) * _STEP)
+        cut = ((1.0 - chances) * self._alone_later, (chances - blocked) * stats.lognorm.sf(self._over, **delays),
+               blocked * mixed(stats.gamma.sf(self._over, **blocks), stats.expon.sf(self._over, **longer)))
+        given_up = (0.0, 0.0, blocked * (1.0 - share) * stats.gamma.pdf(self._until_end, **blocks))
         return tuple(np.where(self._succeeded, one, np.where(self._cut, other, third))
                      for one, other, third in zip(ended, cut, given_up))
 

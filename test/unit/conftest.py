@@ -1,19 +1,16 @@
-"""What the unit tests share: the sources on the path, repeatable properties, a navigator with its surroundings."""
+"""What the unit tests share: repeatable properties, a navigator with its surroundings."""
 
 import os
-import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
 from night import times
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
-
-from move_base_abstract.common.errors import FrameError  # noqa: E402
-from move_base_abstract.common.units import seconds_to_ns  # noqa: E402
-from move_base_abstract.engine.simulation import Simulation  # noqa: E402
-from move_base_abstract.goals.client import NoClient  # noqa: E402
-from move_base_abstract.goals.events import (  # noqa: E402
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import (
     Aimed,
     Departed,
     Ended,
@@ -24,14 +21,14 @@ from move_base_abstract.goals.events import (  # noqa: E402
     WheelsStopped,
     robot_stream,
 )
-from move_base_abstract.goals.ledger import GoalLedger  # noqa: E402
-from move_base_abstract.goals.navigator import BadFramePolicy, GoalPose, Navigator  # noqa: E402
-from move_base_abstract.goals.recovery import RecoveryPolicy  # noqa: E402
-from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds  # noqa: E402
-from move_base_abstract.motion.frames import RobotFrames  # noqa: E402
-from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw  # noqa: E402
-from move_base_abstract.motion.leg import MotionLimits, Tolerances  # noqa: E402
-from move_base_abstract.motion.robot import Robot  # noqa: E402
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.navigator import BadFramePolicy, GoalPose, Navigator
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds
+from move_base_abstract.motion.frames import RobotFrames
+from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
+from move_base_abstract.motion.robot import Robot
 
 # Every run takes the same examples, however slow the machine is: what is found by chance is found by `make explore`.
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=times(40, 600),

@@ -4,6 +4,7 @@ import math
 import os
 
 import pytest
+from night import times
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.motion.calibration import make_calibration
@@ -101,13 +102,14 @@ def goes_backwards(leg):
 
 @pytest.mark.parametrize('yaw', [0.2, 2.3, 3.1])
 def test_goals_arrive_to_the_nanosecond_when_they_did_and_go_backwards_as_often_as_the_law_says(yaw):
-    with_motion, without = goals(7, 200, yaw), goals(7, 200, yaw, has_motion=False)
+    count = times(100, 200)
+    with_motion, without = goals(7, count, yaw), goals(7, count, yaw, has_motion=False)
     assert [leg.arrive_ns for leg in with_motion] == [leg.arrive_ns for leg in without]
     assert not any(goes_backwards(leg) for leg in without)
     back = sum(goes_backwards(leg) for leg in with_motion)
-    expected = 200 * calibrated().durations.tail_chance(0.0, yaw)
+    expected = count * calibrated().durations.tail_chance(0.0, yaw)
     assert back == pytest.approx(expected, abs=4.0 * math.sqrt(expected) + 1.0)
-    assert [leg.arrive_ns for leg in goals(7, 200, yaw)] == [
+    assert [leg.arrive_ns for leg in goals(7, count, yaw)] == [
         leg.arrive_ns for leg in with_motion]
 
 

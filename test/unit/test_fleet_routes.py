@@ -215,11 +215,11 @@ def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypat
     monkeypatch.setattr(grid_planner, '_KEPT_WAYS', 20)
 
     def next_goal(robot, *_):
-        if ended[0] % 400 == 0:
+        if ended[0] % 150 == 0:
             gc.collect()
             counts.append(len(gc.get_objects()))
         ended[0] += 1
-        if ended[0] <= 1200:
+        if ended[0] <= 450:
             fleet.send(robot, pick.choice((2.5, 8.5)) + pick.random(), 1.5 + 9.0 * pick.random())
 
     ended = [0]
@@ -230,4 +230,4 @@ def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypat
     fleet.run()
     [ways] = grid_planner._shared[occupancy].values()
     assert len(ways._fields) == len(ways._shorteners) == 5 and len(ways._ways) == 20
-    assert abs(counts[3] - counts[2]) < 100 < 1200 <= ended[0]
+    assert abs(counts[3] - counts[2]) < 100 < 450 <= ended[0]

@@ -3,6 +3,7 @@ import math
 import random
 
 import pytest
+from night import times
 
 from move_base_abstract.motion.leg import SpeedProfile
 from move_base_abstract.motion.limited_profile import LimitedProfile, profile_over
@@ -12,7 +13,7 @@ SLOW_MIDDLE = LimitedProfile(((10.0, 2.0), (4.0, 1.0), (10.0, 2.0)), 1.0)
 
 def some_profiles():
     generator = random.Random(5)
-    for _ in range(40):
+    for _ in range(times(15, 40)):
         pieces = tuple((generator.choice((0.01, 0.3, 2.0, 9.0)), generator.choice((0.2, 0.5, 1.0, 3.0)))
                        for _ in range(generator.randint(1, 6)))
         yield LimitedProfile(pieces, generator.choice((0.1, 1.0, 7.0, math.inf)))

@@ -109,6 +109,7 @@ def test_a_ranking_turned_round_is_seen_in_every_figure():
     assert inside < 0.4 and apart > 0.5
 
 
+@pytest.mark.night  # 200 divisions into halves
 def test_halves_of_noise_do_not_agree():
     noise = missions(2.0)
     noise['mission_s'] = np.random.default_rng(5).normal(100.0, 10.0, len(noise))

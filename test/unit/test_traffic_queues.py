@@ -104,7 +104,8 @@ QUEUES = {
 }
 
 
-@pytest.mark.parametrize('queue', QUEUES)
+@pytest.mark.parametrize('queue', ['M/M/3', pytest.param('M/M/1', marks=pytest.mark.night),
+                                   pytest.param('M/G/1', marks=pytest.mark.night)])
 def test_the_mean_wait_is_that_of_theory(queue):
     check_mean(*QUEUES[queue])
 

@@ -156,7 +156,8 @@ def test_an_environment_of_another_python_is_served_by_that(folder, warm):
 
 
 @pytest.mark.parametrize('name, value, told', [
-    ('PYTHONOPTIMIZE', '1', '[1, 1]'), ('PYTHONHASHSEED', '7', '[0, 1]'), ('OPENBLAS_NUM_THREADS', '2', '[0, 1]')])
+    pytest.param('PYTHONOPTIMIZE', '1', '[1, 1]', marks=pytest.mark.night),  # all modules are compiled for it
+    ('PYTHONHASHSEED', '7', '[0, 1]'), ('OPENBLAS_NUM_THREADS', '2', '[0, 1]')])
 def test_what_only_a_start_can_give_is_given_by_a_start(folder, warm, name, value, told):
     text = 'import os, sys\nprint([sys.flags.optimize, int(os.environ[{!r}] == {!r})], hash("text"))'
     words = script(folder, text.format(name, value))

@@ -64,6 +64,7 @@ def readings(tmp_path_factory):
     return folder / 'metres.csv', folder / 'degrees.csv'
 
 
+@pytest.mark.night  # a process for each kind
 def test_trials_are_identical_on_every_kind_of_processor(readings):
     pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
     here = output_on({}, TRIALS, *readings).splitlines()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from move_base_abstract_ros.replacing import replaced  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.replacing import replaced
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / 'docs' / 'sources_of_chance.md'
