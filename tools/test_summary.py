@@ -2,6 +2,7 @@
 
 usage: test_summary.py RESULTS_FOLDER    (exit code 1 if a test failed, or none passed)
 """
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass, replace
@@ -9,6 +10,7 @@ from pathlib import Path
 
 LOG_NAME = 'output.log'
 LOG_TAIL_LINES = 40
+LOG_OF_A_PROCESS = re.compile(r'^-+ \S+\.out -+$', re.MULTILINE)  # as test/systems/conftest.py shows it
 PASSED, FAILED, SKIPPED = 'passed', 'failed', 'skipped'
 
 
@@ -37,12 +39,6 @@ def _read_file(path):
         text = f'it died before it had written its results: {path}: {error}\n{log_tail(path.parent.parent)}'
         return [Case(path.stem, FAILED, text)]
     cases = [_read_case(element) for element in root.iter('testcase')]
-    if path.name.startswith('rostest-'):
-        # rostest's own file repeats each test file as one case. Only its failures are needed: no
-        # other file says that a test file timed out or died.
-        tail = log_tail(path.parent.parent)
-        return [replace(case, text=f'{case.text}\n{tail}') for case in cases if case.outcome == FAILED]
-    # For example, rostest writes no case if setUpClass fails; only the log says why.
     return cases or [Case(path.stem, FAILED, f'{path} holds no test\n{log_tail(path.parent.parent)}')]
 
 
@@ -50,6 +46,14 @@ def log_tail(folder):
     """Return the last lines that a step printed; '' if there is no log in its folder."""
     path = Path(folder) / LOG_NAME
     return '\n'.join(path.read_text(errors='replace').splitlines()[-LOG_TAIL_LINES:]) if path.exists() else ''
+
+
+def logs_of_processes(folder):
+    """Return what the processes of a step printed last, as it stands in its log if a test failed; otherwise ''."""
+    path = Path(folder) / LOG_NAME
+    text = path.read_text(errors='replace') if path.exists() else ''
+    found = LOG_OF_A_PROCESS.search(text)
+    return text[found.start():] if found else ''
 
 
 def _read_case(element):
@@ -76,6 +80,10 @@ def summarise(folder):
     for case in cases:
         if case.outcome == FAILED:
             print(f'\nFAILED {case.name}\n{case.text}')
+    for step in sorted({case.name.partition(':')[0] for case in cases if case.outcome == FAILED}):
+        said = logs_of_processes(Path(folder) / step)
+        if said:
+            print(f'\nWhat the processes of {step} printed last\n{said}')
     if not cases:
         print(f'no test was run: {folder} holds no result')
     print(f'\n{closing_line(cases)}' if any(case.outcome == FAILED for case in cases) else closing_line(cases))

@@ -1,11 +1,11 @@
 """Starts an executable of this package in a process of its own, with parameters; has its output and its end."""
 import os
 import signal
-import subprocess
-import threading
+import tempfile
 import time
 
 import rospy
+import warm
 from robot_harness import GUARD
 
 from move_base_abstract_ros.loopback import find_executable
@@ -20,35 +20,25 @@ class RobotProcess:
         if parameters is not None:
             rospy.set_param(self.private, parameters)
         command = [find_executable(executable), *arguments, '__ns:=' + (self.namespace or '/'), '__name:=move_base']
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                         env=dict(os.environ, PYTHONUNBUFFERED='1'))
-        self._lines = []
-        self._more = threading.Condition()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        for line in self._process.stdout:
-            with self._more:
-                self._lines.append(line)
-                self._more.notify_all()
+        descriptor, self._path = tempfile.mkstemp(suffix='.out')
+        with open(descriptor, 'wb') as output:
+            self._process = warm.start(command, output, dict(os.environ, PYTHONUNBUFFERED='1'))
 
     @property
     def output(self):
         """All lines of output so far."""
-        with self._more:
-            return ''.join(self._lines)
+        with open(self._path, errors='replace') as stream:
+            return stream.read()
 
     def wait_for_line(self, text):
         """Wait for the first line that holds ``text``, and return it."""
         deadline = time.monotonic() + GUARD
-        with self._more:
-            while True:
-                for line in self._lines:
-                    if text in line:
-                        return line
-                left = deadline - time.monotonic()
-                assert left > 0.0, 'no line with {!r} in:\n{}'.format(text, ''.join(self._lines))
-                self._more.wait(left)
+        while True:
+            for line in self.output.splitlines(True):
+                if text in line and line.endswith('\n'):
+                    return line
+            assert time.monotonic() < deadline, 'no line with {!r} in:\n{}'.format(text, self.output)
+            time.sleep(0.01)
 
     def exit_code(self):
         """Wait for the end, and return the exit code."""

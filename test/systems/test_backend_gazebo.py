@@ -1,12 +1,12 @@
 """The backend for Gazebo, with a stand-in for Gazebo's service that is late, is slow, refuses, or is not installed."""
 import importlib.util
 import os
-import subprocess
 import sys
 import threading
 import unittest
 
 import rospy
+import warm
 from actionlib_msgs.msg import GoalStatus
 from nav_msgs.msg import Odometry
 from robot_harness import GUARD, Record, go, pose_stamped, simple_client
@@ -136,8 +136,7 @@ class GazeboBackend(unittest.TestCase):
     def test_6_without_gazebo_msgs_the_node_says_what_to_install(self):
         rospy.set_param('/robot_2/move_base/backend', 'gazebo')
         command = [find_executable('move_base'), '__ns:=/robot_2', '__name:=move_base']
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
-                              universal_newlines=True)
+        done = warm.run(command)
         self.assertEqual(done.returncode, 1, done.stdout)
         for words in ('/robot_2/move_base/backend', "got 'gazebo'", 'gazebo_msgs', 'ros-noetic-gazebo-msgs'):
             self.assertIn(words, done.stdout)

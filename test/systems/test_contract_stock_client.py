@@ -4,6 +4,7 @@ import unittest
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseGoal
+from night import times
 from robot_harness import pose_stamped, simple_client
 
 LAUNCH_FILE = """
@@ -18,14 +19,14 @@ LAUNCH_FILE = """
 """
 OWN_NODE = 'contract_stock_client_test'
 
-GOALS = 1000
+GOALS = times(200, 1000)
 LOST = rospy.Duration(3000.0)  # simulated; 30 s of wall time
 
 
 class StockClient(unittest.TestCase):
     """The robot arrives after 1 ms of simulated time, so each result is as early as it may be."""
 
-    def test_a_thousand_goals_in_a_row_are_all_answered(self):
+    def test_hundreds_of_goals_in_a_row_are_all_answered(self):
         client = simple_client()
         answered = 0
         for number in range(GOALS):

@@ -4,7 +4,7 @@ rospy drops a connection to a publisher when it makes a second one, with all mes
 hears of another publisher of the topic (its own node, for example) while it makes the first one.
 """
 import os
-import subprocess
+import tempfile
 import threading
 import time
 import unittest
@@ -13,6 +13,7 @@ import xmlrpc.server
 
 import rosgraph
 import rospy
+import warm
 from actionlib_msgs.msg import GoalID, GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
@@ -100,8 +101,9 @@ class FirstGoal(unittest.TestCase):
         """Start a node that is ended with the test."""
         rospy.set_param(name, parameters)
         namespace, own = name.rsplit('/', 1)
-        process = subprocess.Popen([find_executable(executable), '__ns:=' + (namespace or '/'), '__name:=' + own],
-                                   env=dict(os.environ, ROS_MASTER_URI=uri or rosgraph.get_master_uri()))
+        with tempfile.NamedTemporaryFile(suffix='.out', delete=False) as output:
+            process = warm.start([find_executable(executable), '__ns:=' + (namespace or '/'), '__name:=' + own], output,
+                                 dict(os.environ, ROS_MASTER_URI=uri or rosgraph.get_master_uri()))
 
         def end():
             process.terminate()

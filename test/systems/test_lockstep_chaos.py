@@ -1,9 +1,9 @@
 """Chaos with a coordinator that works only in the stated order, in Python and C++: found, shrunk, replayed exactly."""
 import json
 import os
-import subprocess
 import unittest
 
+import warm
 from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
@@ -99,9 +99,7 @@ class ChaosTest(OwnFolder, unittest.TestCase):
     def run_it(self, program, *words):
         """Run a program; return (exit code, output)."""
         path = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
-        done = subprocess.run([find_executable(program), *words], env=dict(os.environ, ROS_PACKAGE_PATH=path),
-                              cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              timeout=GUARD, check=False)
+        done = warm.run([find_executable(program), *words], dict(os.environ, ROS_PACKAGE_PATH=path), self.folder, GUARD)
         return done.returncode, done.stdout
 
     def test_a_bug_is_found_shrunk_and_replayed(self):

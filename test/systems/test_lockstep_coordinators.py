@@ -4,9 +4,9 @@ test/coordinators/found.json has the failure that `chaos --delay 0.05 --until 30
 """
 import json
 import os
-import subprocess
 import unittest
 
+import warm
 from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
@@ -21,8 +21,7 @@ MOST_DECISIONS = 3
 class CoordinatorsTest(OwnFolder, unittest.TestCase):
 
     def chaos(self, *words):
-        done = subprocess.run([find_executable('chaos'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, timeout=GUARD, check=False, cwd=self.folder)
+        done = warm.run([find_executable('chaos'), *words], cwd=self.folder, timeout=GUARD)
         return done.returncode, done.stdout
 
     def check(self, name):

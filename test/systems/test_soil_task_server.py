@@ -2,11 +2,10 @@
 
 GUARD [s, simulated] only ends a test that would never end.
 """
-import os
-import subprocess
 import unittest
 
 import rospy
+import warm
 from actionlib import GoalStatus, SimpleActionClient
 from geometry_msgs.msg import Pose, Quaternion
 from std_msgs.msg import Header
@@ -127,8 +126,6 @@ class TaskServer(unittest.TestCase):
                                 ('_duration:=soon', "got 'soon'; allowed: a number in 0..2147483647 [s, simulated]"),
                                 ('_robots:=[a, a]', 'allowed: a list of different namespaces')):
             name = 'wrong_' + parameter[1:4]
-            done = subprocess.run([find_executable('task_server'), parameter, '__name:=' + name], timeout=60.0,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-                                  env=dict(os.environ, ROS_LOG_DIR=os.environ.get('ROS_LOG_DIR', '/tmp')))
+            done = warm.run([find_executable('task_server'), parameter, '__name:=' + name])
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertIn(text, done.stdout)

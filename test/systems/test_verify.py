@@ -1,9 +1,9 @@
 """Verify: runs that are the same, a program whose runs differ, a run without an end, and refused arguments."""
 import os
 import shutil
-import subprocess
 import unittest
 
+import warm
 from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
@@ -80,8 +80,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
     def verify(self, *words, cwd=None, **environment):
         environment = dict(os.environ, TMPDIR=self.path('tmp'), **environment)
         environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
-        done = subprocess.run([find_executable('verify'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, env=environment, cwd=cwd, timeout=GUARD, check=False)
+        done = warm.run([find_executable('verify'), *words], environment, cwd, GUARD)
         return done.returncode, done.stdout
 
     def test_a_whole_system_is_identical_and_nothing_stays(self):

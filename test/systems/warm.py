@@ -17,6 +17,7 @@ import os
 import socket
 import subprocess
 import sys
+import tempfile
 
 from move_base_abstract.common import processes, sockets
 from move_base_abstract_ros import loopback
@@ -67,6 +68,36 @@ class Loopback(loopback.Loopback):
         if kind is None:
             return super()._start(command, log)
         return _parent(kind).fork(words, self.environment, [log.fileno()] * 2)
+
+
+def start(command, output, environment=None, cwd=None):
+    """Start a program, as a fork if that makes no difference; return its process, with the methods of Popen.
+
+    output: a file that is open for writing; environment, cwd: this process's own if None.
+    """
+    environment = dict(os.environ) if environment is None else environment
+    kind, words = kind_of(command)
+    if kind is None:
+        return subprocess.Popen(command, env=environment, cwd=cwd, stdin=subprocess.DEVNULL, stdout=output,
+                                stderr=subprocess.STDOUT, start_new_session=True)
+    return processes.Held(_parent(kind).fork(words, environment, [output.fileno()] * 2, cwd))
+
+
+def run(command, environment=None, cwd=None, timeout=GUARD):
+    """Run a program to its end, as start() does; return a subprocess.CompletedProcess whose stdout is text.
+
+    :raises subprocess.TimeoutExpired: if it has not ended after ``timeout`` [s, wall]; it is killed then.
+    """
+    with tempfile.TemporaryFile() as output:
+        process = start(command, output, environment, cwd)
+        try:
+            code = process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            raise
+        output.seek(0)
+        return subprocess.CompletedProcess(command, code, output.read().decode(errors='replace'))
 
 
 def kind_of(command):
@@ -133,9 +164,9 @@ class _Parent:
         self._process = subprocess.Popen([sys.executable, '-c', code, SPACE], env=environment,
                                          stdin=subprocess.DEVNULL, pass_fds=[its.fileno()])
 
-    def fork(self, words, environment, outputs):
+    def fork(self, words, environment, outputs, cwd=None):
         """Fork for a command line; return the processes.Forked."""
-        request.send(self._socket, request.Request(words, environment, os.getcwd(), outputs))
+        request.send(self._socket, request.Request(words, environment, cwd or os.getcwd(), outputs))
         return processes.Forked(request.receive_answer(self._socket))
 
 
