@@ -17,7 +17,7 @@ UNIT_PARTS = 6  # processes for the unit tests, so that all cores have work to t
 # What takes longest begins first. It matters where no run in this tree has told yet how long each step takes.
 LONGEST = ('unit', 'gtest_time_master_test', 'lockstep_fleet', 'experiment', 'lockstep_launch', 'browser', 'plain')
 OF_THE_NIGHT = re.compile(r'^pytestmark = pytest\.mark\.night$', re.MULTILINE)
-HAS_SCENARIOS = re.compile(r'run_scenario\(|repeated\(|\.scenario\(|mark\.night')
+HAS_MORE_BY_NIGHT = re.compile(r'run_scenario\(|repeated\(|\.scenario\(|mark\.night|\btimes\(')
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def by_night():
     pages = re.findall(r'^docs/(\w+)$', INDEX.read_text().split(':caption: ')[1], re.MULTILINE)
     tutorials = [Step(f'tutorial_{page}', (f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]',))
                  for page in pages]
-    systems = [_system(path) for path in _files('systems') if HAS_SCENARIOS.search(path.read_text())]
+    systems = [_system(path) for path in _files('systems') if HAS_MORE_BY_NIGHT.search(path.read_text())]
     return [*_gtests(), *_unit(), *systems, *tutorials, Step('install', (TEST / 'install',))]
 
 

@@ -160,5 +160,5 @@ class LockstepNetworkTest(unittest.TestCase):
             events = self.run_here(lookahead)
             self.assertGreater(len(events), 100)
             for name, places in list(kinds.items())[:times(1, len(kinds))]:
-                places = (places * len(SYSTEM))[:len(SYSTEM)]
-                self.assertEqual(self.run_system(f'{name}_{lookahead}', places, lookahead), events)
+                of_each = (places * len(SYSTEM))[:len(SYSTEM)]
+                self.assertEqual(self.run_system(f'{name}_{lookahead}', of_each, lookahead), events)
