@@ -145,6 +145,8 @@ def _import_for_forks():
     for name in IMPORTS:
         importlib.import_module(name)
     importlib.import_module('warm').import_all(standard_path)
+    for name in processes.ONE_THREAD:  # for the imports; tests must not see it (nproc goes by it)
+        os.environ.pop(name, None)
 
 
 def _stop(pid):
@@ -220,8 +222,7 @@ def _arguments():
 def _begin_again():
     """Start this program again, once, with room for the names of forks, and libraries that compute in one thread."""
     if not sys.argv[-1].isspace():
-        os.environ.update(dict.fromkeys(('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'), '1'))
-        os.execv(sys.executable, [sys.executable, *sys.argv, ' ' * 4000])
+        os.execve(sys.executable, [sys.executable, *sys.argv, ' ' * 4000], {**processes.ONE_THREAD, **os.environ})
     del sys.argv[-1]
 
 

@@ -1,9 +1,9 @@
 """Other people's launch file runs as it is, and the command line that adopt prints for it gives the same event log."""
 import os
 import shlex
-import subprocess
 import unittest
 
+import warm
 from own_folder import OwnFolder
 
 from move_base_abstract.runs.event_log import EventLog
@@ -58,8 +58,7 @@ class AdoptTest(OwnFolder, unittest.TestCase):
 
     def launch(self, *words):
         """Return the output of lockstep_launch, in an environment in which ROS does not find the package."""
-        done = subprocess.run([find_executable('lockstep_launch'), *words], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, universal_newlines=True, timeout=GUARD, check=False)
+        done = warm.run([find_executable('lockstep_launch'), *words], timeout=GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         return done.stdout
 

@@ -17,6 +17,8 @@ from move_base_abstract.mission import read_mission
 from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.nodes.demo_run.nodes import shipped
 
+LAUNCH_FILE = '<launch/>'  # a ROS master that the demo must not disturb
+
 GUARD = 60.0
 MISSION = """
 robots:

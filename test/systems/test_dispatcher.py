@@ -2,9 +2,10 @@
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 import unittest
+
+import warm
 
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.runs.event_log import EventLog
@@ -81,10 +82,8 @@ class DispatcherTest(unittest.TestCase):
 
     def run_it(self, scenario, *words):
         environment = dict(os.environ, PYTHONPATH=os.pathsep.join([self.folder, os.environ['PYTHONPATH']]))
-        return subprocess.run(
-            [find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.path('run.jsonl'), LAUNCH,
-             'scenario:=' + scenario, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            timeout=GUARD, check=False, env=environment)
+        return warm.run([find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.path('run.jsonl'),
+                         LAUNCH, 'scenario:=' + scenario, *words], environment, timeout=GUARD)
 
     def events(self):
         with open(self.path('run.jsonl')) as stream:

@@ -13,6 +13,8 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
+import warm
+
 from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.runs.event_log import EventLog
@@ -197,8 +199,7 @@ class LaunchTest(unittest.TestCase):
         return [find_executable('lockstep_launch'), *words]
 
     def run_it(self, *words):
-        return subprocess.run(self.command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              env=self.environment, timeout=GUARD, check=False)
+        return warm.run(self.command(*words), self.environment, timeout=GUARD)
 
     def log(self, name):
         with open(self.path(name)) as stream:

@@ -1,11 +1,11 @@
 """Nodelets in lockstep: a manager with nodelets, and a nodelet by itself."""
 import os
 import shutil
-import subprocess
 import tempfile
 import unittest
 
 import rospkg
+import warm
 
 from move_base_abstract.runs.event_log import EventLog, labels_of
 from move_base_abstract_ros.loopback import find_executable
@@ -60,10 +60,8 @@ class LockstepNodeletsTest(unittest.TestCase):
 
     def run_it(self, log):
         environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + os.pathsep + os.environ['ROS_PACKAGE_PATH'])
-        done = subprocess.run(
-            [find_executable('lockstep_launch'), '--until', '6', '--log-messages', '--event-log', self.path(log),
-             self.path('nodelets.launch')], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            env=environment, timeout=GUARD, check=False)
+        done = warm.run([find_executable('lockstep_launch'), '--until', '6', '--log-messages', '--event-log',
+                         self.path(log), self.path('nodelets.launch')], environment, timeout=GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('4 of 4 nodes take part', done.stdout)
         with open(self.path(log), encoding='utf-8') as stream:

@@ -2,11 +2,11 @@
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 import unittest
 
 import numpy as np
+import warm
 import yaml
 from warm import Loopback
 
@@ -53,9 +53,8 @@ class MapfDriveTest(unittest.TestCase):
         return self.path('site')
 
     def run_it(self, *words):
-        return subprocess.run(
-            [find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.log, LAUNCH, *words],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD, check=False)
+        return warm.run([find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.log, LAUNCH,
+                         *words], timeout=GUARD)
 
     def check_same(self, policy, **defaults):
         folder = self.make_site(**defaults)
@@ -89,8 +88,7 @@ class MapfDriveTest(unittest.TestCase):
 
     def test_a_folder_that_is_not_given_is_named(self):
         with Loopback() as ros:
-            done = subprocess.run([find_executable('mapf_drive'), '__name:=drives'], env=ros.environment, check=False,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD)
+            done = warm.run([find_executable('mapf_drive'), '__name:=drives'], ros.environment)
         self.assertEqual(done.returncode, 1)
         self.assertIn('parameter /drives/folder: got none; allowed: the path of a folder that mapf import made',
                       done.stdout)

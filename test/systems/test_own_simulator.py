@@ -1,10 +1,10 @@
 """A user's own simulator and controllers in lockstep, without nodes of this package: the same bytes in each run."""
 import os
 import re
-import subprocess
 import tempfile
 import unittest
 
+import warm
 from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
@@ -21,8 +21,7 @@ class OwnSimulatorTest(unittest.TestCase):
         words = [find_executable('lockstep_launch'), '--event-log', path, '--log-messages', *condition.options,
                  *options, 'move_base_abstract', 'own_simulator.launch']
         with condition.around():
-            done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
-                                  universal_newlines=True, env=dict(os.environ, ROS_HOME=folder, ROS_LOG_DIR=folder))
+            done = warm.run(words, dict(os.environ, ROS_HOME=folder, ROS_LOG_DIR=folder), timeout=GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         with open(path, 'rb') as stream:
             return done.stdout, stream.read()

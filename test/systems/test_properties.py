@@ -9,6 +9,7 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 import psutil
+import warm
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
@@ -76,8 +77,7 @@ class PropertiesTest(unittest.TestCase):
 
     def run_it(self, program, *words):
         """Run a program; return (exit code, output)."""
-        done = subprocess.run([sys.executable, find_executable(program), *words], env=self.environment, text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False)
+        done = warm.run([find_executable(program), *words], self.environment, timeout=GUARD)
         return done.returncode, done.stdout
 
     def test_statements_are_the_same_rows_whoever_makes_them_and_breaks_are_told(self):

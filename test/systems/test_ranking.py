@@ -14,6 +14,7 @@ SHARE = rospkg.RosPack().get_path('move_base_abstract')
 FOLDER = os.path.join(SHARE, 'examples', 'ranking')
 sys.path.insert(0, FOLDER)
 import missions  # noqa: E402
+import warm  # noqa: E402
 from dispatching import POLICIES  # noqa: E402
 
 PLAIN_PYTHON = os.path.join(SHARE, '.ws', 'plain', 'bin', 'python')  # which has SimPy
@@ -41,9 +42,7 @@ class RankingTest(unittest.TestCase):
         path = os.path.join(self.folder, policy + '.jsonl')
         words = [find_executable('lockstep_launch'), 'move_base_abstract', 'ranking.launch', 'mission:=' + self.mission,
                  'policy:=' + policy, 'output:=' + path, 'seed:={}'.format(seed), 'encounters:=calibrated']
-        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
-                              universal_newlines=True,
-                              env=dict(os.environ, ROS_HOME=self.folder, ROS_LOG_DIR=self.folder))
+        done = warm.run(words, dict(os.environ, ROS_HOME=self.folder, ROS_LOG_DIR=self.folder), timeout=GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         with open(path) as stream:
             return json.loads(stream.readline())
