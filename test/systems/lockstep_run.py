@@ -1,6 +1,6 @@
 """A time master in lockstep for the tests that speak its protocol byte by byte.
 
-Each test starts a time master of its own as a child process under the rostest's ROS master, and ends it. The test's own
+Each test starts a time master of its own as a child process under the test file's ROS master, and ends it. The test's own
 node does not use ROS time, since otherwise it would be an onlooker that listens to /clock.
 """
 

@@ -1,4 +1,4 @@
-"""Shared by the rostests of robots: recorded topics, stock clients and raw goals.
+"""Shared by the tests of robots: recorded topics, stock clients and raw goals.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """

@@ -360,7 +360,3 @@ class CoordinatorTest(unittest.TestCase):
         for status in (b'SUCCEEDED', b'PREEMPTED'):
             self.assertIn(status, first)
         self.assertEqual(first, second)
-
-
-class Tests(LockstepCppTest, CoordinatorTest):
-    """All tests in one class, since rostest runs only one."""
