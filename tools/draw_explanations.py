@@ -4,7 +4,7 @@
 usage: tools/draw_explanations.py
 
 The drawings are narrow, so that they can be read at 400 px. Their colours are variables. Within a page they are those
-of the page, otherwise light or dark as the reader's system says. A unit test compares the files with this program.
+of the page, otherwise light or dark as the reader's system says. `make lint` compares the files with this program.
 """
 import html
 from pathlib import Path

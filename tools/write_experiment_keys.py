@@ -3,7 +3,7 @@
 
 usage: tools/write_experiment_keys.py [OUTPUT.md]     (default: docs/experiments.md)
 
-A unit test compares the page with the code. If you add an option, run this and tools/write_schema.py.
+`make lint` compares the page with the code. If you add an option, run this and tools/write_schema.py.
 """
 import dataclasses
 import os

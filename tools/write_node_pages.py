@@ -5,7 +5,7 @@ usage: tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
 docs/nodes/interfaces.yaml, which a rostest compares with the nodes. A table within a page is between
-`<!-- parameters: NAME -->` and `<!-- end -->`. A unit test compares the pages with the output of this program.
+`<!-- parameters: NAME -->` and `<!-- end -->`. `make lint` compares the pages with the output of this program.
 """
 import ast
 import re

@@ -3,7 +3,7 @@
 
 usage: tools/write_scenario_keys.py [OUTPUT.md]     (default: docs/scenario_keys.md)
 
-A unit test compares the page with the tables. If you add a key, add a row for it to a page of the docs, then run this.
+`make lint` compares the page with the tables. If you add a key, add a row for it to a page of the docs, then run this.
 """
 import os
 import re

@@ -109,7 +109,7 @@ def test_what_libraries_are_told_of_has_the_same_order_on_both_sides():
 
 @pytest.mark.parametrize('language', ['C++', 'Python', NATIVE])
 def test_each_row_says_how_why_and_by_which_test(language):
-    tests = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'test').rglob('*_test.py')))
+    tests = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'test').rglob('*.py')))
     for names, kind, why, named in table(language):
         assert kind in KINDS, names
         assert len(why) > 5, names

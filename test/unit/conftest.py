@@ -31,7 +31,7 @@ from move_base_abstract.motion.leg import MotionLimits, Tolerances
 from move_base_abstract.motion.robot import Robot
 
 # Every run takes the same examples, however slow the machine is: what is found by chance is found by `make explore`.
-settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=times(40, 600),
+settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=times(80, 600),
                           suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile('explore', settings.get_profile('repeatable'), derandomize=False, print_blob=True,
                           max_examples=int(os.environ.get('EXAMPLES') or 5000))

@@ -13,7 +13,6 @@ from move_base_abstract_experiments.description import spec
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / 'tools'))
 
-import write_experiment_keys  # noqa: E402
 import write_schema  # noqa: E402
 
 SCHEMA = jsonschema.Draft7Validator(json.loads((ROOT / write_schema.EXPERIMENT_FILE).read_text()))
@@ -27,11 +26,6 @@ def test_the_file_is_up_to_date():
     assert (ROOT / write_schema.EXPERIMENT_FILE).read_text() == json.dumps(spec.schema(), indent=1) + '\n', (
         'run tools/write_schema.py')
     jsonschema.Draft7Validator.check_schema(SCHEMA.schema)
-
-
-def test_the_table_of_the_page_is_up_to_date():
-    assert Path(write_experiment_keys.PAGE).read_text() == write_experiment_keys.make_page(), (
-        'run tools/write_experiment_keys.py')
 
 
 @pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
