@@ -34,14 +34,14 @@ help:  ## print this list
 	@echo 'A shell in the built environment: source .ws/setup.sh'
 
 deps:  ## install missing Debian packages to build and run, by apt
-	@tools/install_deps
+	@bash tools/install_deps
 
 # Further packages of other targets. They come before `build`, so that all packages are installed at once.
 deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
-	@tools/install_deps $(patsubst deps-%,%,$@)
+	@bash tools/install_deps $(patsubst deps-%,%,$@)
 
 build: deps  ## build the catkin package in .ws/
-	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
+	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
 
 demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings, WORLD=warehouse has orders
 	@$(ENTER) rosrun move_base_abstract demo \
@@ -51,13 +51,13 @@ demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a 
 
 test: TESTS := tests
 test: deps-test build  ## run all tests; ONLY=part_of_a_name runs some
-	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
+	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
 
 nightly: TESTS := tests
 nightly: deps-test build  ## run each scenario 20 times under other conditions, and all that `make test` leaves out; PART=3/16 HOURS=2 ONLY=part_of_a_name
-	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
+	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py --night $(or $(RUNS),20) $(if $(PART),--part '$(PART)') \
 	  $(if $(HOURS),--hours '$(HOURS)') $(if $(ONLY),--only '$(ONLY)')
@@ -67,10 +67,10 @@ explore: deps-test build  ## run the property tests for long, with other example
 	  --hypothesis-profile=explore $(if $(ONLY),-k '$(ONLY)')
 
 lint: deps-lint build  ## check the sources: ruff, borders between packages, Python 3.8, catkin_lint, clang-format, shell scripts
-	@$(ENTER) tools/lint
+	@$(ENTER) bash tools/lint
 
 bench: deps-bench deps-test deps-study build  ## run the benchmarks; the results are JSON lines
-	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
+	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target bench_ping_pong bench_rate bench_dense_agent >'$(WS)/build_bench.log' || \
 	  { cat '$(WS)/build_bench.log'; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \

@@ -49,7 +49,7 @@ ROOMS = {
     'src/time_master': (('cores/', 'parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
                          'participant/run_secret.h', 'participant/shared_channel.h'), False),
     'src/time_master/cores': (('clock/', 'lockstep/core_choice.h', 'time_master/descriptor.h',
-                               'time_master/whole_file.h'), False),
+                               'time_master/wall_now.h', 'time_master/whole_file.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

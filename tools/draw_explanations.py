@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw docs/images/round.svg, windows.svg and rooms.svg: a round, windows, and the layers of the package.
 
-usage: tools/draw_explanations.py
+usage: python3 tools/draw_explanations.py
 
 The drawings are narrow, so that they can be read at 400 px. Their colours are variables. Within a page they are those
 of the page, otherwise light or dark as the reader's system says. `make lint` compares the files with this program.

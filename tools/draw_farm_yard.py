@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw maps/farm_yard.png again, the map that ships with the package, with the same bytes each time.
 
-usage: tools/draw_farm_yard.py [OUTPUT.png]
+usage: python3 tools/draw_farm_yard.py [OUTPUT.png]
 
 The map is 60 m x 40 m in cells of 0.1 m, with its lower left corner at (0, 0). It has four blocks of buildings between
 free streets: east-west at y = 4, 20 and 36 m, north-south at x = 4, 30 and 56 m. So every straight leg along a street

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw maps/field.png again, the map of the demo's field, with the same bytes each time.
 
-usage: tools/draw_field.py [OUTPUT.png]
+usage: python3 tools/draw_field.py [OUTPUT.png]
 
 The field is 330 m x 240 m and free, with its lower left corner at (0, 0) and a hedge around it, 5 m away.
 """

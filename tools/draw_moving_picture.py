@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw the moving picture of the README: five robots go around buildings, and wait while a crossing is full.
 
-usage: tools/draw_moving_picture.py [OUTPUT.gif]     (default: docs/images/run.gif), in the built environment
+usage: python3 tools/draw_moving_picture.py [OUTPUT.gif]     (default: docs/images/run.gif), in the built environment
 """
 from output_file import output_file
 from PIL import Image, ImageDraw

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw the picture of docs/routes.md: the ways of `make demo ROUTES=1`, computed with the fleet in plain Python.
 
-usage: tools/draw_routes.py [OUTPUT.png]     (default: docs/images/routes.png), in the built environment
+usage: python3 tools/draw_routes.py [OUTPUT.png]     (default: docs/images/routes.png), in the built environment
 """
 import math
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Take the picture of the README: RViz with five robots on the map that ships with the package.
 
-usage: tools/take_picture.py [OUTPUT.png]     (default: docs/images/rviz.png)
+usage: python3 tools/take_picture.py [OUTPUT.png]     (default: docs/images/rviz.png)
 
 Everything runs on a ROS master of its own on 127.0.0.1 and on a screen without a monitor (Xvfb) with OpenGL in
 software. Simulated time stands still while the picture is taken. No wait is longer than WAIT [s, wall].

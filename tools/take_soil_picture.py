@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Take the README's picture of the soil study: RViz with prediction, variance, robots, samples and tasks.
 
-usage: tools/take_soil_picture.py [OUTPUT.png]     (default: docs/images/soil_mapping.png)
+usage: python3 tools/take_soil_picture.py [OUTPUT.png]     (default: docs/images/soil_mapping.png)
 
 Like take_picture.py it uses a ROS master and a screen of its own. The mission runs in lockstep to UNTIL, then stands
 still.

@@ -72,7 +72,8 @@ def by_night():
 
 
 def _gtests():
-    return [Step(f'gtest_{name}', (WS / 'devel' / 'lib' / 'move_base_abstract' / name,), None) for name in GTESTS]
+    folder = WS / 'devel' / 'share' / 'move_base_abstract' / 'tests'
+    return [Step(f'gtest_{name}', (folder / name,), None) for name in GTESTS]
 
 
 def _files(folder):

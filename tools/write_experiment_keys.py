@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Write the table of keys into docs/experiments.md: each option of an experiment's file, from the code.
 
-usage: tools/write_experiment_keys.py [OUTPUT.md]     (default: docs/experiments.md)
+usage: python3 tools/write_experiment_keys.py [OUTPUT.md]     (default: docs/experiments.md)
 
 `make lint` compares the page with the code. If you add an option, run this and tools/write_schema.py.
 """

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Write docs/nodes/*.md, one page for each node, and the tables of parameters within other pages.
 
-usage: tools/write_node_pages.py
+usage: python3 tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
 docs/nodes/interfaces.yaml, which a rostest compares with the nodes. A table within a page is between

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Write docs/scenario_keys.md: each key of a scenario file, from the tables of the code.
 
-usage: tools/write_scenario_keys.py [OUTPUT.md]     (default: docs/scenario_keys.md)
+usage: python3 tools/write_scenario_keys.py [OUTPUT.md]     (default: docs/scenario_keys.md)
 
 `make lint` compares the page with the tables. If you add a key, add a row for it to a page of the docs, then run this.
 """

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Write the schemas of scenario and experiment files in config/, for editors that complete and check YAML.
 
-usage: tools/write_schema.py
+usage: python3 tools/write_schema.py
 
 They are made from the tables of the code, like docs/scenario_keys.md. Unit tests compare them with the tables.
 """

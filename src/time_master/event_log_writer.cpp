@@ -140,7 +140,7 @@ std::string objection(const std::string& path) {
              : path + " is being written by another process";
 }
 
-[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+[[noreturn]] void refuseLog(const std::string& path, const std::string& why) {
   throw std::invalid_argument("must be a path that can be written, got '" + path + "': " + why);
 }
 
@@ -150,18 +150,18 @@ std::FILE* create(const std::string& path) {
   for (const std::string& name : {path, part}) {
     const std::string why = objection(name);
     if (!why.empty()) {
-      refuse(path, why);
+      refuseLog(path, why);
     }
   }
   unlink(part.c_str());  // an event log of an earlier run, as objection() has checked
   Descriptor fd(open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (fd.get() < 0) {
-    refuse(path, part + ": " + std::strerror(errno));
+    refuseLog(path, part + ": " + std::strerror(errno));
   }
   flock(fd.get(), LOCK_EX | LOCK_NB);
   std::FILE* const file = fdopen(fd.get(), "w");
   if (file == nullptr) {
-    refuse(path, std::strerror(errno));
+    refuseLog(path, std::strerror(errno));
   }
   fd.release();
   return file;

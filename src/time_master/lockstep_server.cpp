@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <stdexcept>
 
 #include "lockstep/welcome.h"
+#include "wall_now.h"
 
 namespace move_base_abstract {
 namespace {
@@ -32,12 +32,6 @@ constexpr std::size_t kMostConnections = 4096;
 constexpr int kRoundPatience = 1;               // ms, wall; see awaitReports()
 constexpr Nanoseconds kLookPeriod = 1'000'000;  // wall, while one round follows another
 constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for the last bytes to all
-
-Nanoseconds wallNow() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 

@@ -11,13 +11,13 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::chrono::milliseconds kGap{1000};    // wall, between two looks
-constexpr std::chrono::milliseconds kRetry{100};   // wall
-constexpr std::chrono::milliseconds kLimit{2000};  // wall, for a connection
+constexpr std::chrono::milliseconds kGuardGap{1000};      // wall, between two looks
+constexpr std::chrono::milliseconds kRetry{100};          // wall
+constexpr std::chrono::milliseconds kConnectLimit{2000};  // wall, for a connection
 constexpr int kLooks = 3;
 
 bool masterTakesConnections() {
-  return canConnect(ros::master::getHost(), ros::master::getPort(), kLimit);
+  return canConnect(ros::master::getHost(), ros::master::getPort(), kConnectLimit);
 }
 
 [[noreturn]] void endProcess(const char* why) {
@@ -67,7 +67,7 @@ void MasterCallGuard::run() {
   while (!ending_) {
     if (sections_ == 0) {
       wake_.wait(lock, [this] { return ending_ || sections_ > 0; });
-    } else if (!wake_.wait_for(lock, kGap, [this] { return ending_ || sections_ == 0; })) {
+    } else if (!wake_.wait_for(lock, kGuardGap, [this] { return ending_ || sections_ == 0; })) {
       lock.unlock();
       const bool refused = !masterTakesConnections();
       lock.lock();

@@ -4,6 +4,7 @@
 
 #include <netdb.h>
 #include <poll.h>
+#include <ros/master.h>
 #include <ros/this_node.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -68,6 +69,11 @@ class NodeProbe : private XmlRpc::XmlRpcClient {
     return static_cast<int>(answer[0]) == 1;
   }
 };
+
+/** @return a connection to the ROS master. */
+inline NodeProbe masterProbe() {
+  return NodeProbe(ros::master::getHost(), static_cast<int>(ros::master::getPort()));
+}
 
 /** @return whether a program accepts connections there within @p limit [wall]. */
 inline bool canConnect(const std::string& host, uint32_t port, std::chrono::milliseconds limit) {

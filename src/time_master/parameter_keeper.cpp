@@ -15,13 +15,9 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::chrono::milliseconds kLimit{10000};  // wall, for an answer
-constexpr std::size_t kAtOnce = 500;                // changes in one request
+constexpr std::chrono::milliseconds kAnswerLimit{10000};  // wall, for an answer
+constexpr std::size_t kAtOnce = 500;                      // changes in one request
 constexpr const char* kUpdate = "paramUpdate";
-
-NodeProbe masterProbe() {
-  return NodeProbe(ros::master::getHost(), static_cast<int>(ros::master::getPort()));
-}
 
 /**
  * @return the change as a part of a multicall; an invalid value if the change cannot be decoded.
@@ -69,7 +65,7 @@ void ParameterKeeper::remember() {
   request[0] = ros::this_node::getName();
   request[1] = "/";
   XmlRpc::XmlRpcValue all;
-  masterProbe().call("getParam", request, kLimit, all);
+  masterProbe().call("getParam", request, kAnswerLimit, all);
   const std::lock_guard<std::mutex> lock(mutex_);
   at_start_.remember(all);
 }
@@ -95,7 +91,7 @@ void ParameterKeeper::listen(Listener outside) {
     onUpdate(request, response);
   });
   XmlRpc::XmlRpcValue ignored;
-  if (!masterProbe().call("subscribeParam", subscription(), kLimit, ignored)) {
+  if (!masterProbe().call("subscribeParam", subscription(), kAnswerLimit, ignored)) {
     throw std::runtime_error("the ROS master at " + ros::master::getURI() +
                              " does not report changes of parameters");
   }
@@ -157,7 +153,7 @@ bool ParameterKeeper::tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue
     master_ = std::make_unique<NodeProbe>(ros::master::getHost(),
                                           static_cast<int>(ros::master::getPort()));
   }
-  const bool is_answered = master_->ask("system.multicall", calls, kLimit, answers);
+  const bool is_answered = master_->ask("system.multicall", calls, kAnswerLimit, answers);
   if (!is_answered) {
     master_.reset();
   }

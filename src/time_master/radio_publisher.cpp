@@ -8,7 +8,7 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kGap = kNanosecondsPerSecond / 10;  // wall
+constexpr Nanoseconds kLinksGap = kNanosecondsPerSecond / 10;  // wall
 
 geometry_msgs::Point pointOf(const radio::Place& place) {
   geometry_msgs::Point point;
@@ -45,7 +45,7 @@ void RadioPublisher::work(LockstepServer& server, Nanoseconds wall) {
   if (links.empty()) {
     return;
   }
-  due_ = wall + kGap;
+  due_ = wall + kLinksGap;
   for (const LinkState& link : links) {
     message.links.push_back(messageOf(link));
   }

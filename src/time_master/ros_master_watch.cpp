@@ -15,16 +15,12 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::chrono::milliseconds kGap{1000};        // wall, between two looks
-constexpr std::chrono::milliseconds kLimit{2000};      // wall, for an answer
-constexpr std::chrono::milliseconds kSetLimit{10000};  // wall, for an answer
-constexpr std::chrono::milliseconds kProbeLimit{200};  // wall, for a node's port
+constexpr std::chrono::milliseconds kWatchGap{1000};    // wall, between two looks
+constexpr std::chrono::milliseconds kWatchLimit{2000};  // wall, for an answer
+constexpr std::chrono::milliseconds kSetLimit{10000};   // wall, for an answer
+constexpr std::chrono::milliseconds kProbeLimit{200};   // wall, for a node's port
 constexpr int kLooksBetweenProbes = 5;
 constexpr int kRefusals = 3;  // one refused connection may be an overflowing backlog
-
-NodeProbe masterProbe() {
-  return NodeProbe(ros::master::getHost(), static_cast<int>(ros::master::getPort()));
-}
 
 }  // namespace
 
@@ -55,12 +51,12 @@ void RosMasterWatch::run() {
     lock.unlock();
     look();
     lock.lock();
-    wake_.wait_for(lock, kGap, [this] { return ending_; });
+    wake_.wait_for(lock, kWatchGap, [this] { return ending_; });
   }
 }
 
 void RosMasterWatch::look() {
-  if (!canConnect(ros::master::getHost(), ros::master::getPort(), kLimit)) {
+  if (!canConnect(ros::master::getHost(), ros::master::getPort(), kWatchLimit)) {
     if (++refusals_ >= kRefusals) {
       setGone("the ROS master at " + ros::master::getURI() + " no longer takes connections");
     }
@@ -69,7 +65,7 @@ void RosMasterWatch::look() {
   refusals_ = 0;
   XmlRpc::XmlRpcValue request, pid;
   request[0] = ros::this_node::getName();
-  if (masterProbe().call("getPid", request, kLimit, pid) &&
+  if (masterProbe().call("getPid", request, kWatchLimit, pid) &&
       pid.getType() == XmlRpc::XmlRpcValue::TypeInt) {
     if (pid_ != 0 && static_cast<int>(pid) != pid_) {
       setGone("another ROS master answers at " + ros::master::getURI() +
@@ -84,7 +80,7 @@ void RosMasterWatch::look() {
 void RosMasterWatch::readSubscribers() {
   XmlRpc::XmlRpcValue request, state;
   request[0] = ros::this_node::getName();
-  if (!masterProbe().call("getSystemState", request, kLimit, state) ||
+  if (!masterProbe().call("getSystemState", request, kWatchLimit, state) ||
       state.getType() != XmlRpc::XmlRpcValue::TypeArray || state.size() < 2) {
     return;
   }
@@ -127,7 +123,7 @@ bool RosMasterWatch::lives(const std::string& name) {
     request[1] = name;
     std::string host;
     uint32_t port = 0;
-    found->second = masterProbe().call("lookupNode", request, kLimit, uri) &&
+    found->second = masterProbe().call("lookupNode", request, kWatchLimit, uri) &&
                     uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
                     ros::network::splitURI(static_cast<std::string>(uri), host, port) &&
                     canConnect(host, port, kProbeLimit);

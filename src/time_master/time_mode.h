@@ -5,21 +5,15 @@
 #include <move_base_abstract/TimeState.h>
 #include <ros/time.h>
 
-#include <chrono>
 #include <cstdio>
 #include <optional>
 #include <string>
 
 #include "clock/number_text.h"
 #include "clock/scaled_clock.h"
+#include "wall_now.h"
 
 namespace move_base_abstract {
-
-inline Nanoseconds wallNow() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 inline ros::Time toRos(Nanoseconds time) {
   return ros::Time(static_cast<uint32_t>(time / kNanosecondsPerSecond),

@@ -8,6 +8,8 @@
 #include <functional>
 #include <string>
 
+namespace lockstep_board {
+
 namespace lockstep = move_base_abstract::lockstep;
 
 namespace {
@@ -64,7 +66,7 @@ void write(lockstep::Participant& participant, int count) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "board");
   const ros::NodeHandle node("~");
   lockstep::Participant participant;
@@ -86,3 +88,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace lockstep_board

@@ -46,6 +46,8 @@
 #include <string>
 #include <vector>
 
+namespace lockstep_coordinator_cpp {
+
 namespace lockstep = move_base_abstract::lockstep;
 
 namespace {
@@ -182,7 +184,7 @@ class Coordinator {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "coordinator");
   Coordinator coordinator(ros::NodeHandle("~"));
   const ros::WallTime begin = ros::WallTime::now();
@@ -192,3 +194,5 @@ int main(int argc, char** argv) {
               is_complete ? "all results are in" : "the run has ended before");
   return is_complete ? 0 : 1;
 }
+
+}  // namespace lockstep_coordinator_cpp

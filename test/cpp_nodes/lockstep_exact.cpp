@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <string>
 
+namespace lockstep_exact {
+
 namespace lockstep = move_base_abstract::lockstep;
 
 namespace {
@@ -140,7 +142,7 @@ class Script {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_exact");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   try {
@@ -151,3 +153,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace lockstep_exact

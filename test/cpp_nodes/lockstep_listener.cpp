@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-int main(int argc, char** argv) {
+namespace lockstep_listener {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_listener");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const ros::NodeHandle node("~");
@@ -27,3 +29,5 @@ int main(int argc, char** argv) {
   participant.leave("its time has come");
   return is_in_time ? 0 : 1;
 }
+
+}  // namespace lockstep_listener

@@ -8,6 +8,8 @@
 
 #include <cstdio>
 
+namespace lockstep_pingpong {
+
 namespace {
 
 class Player {
@@ -60,9 +62,11 @@ class Player {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_pingpong");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   Player().play();
   return 0;
 }
+
+}  // namespace lockstep_pingpong

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+namespace lockstep_service {
+
 namespace lockstep = move_base_abstract::lockstep;
 
 namespace {
@@ -42,7 +44,7 @@ void use(lockstep::Participant& participant, const std::vector<bool>& calls) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_service");
   const ros::NodeHandle node("~");
   lockstep::Participant participant;
@@ -53,3 +55,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace lockstep_service

@@ -4,7 +4,9 @@
 
 #include "statements.h"
 
-int main(int argc, char** argv) {
+namespace lockstep_statements {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "statements");
   move_base_abstract::lockstep::Participant participant;
   for (int k = 0; k < 5 && participant.sleep(ros::Duration(1.0)); ++k) {
@@ -12,3 +14,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace lockstep_statements

@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <cstdio>
 
-int main(int argc, char** argv) {
+namespace lockstep_ticker {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_ticker");
   ros::NodeHandle node("~");
   const double period = node.param("period", 1.0);
@@ -37,3 +39,5 @@ int main(int argc, char** argv) {
   std::printf("%u listeners\n", listeners);
   return 0;
 }
+
+}  // namespace lockstep_ticker

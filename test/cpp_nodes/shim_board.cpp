@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+namespace shim_board {
+
 namespace {
 
 std::string of(const ros::NodeHandle& node, const std::string& key, bool is_cached) {
@@ -114,7 +116,7 @@ void ask(ros::NodeHandle& node) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "board");
   ros::NodeHandle node;
   if (argc > 1 && std::string(argv[1]) == "run_id") {
@@ -150,3 +152,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace shim_board

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+namespace shim_calls {
+
 namespace {
 
 double work = 0;
@@ -52,7 +54,7 @@ void runClient(ros::NodeHandle& node) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "calls");
   ros::NodeHandle node;
   ros::NodeHandle("~").param("work", work, work);
@@ -65,3 +67,5 @@ int main(int argc, char** argv) {
   ros::spin();
   return 0;
 }
+
+}  // namespace shim_calls

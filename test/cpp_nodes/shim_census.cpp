@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string>
 
+namespace shim_census {
+
 namespace {
 
 bool isLink(const std::string& name) { return name.find("/link_") == 0; }
@@ -18,7 +20,7 @@ bool isLateThere() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "counter");
   ros::NodeHandle node;
   ros::master::V_TopicInfo topics;
@@ -37,3 +39,5 @@ int main(int argc, char** argv) {
   std::printf("%.9f late\n", ros::Time::now().toSec());
   return 0;
 }
+
+}  // namespace shim_census

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+namespace shim_cores {
+
 namespace {
 
 void tell(const char* what, const cpu_set_t& cores) {
@@ -27,7 +29,7 @@ cpu_set_t had() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "cores");
   ros::NodeHandle node;
   ros::Duration(1.0).sleep();
@@ -64,3 +66,5 @@ int main(int argc, char** argv) {
   tell("chose", cores);
   return 0;
 }
+
+}  // namespace shim_cores

@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+namespace shim_event_loop {
+
 namespace {
 
 using boost::asio::deadline_timer;
@@ -110,7 +112,7 @@ class EventLoop {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   boost::asio::io_context early;
   steady_timer timer(early, std::chrono::milliseconds(1400));
   timer.async_wait([](const boost::system::error_code&) {});
@@ -125,3 +127,5 @@ int main(int argc, char** argv) {
   all.at(what)();
   return 0;
 }
+
+}  // namespace shim_event_loop

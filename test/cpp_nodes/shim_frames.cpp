@@ -14,6 +14,8 @@
 
 #include <string>
 
+namespace shim_frames {
+
 namespace {
 
 void send(ros::NodeHandle& node) {
@@ -93,7 +95,7 @@ void filter(ros::NodeHandle& node) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "frames");
   ros::NodeHandle node;
   if (ros::NodeHandle("~").param("look", false)) {
@@ -107,3 +109,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace shim_frames

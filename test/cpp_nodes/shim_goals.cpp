@@ -10,9 +10,11 @@
 
 #include "machine_time.h"
 
+namespace shim_goals {
+
 using Client = actionlib::SimpleActionClient<actionlib::TestAction>;
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "goals");
   ros::NodeHandle node;
   bool spin_thread = true;
@@ -47,3 +49,5 @@ int main(int argc, char** argv) {
   ROS_INFO("%d goals, %.0f goals/s", goals, goals / wall);
   return 0;
 }
+
+}  // namespace shim_goals

@@ -10,6 +10,8 @@
 #include <string>
 #include <thread>
 
+namespace shim_idle {
+
 namespace {
 
 /** Workers take jobs from a queue, and main waits for their end, which never comes. */
@@ -55,7 +57,7 @@ void promise() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "idle");
   ros::NodeHandle own("~");
   ros::AsyncSpinner spinner(2);
@@ -65,3 +67,5 @@ int main(int argc, char** argv) {
   all.at(own.param<std::string>("what", ""))();
   return 0;
 }
+
+}  // namespace shim_idle

@@ -5,6 +5,8 @@
 
 #include <string>
 
+namespace shim_listener {
+
 class Listener {
  public:
   Listener() {
@@ -29,9 +31,11 @@ class Listener {
   ros::Subscriber subscriber_;
 };
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "listener");
   Listener listener;
   ros::spin();
   return 0;
 }
+
+}  // namespace shim_listener

@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+namespace shim_order {
+
 namespace {
 
 int first = -1;
@@ -20,7 +22,7 @@ void hearSecond(const std_msgs::Int32::ConstPtr& done) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "coordinator");
   ros::NodeHandle node;
   const ros::Subscriber one = node.subscribe("/worker_1/done", 10, hearFirst);
@@ -28,3 +30,5 @@ int main(int argc, char** argv) {
   ros::spin();
   return 0;
 }
+
+}  // namespace shim_order

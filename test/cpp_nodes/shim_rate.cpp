@@ -14,6 +14,8 @@
 
 #include "machine_time.h"
 
+namespace shim_rate {
+
 namespace {
 
 /**
@@ -35,7 +37,7 @@ std::string textOf(int tick, const ros::Time& now) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "rate");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
@@ -75,3 +77,5 @@ int main(int argc, char** argv) {
   ROS_INFO("%d ticks, %d off, %.0f ticks/s", ticks, off, ticks / wall);
   return 0;
 }
+
+}  // namespace shim_rate

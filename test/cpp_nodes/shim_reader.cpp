@@ -14,6 +14,8 @@
 #include <thread>
 #include <vector>
 
+namespace shim_reader {
+
 namespace {
 
 using Event = ros::MessageEvent<const std_msgs::String>;
@@ -212,7 +214,7 @@ int call() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "reader");
   if (argc > 1 && std::string(argv[1]) == "write") {
     return write();
@@ -222,3 +224,5 @@ int main(int argc, char** argv) {
   }
   return Reader().run();
 }
+
+}  // namespace shim_reader

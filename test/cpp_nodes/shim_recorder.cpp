@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-int main(int argc, char** argv) {
+namespace shim_recorder {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "recorder");
   ros::NodeHandle node;
   std::vector<std::string> topics;
@@ -24,3 +26,5 @@ int main(int argc, char** argv) {
   std::fflush(stdout);
   return 0;
 }
+
+}  // namespace shim_recorder

@@ -4,7 +4,9 @@
 
 #include <string>
 
-int main(int argc, char** argv) {
+namespace shim_silent {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "silent");
   ros::NodeHandle own("~");
   int ends[2];
@@ -15,3 +17,5 @@ int main(int argc, char** argv) {
   for (volatile int thoughts = 0;; thoughts = 1 - thoughts) {
   }
 }
+
+}  // namespace shim_silent

@@ -3,7 +3,9 @@
 
 #include "statements.h"
 
-int main(int argc, char** argv) {
+namespace shim_statements {
+
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "statements");
   const ros::NodeHandle node;
   for (int k = 0; k < 5 && ros::Duration(1.0).sleep(); ++k) {
@@ -11,3 +13,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace shim_statements

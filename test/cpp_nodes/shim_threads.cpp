@@ -20,6 +20,8 @@
 #include <thread>
 #include <vector>
 
+namespace shim_threads {
+
 namespace {
 
 class Teller {
@@ -364,7 +366,7 @@ void hidden(Teller& teller) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "threads");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
@@ -392,3 +394,5 @@ int main(int argc, char** argv) {
   own.setParam("done", true);
   return 0;
 }
+
+}  // namespace shim_threads

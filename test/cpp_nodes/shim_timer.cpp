@@ -7,6 +7,8 @@
 #include <sstream>
 #include <string>
 
+namespace shim_timer {
+
 class Timers {
  public:
   Timers() {
@@ -49,9 +51,11 @@ class Timers {
   ros::Timer fast_, slow_, once_, again_;
 };
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "timers");
   Timers timers;
   ros::spin();
   return 0;
 }
+
+}  // namespace shim_timer

@@ -4,6 +4,8 @@
 #include <actionlib/server/simple_action_server.h>
 #include <ros/ros.h>
 
+namespace shim_worker {
+
 class Worker {
  public:
   Worker()
@@ -35,9 +37,11 @@ class Worker {
   actionlib::SimpleActionServer<actionlib::TestAction> server_;
 };
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "worker");
   Worker worker;
   ros::spin();
   return 0;
 }
+
+}  // namespace shim_worker

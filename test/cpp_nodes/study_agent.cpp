@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <ctime>
 
+namespace study_agent {
+
 namespace {
 
 std::atomic<int> odometries{0};
@@ -22,7 +24,7 @@ void onTask(const std_msgs::String::ConstPtr& message) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   srand(static_cast<unsigned>(time(nullptr)));
   ros::init(argc, argv, "agent");
   ros::NodeHandle node;
@@ -45,3 +47,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace study_agent

@@ -8,12 +8,22 @@ import subprocess
 import sys
 from pathlib import Path
 
+import completion
 import pytest
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUILD = ROOT / '.ws' / 'build'
 DEVEL = ROOT / '.ws' / 'devel'
+ONE_ROBOT = """
+<launch>  <!-- the smallest system that drives: a clock and one robot, both from the install space -->
+  <node pkg="move_base_abstract" type="time_master" name="time_master" required="true" output="screen">
+    <param name="factor" value="10"/>
+  </node>
+  <node pkg="move_base_abstract" type="move_base" name="move_base" required="true" output="screen"/>
+  <param name="/use_sim_time" value="true"/>
+</launch>
+"""
 GUARD_S = 120.0  # wall seconds; only a guard
 # Variables that another workspace, or the devel space of the tests, would set.
 FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPATH', 'ROSLISP_PACKAGE_DIRECTORIES',
@@ -105,6 +115,11 @@ def test_rosrun_finds_one_executable_in_the_built_environment(clean_env, name):
     assert found.strip() == str(DEVEL / 'lib' / 'move_base_abstract' / name)
 
 
+def test_completion_offers_the_documented_programs_and_launch_files_in_the_install_space(installed):
+    assert completion.offered('rosrun', installed) == completion.documented('Programs')
+    assert completion.offered('roslaunch', installed) == completion.documented('Launch files')
+
+
 def test_the_installed_python_packages_are_imported(installed, prefix):
     code = ('import move_base_abstract.msg as m, move_base_abstract.motion.geometry as g, move_base_abstract_ros as r;'
             'print(m.__file__, g.__file__, r.__file__, sep="\\n")')
@@ -153,9 +168,10 @@ def test_every_file_that_people_start_with_is_installed(prefix):
 
 def test_a_stock_client_drives_one_goal_in_the_install_space(installed, tmp_path):
     port = installed['ROS_MASTER_URI'].rsplit(':', 1)[1]
-    log_path = tmp_path / 'roslaunch.log'
+    log_path, file = tmp_path / 'roslaunch.log', tmp_path / 'one_robot.launch'
+    file.write_text(ONE_ROBOT)
     with open(log_path, 'w', encoding='utf-8') as log:
-        launch = subprocess.Popen(['roslaunch', '-p', port, str(HERE / 'install_space.launch')], env=installed,
+        launch = subprocess.Popen(['roslaunch', '-p', port, str(file)], env=installed,
                                   stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
     try:
         client = subprocess.run([sys.executable, str(HERE / 'drive_one_goal.py')], env=installed, timeout=GUARD_S,

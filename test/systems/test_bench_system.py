@@ -5,6 +5,7 @@ The tests compare no figure with a wanted one, since machines differ. They check
 import json
 import os
 import subprocess
+import sys
 import time
 import unittest
 
@@ -46,8 +47,8 @@ class BenchSystemTest(OwnFolder, unittest.TestCase):
         file = self.write('system.launch', '<launch>{}</launch>'.format(nodes))
         environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
         begin = time.monotonic()
-        done = subprocess.run([SYSTEM, *words, file], check=False, env=environment, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=GUARD)
+        done = subprocess.run([sys.executable, SYSTEM, *words, file], check=False, env=environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=GUARD)
         return done, time.monotonic() - begin
 
     def test_start_run_and_end_are_told_apart_and_runs_compared(self):

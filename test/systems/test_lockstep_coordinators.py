@@ -1,6 +1,6 @@
 """Ten coordinators with one bug each: failures that chaos has found repeat, and do not occur without the bug.
 
-test/coordinators/found.json has the failure that `chaos --delay 0.05 --until 300` found for each, after shrinking.
+test/.nodes/coordinators/found.json has what `chaos --delay 0.05 --until 300` found for each, after shrinking.
 """
 import json
 import os
@@ -8,11 +8,11 @@ import unittest
 
 import warm
 from own_folder import OwnFolder
+from own_nodes import NODES
 
 from move_base_abstract_ros.loopback import find_executable
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-FOLDER = os.path.join(os.path.dirname(HERE), 'coordinators')
+FOLDER = os.path.join(NODES, 'coordinators')
 LAUNCH = os.path.join(FOLDER, 'coordinators.launch')
 GUARD = 300.0  # s, wall; only ends a run that would never end
 MOST_DECISIONS = 3

@@ -1,6 +1,6 @@
 """Other people's system under its own launch file: the bag is the same in every run.
 
-In test/systems/foreign only the launch file knows of lockstep, by its launch-prefix and the package of move_base.
+In test/.nodes/foreign only the launch file knows of lockstep, by its launch-prefix and the package of move_base.
 """
 import os
 import shutil
@@ -9,13 +9,13 @@ import tempfile
 import unittest
 
 import rosbag
+from own_nodes import NODES
 from scenarios import Condition, repeated
 from warm import Loopback
 
 from move_base_abstract.runs.event_log import EventLog
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-LAUNCH = os.path.join(HERE, 'foreign', 'system.launch')
+LAUNCH = os.path.join(NODES, 'foreign', 'system.launch')
 PREFIX = 'rosrun move_base_abstract lockstep'
 ROBOTS = ['/robot_0', '/robot_1', '/robot_2']
 PARTICIPANTS = (['/coordinator', '/metrics', '/recorder'] + [name + '/move_base' for name in ROBOTS]

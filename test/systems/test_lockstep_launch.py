@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 import warm
+from own_nodes import NODES
 
 from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet
@@ -23,7 +24,7 @@ from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')  # its prefix is left empty here
+SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')  # its prefix is left empty here
 GUARD = 120.0  # s, wall; only ends a run that would never end
 KINDS = """<launch>
   <group ns="one">

@@ -7,9 +7,10 @@ import sys
 import tempfile
 import unittest
 
+from own_nodes import NODES
+
 from move_base_abstract_ros.loopback import find_executable
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@b.c">a</maintainer><license>BSD</license></package>
@@ -70,7 +71,7 @@ class LockstepSeries(unittest.TestCase):
         self.folder = tempfile.mkdtemp(prefix='lockstep_series_test_')
         self.addCleanup(shutil.rmtree, self.folder)
         self.study = os.path.join(self.folder, 'study_of_others')
-        shutil.copytree(os.path.join(HERE, 'series'), self.study)
+        shutil.copytree(os.path.join(NODES, 'series'), self.study)
         self.write('package.xml', PACKAGE)
         self.logs = os.path.join(self.folder, 'logs')
 

@@ -1,6 +1,6 @@
 """Other people's study by its unchanged launch file: the same log, called repeatable, whatever disturbs the run.
 
-No node in test/systems/study knows of lockstep or has a prefix. The study has chance (in C++ by the time of day), sets
+No node in test/.nodes/study knows of lockstep or has a prefix. The study has chance (in C++ by the time of day), sets
 of objects, loops without sleep, a service call before init_node, much logging, feedback that changes goals, a node that
 counts all topics, and rosbag.
 """
@@ -12,12 +12,13 @@ import tempfile
 import time
 import unittest
 
+from own_nodes import NODES
 from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-STUDY = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'study')
+STUDY = os.path.join(NODES, 'study')
 GUARD = 300.0  # s, wall; only ends a run that would never end
 
 

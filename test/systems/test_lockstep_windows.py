@@ -6,14 +6,14 @@ import subprocess
 import tempfile
 import unittest
 
+from own_nodes import NODES
 from scenarios import Condition, repeated
 from warm import Loopback
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
+SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')
 GUARD = 240.0  # s, wall; only ends a run that would never end
 NS, AHEAD = 1000000000, 50000000
 PACKAGE = """<package format="2"><name>study_of_windows</name><version>1.0.0</version><description>x</description>

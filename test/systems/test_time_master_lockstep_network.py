@@ -11,6 +11,7 @@ import tempfile
 import unittest
 
 from night import times
+from own_nodes import NODES
 from warm import Loopback
 
 from move_base_abstract.runs.event_log import EventLog
@@ -26,7 +27,7 @@ while not rosgraph.is_master_online(sys.argv[1]):
     time.sleep(0.05)
 rosgraph.Master('/setting', master_uri=sys.argv[1]).setParam('/use_sim_time', True)
 """
-FOREIGN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'foreign')
+FOREIGN = os.path.join(NODES, 'foreign')
 # {node: its command}. The two C++ nodes repeat to each other the messages about tasks that are done.
 SYSTEM = {
     **{f'/robot_{i}/move_base': ['move_base', '_max_speed:=2.0', f'_start_y:={5.0 * i}'] for i in range(3)},

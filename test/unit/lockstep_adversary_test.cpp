@@ -12,7 +12,7 @@
 #include "lockstep_world.h"
 #include "night.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_adversary_test {
 namespace {
 
 const std::vector<ScriptNode> kPair{{"/a", 0, 1}, {"/b", 0, 1}};
@@ -116,7 +116,7 @@ void zeroDelayLoop(Checks& failed) {
   int grants = 0;
   while (stage.grant(1) && grants < 100) {
     ++grants;
-    stage.report(1, kOne);
+    stage.report(1, kSecond);
   }
   const std::string reason = stage.session.status().reason;
   check(failed, grants == 21 && stage.phase() == "zero_delay_loop", "zero-delay loop");
@@ -143,13 +143,13 @@ void lastWords(Checks& failed) {
   stage.join(2, "/b");
   stage.grant(1);
   stage.grant(2);
-  stage.report(1, 5 * kOne, {advertise(1, "/x"), wire::Serve{1, 0, "/service"}});
-  stage.report(2, 5 * kOne, {subscribe(1, "/x"), wire::Call{0, 0, "/service", "request"}});
+  stage.report(1, 5 * kSecond, {advertise(1, "/x"), wire::Serve{1, 0, "/service"}});
+  stage.report(2, 5 * kSecond, {subscribe(1, "/x"), wire::Call{0, 0, "/service", "request"}});
   stage.grant(1);
   stage.grant(2);
-  stage.report(1, 5 * kOne, {wire::Send{1, 0, 0, "last words"}});
+  stage.report(1, 5 * kSecond, {wire::Send{1, 0, 0, "last words"}});
   stage.cut(1);
-  stage.report(2, 5 * kOne);
+  stage.report(2, 5 * kSecond);
   const auto grant = stage.grant(2);
   Checks got;
   for (const wire::GrantItem& item : grant ? grant->grant.items : std::vector<wire::GrantItem>()) {
@@ -166,7 +166,7 @@ void silence(Checks& failed) {
   stage.join(2, "/b");
   stage.grant(1);
   stage.report(1, kNever);
-  stage.wall = 11 * kOne;
+  stage.wall = 11 * kSecond;
   stage.poll();
   check(failed, stage.said("'/b' has been silent for 11 s", LockstepMessage::Level::kWarn),
         "silence");
@@ -224,15 +224,15 @@ void gates(Checks& failed) {
   stage.session.pause();
   stage.join(1, "/a");
   stage.grant(1);
-  stage.report(1, kOne);
+  stage.report(1, kSecond);
   check(failed, stage.point(1) == "1000+1", "the present while paused");
-  stage.report(1, 2 * kOne);
+  stage.report(1, 2 * kSecond);
   check(failed, stage.point(1) == "none", "pause");
-  stage.session.runUntil(3 * kOne);
+  stage.session.runUntil(3 * kSecond);
   stage.poll();
   stage.grant(1);
-  stage.report(1, 4 * kOne);
-  check(failed, stage.session.now() == 3 * kOne && stage.point(1) == "none", "target");
+  stage.report(1, 4 * kSecond);
+  check(failed, stage.session.now() == 3 * kSecond && stage.point(1) == "none", "target");
 }
 
 void limit(Checks& failed) {
@@ -240,9 +240,9 @@ void limit(Checks& failed) {
   stage.session.setLimit(2.0);
   stage.join(1, "/a");
   stage.grant(1);
-  stage.report(1, 2 * kOne);
+  stage.report(1, 2 * kSecond);
   check(failed, stage.point(1) == "none", "limit");
-  stage.wall = kOne / 2;
+  stage.wall = kSecond / 2;
   stage.poll();
   check(failed, stage.point(1) == "2000+0", "limit is no pause");
 }
@@ -323,7 +323,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& rule_case) { return std::string(rule_case.param.name); });
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_adversary_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -13,7 +13,7 @@
 #include "lockstep_client.h"
 #include "lockstep_items.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_carried_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -82,10 +82,10 @@ struct Carried2 : Stage {
 wire::Send news(std::string_view payload, std::uint32_t sub = 0) {
   return {kNews, sub, 0, payload};
 }
-wire::At at(Nanoseconds seconds) { return {seconds * kOne}; }
+wire::At at(Nanoseconds seconds) { return {seconds * kSecond}; }
 
 TEST(Carried, ArrivesAtItsInstantAsAReasonForALeap) {
-  Carried2 stage(after(kOne));
+  Carried2 stage(after(kSecond));
   stage.start({news("x")}, kNever, 1);  // /a waits for what is owed: no deadlock meanwhile
   EXPECT_EQ(grants(stage, 2), Texts{"2000+0: deliver 1 1 x"});
   EXPECT_FALSE(stage.said("deadlock"));
@@ -96,18 +96,18 @@ TEST(Carried, ArrivesAtItsInstantAsAReasonForALeap) {
 }
 
 TEST(Carried, ComesTogetherWithAWakeUpAndBeforeLaterOnes) {
-  Carried2 stage(after(kOne));
-  stage.start({news("x")}, 3 * kOne);
+  Carried2 stage(after(kSecond));
+  stage.start({news("x")}, 3 * kSecond);
   EXPECT_EQ(grants(stage, 2), Texts{"2000+0: deliver 1 1 x"});
-  stage.report(2, 3 * kOne);
+  stage.report(2, 3 * kSecond);
   EXPECT_EQ(stage.point(1), "3000+0");
   EXPECT_EQ(stage.point(2), "3000+0");
 }
 
 TEST(Carried, KeepsTheOrderOfOneLinkWhateverRobotItIs) {
-  Nanoseconds due = 4 * kOne;
+  Nanoseconds due = 4 * kSecond;
   Carried2 stage(by([&due](const Passage&) { return Carried{due}; }));
-  stage.start({news("x", 2)}, 2 * kOne);
+  stage.start({news("x", 2)}, 2 * kSecond);
   EXPECT_EQ(stage.point(1), "2000+0");
   stage.report(1, kNever, {news("y", 1)});
   EXPECT_EQ(grants(stage, 2), Texts{"4000+0: deliver 1 1 x deliver 1 1 y"});
@@ -127,10 +127,10 @@ TEST(Carried, WhoIsAskedHearsWhoSendsWhatToWhom) {
 }
 
 TEST(Carried, OneAfterTheOther) {
-  Carried2 stage(after(kOne));
+  Carried2 stage(after(kSecond));
   stage.session.addCarrier(by([](const Passage& passage) {
-    EXPECT_EQ(passage.from, 2 * kOne);
-    return Carried{passage.from + kOne};
+    EXPECT_EQ(passage.from, 2 * kSecond);
+    return Carried{passage.from + kSecond};
   }));
   stage.start({news("x")});
   EXPECT_EQ(grants(stage, 2), Texts{"3000+0: deliver 1 1 x"});
@@ -151,9 +151,9 @@ TEST(Carried, WhatIsLostIsInTheLog) {
 
 TEST(Carried, IsDroppedWithItsLink) {
   for (const bool by_sender : {true, false}) {
-    Carried2 stage(after(3 * kOne));
-    stage.report(1, by_sender ? 2 * kOne : kNever, {news("x")});
-    stage.report(2, by_sender ? kNever : 2 * kOne);
+    Carried2 stage(after(3 * kSecond));
+    stage.report(1, by_sender ? 2 * kSecond : kNever, {news("x")});
+    stage.report(2, by_sender ? kNever : 2 * kSecond);
     lines(stage.session);
     const ConnectionId who = by_sender ? 1 : 2;
     EXPECT_EQ(stage.point(who), "2000+0");
@@ -165,24 +165,24 @@ TEST(Carried, IsDroppedWithItsLink) {
     EXPECT_EQ(stage.point(3 - static_cast<int>(who)), "2000+1");  // told of the link
     stage.report(3 - static_cast<int>(who), kNever);
     EXPECT_EQ(stage.phase(), "idle");  // time does not go on for what was dropped
-    EXPECT_EQ(stage.session.now(), 2 * kOne);
+    EXPECT_EQ(stage.session.now(), 2 * kSecond);
   }
 }
 
 TEST(Carried, IsDroppedWithItsReceiver) {
-  Carried2 stage(after(3 * kOne));
-  stage.start({news("x")}, 2 * kOne);
+  Carried2 stage(after(3 * kSecond));
+  stage.start({news("x")}, 2 * kSecond);
   stage.grant(1);
   stage.cut(2);
   stage.report(1, kNever);
   EXPECT_EQ(stage.point(1), "2000+1");  // told of the link
   stage.report(1, kNever);
-  EXPECT_EQ(stage.session.now(), 2 * kOne);
+  EXPECT_EQ(stage.session.now(), 2 * kSecond);
   EXPECT_EQ(stage.phase(), "idle");
 }
 
 TEST(Carried, CallsAndResponsesBothWays) {
-  Carried2 stage(after(kOne));
+  Carried2 stage(after(kSecond));
   stage.start({wire::Call{7, 0, "/do", "please"}}, kNever, 1);
   EXPECT_EQ(grants(stage, 2), Texts{"2000+0: call 1 1 7"});
   stage.report(2, kNever, {wire::Response{1, 7, true, "done"}});
@@ -192,7 +192,7 @@ TEST(Carried, CallsAndResponsesBothWays) {
 
 TEST(Carried, ALostCallFailsWhenThatIsNoticed) {
   Carried2 stage(by([](const Passage& passage) {
-    return Carried{passage.from + kOne, "out of range"};
+    return Carried{passage.from + kSecond, "out of range"};
   }));
   stage.start({wire::Call{7, 0, "/do", "please"}}, kNever, 1);
   EXPECT_EQ(grants(stage, 2), Texts{});
@@ -201,44 +201,45 @@ TEST(Carried, ALostCallFailsWhenThatIsNoticed) {
 }
 
 TEST(Carried, ACallUnderWayFailsWhenItsServerStops) {
-  Carried2 stage(after(3 * kOne));
+  Carried2 stage(after(3 * kSecond));
   stage.report(1, kNever, {wire::Call{7, 0, "/do", "please"}}, 1);
-  stage.report(2, 2 * kOne);
+  stage.report(2, 2 * kSecond);
   EXPECT_EQ(stage.point(2), "2000+0");
   stage.report(2, kNever, {wire::Unserve{1}});
   const auto gone = std::to_string(static_cast<int>(wire::CallStatus::kServerGone));
   EXPECT_EQ(grants(stage, 1), Texts{"2000+1: answer 7 " + gone});
   stage.report(1, kNever);
-  EXPECT_EQ(stage.session.now(), 2 * kOne);
+  EXPECT_EQ(stage.session.now(), 2 * kSecond);
 }
 
 TEST(Carried, EndsWhatTheReceiverHadForeseen) {
   Carried2 stage(by([](const Passage& passage) {
-    return Carried{passage.from + (passage.name == "/news" ? kOne : 0)};
+    return Carried{passage.from + (passage.name == "/news" ? kSecond : 0)};
   }));
   stage.report(1, kNever, {news("x")});
-  stage.report(2, 9 * kOne, {at(3), wire::Send{kAnswers, 0, 0, "never"}});
+  stage.report(2, 9 * kSecond, {at(3), wire::Send{kAnswers, 0, 0, "never"}});
   EXPECT_EQ(grants(stage, 2), Texts{"2000+0: happened 0 deliver 1 1 x"});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 1), Texts{});
 }
 
 TEST(Carried, WhatIsOnlyPutByIsNoReasonForAGrant) {
-  Carried2 stage(after(kOne));
-  stage.report(1, 2 * kOne);
-  stage.report(2, 9 * kOne, {wire::Hears{kNews, wire::Hearing::kUnread}});
+  Carried2 stage(after(kSecond));
+  stage.report(1, 2 * kSecond);
+  stage.report(2, 9 * kSecond, {wire::Hears{kNews, wire::Hearing::kUnread}});
   EXPECT_EQ(stage.point(1), "2000+0");
   stage.report(1, kNever, {news("x")});
   EXPECT_EQ(grants(stage, 2), Texts{"9000+0: came 3000000000 deliver 1 1 x came 9000000000"});
 }
 
 TEST(Carried, WithALookaheadNothingComesBeforeThatIsOver) {
-  for (const auto& [delay, arrival] : {std::pair(kOne / 20, "1300+0: to 1400000000 deliver 1 1 x"),
-                                       std::pair(kOne, "2200+0: to 2300000000 deliver 1 1 x")}) {
+  for (const auto& [delay, arrival] :
+       {std::pair(kSecond / 20, "1300+0: to 1400000000 deliver 1 1 x"),
+        std::pair(kSecond, "2200+0: to 2300000000 deliver 1 1 x")}) {
     LockstepSettings settings = logged();
     settings.lookahead = 0.1;
     Carried2 stage(after(delay), settings);
-    stage.start({}, 1200 * kOne / 1000);
+    stage.start({}, 1200 * kSecond / 1000);
     grants(stage, 1);
     stage.report(1, kNever, {news("x")});
     EXPECT_EQ(grants(stage, 2), Texts{arrival});
@@ -249,8 +250,8 @@ TEST(Carried, WithALookaheadNothingComesBeforeThatIsOver) {
  */
 TEST(Carried, ItsRuleCanBeBroken) {
   const auto handed = [] {
-    Carried2 stage(after(kOne));
-    stage.start({news("x")}, 9 * kOne);
+    Carried2 stage(after(kSecond));
+    stage.start({news("x")}, 9 * kSecond);
     return stage.point(2);
   };
   EXPECT_EQ(handed(), "2000+0");
@@ -259,4 +260,4 @@ TEST(Carried, ItsRuleCanBeBroken) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_carried_test

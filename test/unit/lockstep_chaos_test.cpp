@@ -17,7 +17,7 @@
 #include "lockstep_client.h"
 #include "lockstep_items.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_chaos_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -25,7 +25,7 @@ using Items = std::vector<wire::ReportItem>;
 
 constexpr ConnectionId kMembers = 4;
 constexpr std::uint32_t kTopics = 3;  // each member's own, and all listen to all
-constexpr Nanoseconds kStep = kOne / 10;
+constexpr Nanoseconds kStep = kSecond / 10;
 constexpr int kSteps = 12;
 
 LockstepSettings chaotic(std::uint32_t seed, double delay = 0.0, const std::string& only = "") {
@@ -64,17 +64,17 @@ struct Program : Stage {
       heard[member].push_back(itemText(item, [](MemberId id) { return id; }));
       at[member].push_back(got.grant.time_ns);
     }
-    const int step = static_cast<int>((got.grant.time_ns - kOne) / kStep);
+    const int step = static_cast<int>((got.grant.time_ns - kSecond) / kStep);
     Items items;
     Texts texts;
     if (done[member].empty()) {
       items = links(member, &texts);
     }
-    const bool is_due = (got.grant.time_ns - kOne) % kStep == 0;
+    const bool is_due = (got.grant.time_ns - kSecond) % kStep == 0;
     if (is_due && done[member].insert(step).second && step > 0) {
       items = sends(member, step);
     }
-    const Nanoseconds next = kOne + (*done[member].rbegin() + 1) * kStep;
+    const Nanoseconds next = kSecond + (*done[member].rbegin() + 1) * kStep;
     report(member, *done[member].rbegin() < kSteps ? next : kNever, items);
     payloads.clear();
   }
@@ -161,7 +161,7 @@ TEST(Chaos, ADelayIsAtMostTheBound) {
       for (std::size_t k = 0; k < other.heard[member].size(); ++k) {
         const Nanoseconds late = other.at[member][k] - sent.at(other.heard[member][k]);
         ASSERT_GE(late, 0);
-        ASSERT_LE(late, kOne / 4);
+        ASSERT_LE(late, kSecond / 4);
         any = any || late > 0;
       }
     }
@@ -214,10 +214,10 @@ TEST(Chaos, TellsWhatHappened) {
 
 TEST(Chaos, TellsWhatCameBehindAnEarlierOneOfItsConnection) {
   chaos::Decisions decisions(7, std::nullopt, true);
-  chaos::Delays delays(decisions, kOne);
+  chaos::Delays delays(decisions, kSecond);
   Nanoseconds before = 0;
   std::map<bool, int> counts;  // of those that waited and of others
-  for (Nanoseconds sent = 0; sent < kOne; sent += kOne / 1000) {
+  for (Nanoseconds sent = 0; sent < kSecond; sent += kSecond / 1000) {
     Passage passage{Passage::Kind::kMessage, 1, 2,    "/a", "/b", "/topic",
                     "std_msgs/Empty",        0, false};
     passage.from = sent;
@@ -262,7 +262,7 @@ struct Calls : Stage {
         answers[ids[member]].push_back(done->number);
       }
     }
-    const bool calls_now = member <= 2 && numbers[member] < 30 && got.time_ns >= kOne + kStep;
+    const bool calls_now = member <= 2 && numbers[member] < 30 && got.time_ns >= kSecond + kStep;
     for (int k = 0; calls_now && k < 3; ++k) {
       items.push_back(wire::Call{numbers[member]++, 0, "/s", "please"});
     }
@@ -335,4 +335,4 @@ TEST(Chaos, DrawsAreTheSameEverywhere) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_chaos_test

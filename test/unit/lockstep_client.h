@@ -14,7 +14,7 @@
 
 namespace move_base_abstract {
 
-constexpr Nanoseconds kOne = kNanosecondsPerSecond;
+constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
 
 inline LockstepSettings named(std::vector<std::string> names) {
   LockstepSettings settings;

@@ -5,7 +5,7 @@
 
 #include "lockstep/core_choice.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_core_choice_test {
 namespace {
 
 constexpr Nanoseconds kMicrosecond = 1000;
@@ -175,4 +175,4 @@ TEST(CoreChoice, DearerRoundsOnTheCoreThatIsKeptAskForAnotherOne) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_core_choice_test

@@ -9,7 +9,7 @@
 #include "lockstep/session.h"
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_event_log_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -140,14 +140,14 @@ class Fleet {
         }
       }
     }
-    if (grant.time_ns == kOne && grant.microstep == 2) {  // the links are there
+    if (grant.time_ns == kSecond && grant.microstep == 2) {  // the links are there
       for (std::uint32_t robot = 0; robot < kRobots; ++robot) {
         texts_.push_back(std::string(1, static_cast<char>('a' + robot)));
         items.push_back(wire::Send{1, 0, 0, texts_.back()});
       }
     }
-    const bool wait = grant.time_ns == kOne && grant.microstep < 2;
-    stage_.report(1, wait ? kOne : kNever, items);
+    const bool wait = grant.time_ns == kSecond && grant.microstep < 2;
+    stage_.report(1, wait ? kSecond : kNever, items);
   }
 
   void drive(ConnectionId id, const wire::Grant& grant) {
@@ -162,7 +162,7 @@ class Fleet {
         const auto& own = processes_[id - 2];
         if (std::find(own.begin(), own.end(), robot) != own.end()) {
           items.push_back(wire::Log{robot, goal->payload, "goal", "[]"});
-          due.insert({grant.time_ns + (1 + robot % 3) * kOne, robot});  // many at one instant
+          due.insert({grant.time_ns + (1 + robot % 3) * kSecond, robot});  // many at one instant
         }
       }
     }
@@ -192,4 +192,4 @@ TEST(OneFleet, HasTheSameLogInOneProcessAsInThree) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_event_log_test

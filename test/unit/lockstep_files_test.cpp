@@ -5,7 +5,7 @@
 
 #include "lockstep/shared_files.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_files_test {
 namespace {
 
 constexpr auto kReads = wire::NoteKind::kReads;
@@ -46,4 +46,4 @@ TEST(SharedFiles, WhatIsTheSameForAllOrIsToldOfInAnotherWayDoesNot) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_files_test

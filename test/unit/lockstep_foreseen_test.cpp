@@ -11,7 +11,7 @@
 #include "lockstep_client.h"
 #include "lockstep_items.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_foreseen_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -48,7 +48,7 @@ struct Linked : Pair {
   }
 };
 
-wire::At at(Nanoseconds seconds) { return {seconds * kOne}; }
+wire::At at(Nanoseconds seconds) { return {seconds * kSecond}; }
 wire::Send news(std::string_view payload) { return {kNews, 0, 0, payload}; }
 wire::Send answer(std::string_view payload) { return {kAnswers, 0, 0, payload}; }
 
@@ -56,7 +56,7 @@ wire::Send answer(std::string_view payload) { return {kAnswers, 0, 0, payload}; 
 
 TEST(Foreseen, TurnsComeAtTheirInstantsWithoutAGrant) {
   Linked stage;
-  stage.report(1, 9 * kOne, {at(3), news("x"), news("y"), at(4), at(5), news("z")});
+  stage.report(1, 9 * kSecond, {at(3), news("x"), news("y"), at(4), at(5), news("z")});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 2), Texts{"3000+1: deliver 1 1 x deliver 1 1 y"});
   stage.report(2, kNever);  // at 4 s nothing is heard
@@ -69,27 +69,27 @@ TEST(Foreseen, TurnsComeAtTheirInstantsWithoutAGrant) {
 
 TEST(Foreseen, AGrantTakesBackWhatIsStillToCome) {
   Linked stage;
-  stage.report(1, 9 * kOne, {at(3), news("x"), at(6), news("never")});
+  stage.report(1, 9 * kSecond, {at(3), news("x"), at(6), news("never")});
   stage.report(2, kNever);
   grants(stage, 2);
   stage.report(2, kNever, {answer("stop")});
   EXPECT_EQ(grants(stage, 1), Texts{"3000+2: happened 1 deliver 2 2 stop"});
-  stage.report(1, 7 * kOne);
+  stage.report(1, 7 * kSecond);
   EXPECT_EQ(grants(stage, 1), Texts{"7000+0:"});
   EXPECT_EQ(grants(stage, 2), Texts{});
 }
 
 TEST(Foreseen, AGrantInTheFirstMomentTakesBackAll) {
   Linked stage;
-  stage.report(1, 9 * kOne, {at(3), news("never")});
+  stage.report(1, 9 * kSecond, {at(3), news("never")});
   stage.report(2, kNever, {answer("stop")});
   EXPECT_EQ(grants(stage, 1), Texts{"1000+2: happened 0 deliver 2 2 stop"});
 }
 
 TEST(Foreseen, WhatIsDueAtTheSameInstantIsInTheSameRound) {
   Linked stage;
-  stage.report(1, 9 * kOne, {at(3), news("x")});
-  stage.report(2, 3 * kOne);
+  stage.report(1, 9 * kSecond, {at(3), news("x")});
+  stage.report(2, 3 * kSecond);
   EXPECT_EQ(grants(stage, 2), Texts{"3000+0:"});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 2), Texts{"3000+1: deliver 1 1 x"});
@@ -97,8 +97,8 @@ TEST(Foreseen, WhatIsDueAtTheSameInstantIsInTheSameRound) {
 
 TEST(Foreseen, TimeMayStandAtTheInstantOfATurnThatThenIsTakenBack) {
   Linked stage;
-  stage.session.runUntil(3 * kOne);
-  stage.report(1, 9 * kOne, {at(2), news("x"), at(3), news("y"), at(4), news("never")});
+  stage.session.runUntil(3 * kSecond);
+  stage.report(1, 9 * kSecond, {at(2), news("x"), at(3), news("y"), at(4), news("never")});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 2), Texts{"2000+1: deliver 1 1 x"});
   stage.report(2, kNever);
@@ -110,9 +110,9 @@ TEST(Foreseen, TimeMayStandAtTheInstantOfATurnThatThenIsTakenBack) {
 
 TEST(Foreseen, WhoHasGoneTellsNothingMore) {
   Linked stage;
-  stage.report(1, 9 * kOne, {at(3), news("never")});
+  stage.report(1, 9 * kSecond, {at(3), news("never")});
   stage.cut(1);
-  stage.report(2, 5 * kOne);
+  stage.report(2, 5 * kSecond);
   EXPECT_EQ(grants(stage, 2), Texts{"1000+2: no publisher 1 1 no subscriber 2 1"});
 }
 
@@ -124,10 +124,13 @@ TEST(Foreseen, WhatIsWrongEndsItsOwnConnectionAndSaysWhy) {
     const char* end;
   };
   const std::vector<Case> cases{
-      {{at(1)}, 9 * kOne, false, "AT must be after 1 s and before the wake-up of its report, 9 s"},
-      {{at(4), at(4)}, 9 * kOne, false, "AT must be after 4 s"},
-      {{at(9)}, 9 * kOne, false, "before the wake-up of its report, 9 s, got 9 s"},
-      {{at(3), subscribe(7, "/x")}, 9 * kOne, false, "after AT there must be SEND and AT only"},
+      {{at(1)},
+       9 * kSecond,
+       false,
+       "AT must be after 1 s and before the wake-up of its report, 9 s"},
+      {{at(4), at(4)}, 9 * kSecond, false, "AT must be after 4 s"},
+      {{at(9)}, 9 * kSecond, false, "before the wake-up of its report, 9 s, got 9 s"},
+      {{at(3), subscribe(7, "/x")}, 9 * kSecond, false, "after AT there must be SEND and AT only"},
       {{at(3), news("x")}, kNever, true, "AT must not be in a last report"}};
   for (const Case& one : cases) {
     Linked stage;
@@ -246,9 +249,10 @@ void begin(Stage& stage) {
   for (const ConnectionId id : {1U, 2U, 3U}) {
     stage.grant(id);
   }
-  stage.report(1, 2 * kOne, {advertise(kNews, "/news"), subscribe(kAnswers, "/answers")});
+  stage.report(1, 2 * kSecond, {advertise(kNews, "/news"), subscribe(kAnswers, "/answers")});
   for (const ConnectionId id : {2U, 3U}) {
-    stage.report(id, 2 * kOne + id, {subscribe(kNews, "/news"), advertise(kAnswers, "/answers")});
+    stage.report(id, 2 * kSecond + id,
+                 {subscribe(kNews, "/news"), advertise(kAnswers, "/answers")});
   }
 }
 
@@ -286,4 +290,4 @@ TEST(Foreseen, RandomRunsAreTheSameHoweverMuchIsForeseen) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_foreseen_test

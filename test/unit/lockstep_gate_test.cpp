@@ -9,19 +9,19 @@
 #include "lockstep/rounds/rounds.h"
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_gate_test {
 namespace {
 
 TEST(Gate, PauseFinishesTheInstantAndResumeGoesOn) {
-  Alone alone(2 * kOne);
+  Alone alone(2 * kSecond);
   alone.grant(1);
   alone.session.pause();
-  alone.report(1, 2 * kOne);
+  alone.report(1, 2 * kSecond);
   EXPECT_EQ(alone.point(1), "2000+1");
-  alone.report(1, 3 * kOne);
+  alone.report(1, 3 * kSecond);
   EXPECT_EQ(alone.point(1), "none");
   EXPECT_EQ(alone.phase(), "paused");
-  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.session.now(), 2 * kSecond);
   alone.session.resume();
   EXPECT_LE(alone.session.nextWake(), alone.wall);  // there is something to decide
   alone.poll();
@@ -34,15 +34,15 @@ TEST(Gate, StartPausedGrantsTheFirstInstantOnly) {
   Stage stage(settings);
   stage.join(1, "/a");
   EXPECT_EQ(stage.point(1), "1000+0");
-  stage.report(1, 2 * kOne);
+  stage.report(1, 2 * kSecond);
   EXPECT_EQ(stage.phase(), "paused");
 }
 
 TEST(Gate, RunUntilStopsAtExactlyItsTargetWithoutGrantingAnybody) {
-  Alone alone(2 * kOne);
+  Alone alone(2 * kSecond);
   alone.grant(1);
   alone.session.runUntil(2'500'000'000);
-  alone.report(1, 3 * kOne);
+  alone.report(1, 3 * kSecond);
   EXPECT_EQ(alone.point(1), "none");
   EXPECT_EQ(alone.session.now(), 2'500'000'000);
   EXPECT_EQ(alone.phase(), "paused");
@@ -54,23 +54,23 @@ TEST(Gate, RunUntilStopsAtExactlyItsTargetWithoutGrantingAnybody) {
 }
 
 TEST(Gate, RunUntilAWakeUpGrantsItAndFinishesThatInstant) {
-  Alone alone(2 * kOne);
+  Alone alone(2 * kSecond);
   alone.grant(1);
-  alone.session.runUntil(3 * kOne);
-  alone.report(1, 3 * kOne);
+  alone.session.runUntil(3 * kSecond);
+  alone.report(1, 3 * kSecond);
   EXPECT_EQ(alone.point(1), "3000+0");
-  alone.report(1, 3 * kOne);
+  alone.report(1, 3 * kSecond);
   EXPECT_EQ(alone.point(1), "3000+1");
-  alone.report(1, 4 * kOne);
+  alone.report(1, 4 * kSecond);
   EXPECT_EQ(alone.phase(), "paused");
-  EXPECT_EQ(alone.session.now(), 3 * kOne);
+  EXPECT_EQ(alone.session.now(), 3 * kSecond);
 }
 
 TEST(Gate, ATargetIsReachedAlsoWhenEverybodyIsIdle) {
   Alone alone(kNever);
-  alone.session.runUntil(2 * kOne);
+  alone.session.runUntil(2 * kSecond);
   alone.poll();
-  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.session.now(), 2 * kSecond);
   EXPECT_EQ(alone.phase(), "paused");
   alone.frame(1, wire::Knock{});
   EXPECT_EQ(alone.point(1), "2000+1");  // input from outside while it is paused
@@ -79,13 +79,13 @@ TEST(Gate, ATargetIsReachedAlsoWhenEverybodyIsIdle) {
 TEST(Gate, TheRunEndsAtItsEndWhateverElseTheGateIsTold) {
   LockstepSettings settings = named({"/a"});
   settings.end_at = 2.5;
-  Alone alone(2 * kOne, settings);
+  Alone alone(2 * kSecond, settings);
   alone.session.pause();
   alone.session.resume();
-  alone.session.runUntil(100 * kOne);
+  alone.session.runUntil(100 * kSecond);
   alone.grant(1);
-  alone.session.step(50 * kOne);
-  alone.report(1, 3 * kOne);
+  alone.session.step(50 * kSecond);
+  alone.report(1, 3 * kSecond);
   EXPECT_EQ(alone.phase(), "ended");
   EXPECT_EQ(alone.session.now(), 2'500'000'000);
   EXPECT_EQ(alone.end[1], "the run was to end at 2.5 s");
@@ -97,19 +97,19 @@ TEST(Gate, AnIdleRunWithAnEndEndsAsWishedWhenItIsIdle) {
   LockstepSettings settings = named({"/a"});
   settings.end_at = 2.5;
   settings.end_when_idle = true;
-  Alone alone(2 * kOne, settings);
+  Alone alone(2 * kSecond, settings);
   alone.grant(1);
   alone.report(1, kNever);
   EXPECT_EQ(alone.phase(), "ended");
   EXPECT_TRUE(alone.session.status().ended_as_wished);
-  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.session.now(), 2 * kSecond);
   EXPECT_EQ(alone.end[1].substr(0, 11), "idle at 2 s");
   EXPECT_EQ(alone.session.status().ended_by, "idle");
 }
 
 TEST(Gate, AnEndFromOutsideCutsTheRunUnlessItWouldStandThereInEachRun) {
   {
-    Alone moving(2 * kOne);
+    Alone moving(2 * kSecond);
     moving.session.endFromOutside("SIGTERM");
     EXPECT_TRUE(moving.session.status().cut);
   }
@@ -125,10 +125,10 @@ TEST(Gate, AnEndFromOutsideCutsTheRunUnlessItWouldStandThereInEachRun) {
     EXPECT_TRUE(before_the_start.session.status().cut);
   }
   for (const bool by_hand : {false, true}) {
-    Alone paused(2 * kOne);
+    Alone paused(2 * kSecond);
     paused.grant(1);
     paused.session.runUntil(2'500'000'000);
-    paused.report(1, 3 * kOne);
+    paused.report(1, 3 * kSecond);
     if (by_hand) {
       paused.session.pause();
     }
@@ -145,20 +145,20 @@ TEST(Gate, AnEndBeforeTheStartIsRefused) {
 }
 
 TEST(Gate, StepsAddUpFromTheTargetOfOneThatIsUnderWay) {
-  Alone alone(2 * kOne);
-  EXPECT_EQ(alone.session.step(5 * kOne), 6 * kOne + 1 * kOne);
-  EXPECT_EQ(alone.session.step(kOne), 8 * kOne);
+  Alone alone(2 * kSecond);
+  EXPECT_EQ(alone.session.step(5 * kSecond), 6 * kSecond + 1 * kSecond);
+  EXPECT_EQ(alone.session.step(kSecond), 8 * kSecond);
   alone.grant(1);
   alone.report(1, kNever);
-  EXPECT_EQ(alone.session.now(), 8 * kOne);
-  EXPECT_EQ(alone.session.step(kOne), 9 * kOne);
+  EXPECT_EQ(alone.session.now(), 8 * kSecond);
+  EXPECT_EQ(alone.session.step(kSecond), 9 * kSecond);
 }
 
 TEST(Gate, RefusalsSayWhatIsAllowedAndChangeNothing) {
   Alone alone(kNever);
   EXPECT_EQ(refusal([&] { alone.session.step(0); }),
             "step: duration must be more than 0 and at most 2147483646 s from 1 s on, got 0 s");
-  EXPECT_EQ(refusal([&] { alone.session.runUntil(kOne - 1); }),
+  EXPECT_EQ(refusal([&] { alone.session.runUntil(kSecond - 1); }),
             "run_until: target must be from the present, 1 s, to 2147483647 s, got 0.999999999 s");
   EXPECT_NE(refusal([&] { alone.session.setLimit(1e7); }).find("got 10000000"), std::string::npos);
   EXPECT_FALSE(alone.session.status().paused);
@@ -170,22 +170,22 @@ TEST(Gate, RefusalsSayWhatIsAllowedAndChangeNothing) {
 TEST(Gate, ALimitIsNeverExceededAndNothingIsCaughtUp) {
   LockstepSettings settings = named({"/a"});
   settings.limit = 10.0;
-  Alone alone(2 * kOne, settings);
+  Alone alone(2 * kSecond, settings);
   EXPECT_EQ(alone.phase(), "limited");
-  EXPECT_EQ(alone.session.nextWake(), kOne / 10);
-  alone.wall = kOne / 10 - 1;
+  EXPECT_EQ(alone.session.nextWake(), kSecond / 10);
+  alone.wall = kSecond / 10 - 1;
   alone.poll();
   EXPECT_EQ(alone.point(1), "none");
-  alone.wall = 5 * kOne;  // somebody polls late
+  alone.wall = 5 * kSecond;  // somebody polls late
   alone.poll();
   EXPECT_EQ(alone.point(1), "2000+0");
   alone.report(1, 2'000'000'001);
-  EXPECT_EQ(alone.session.nextWake(), 5 * kOne + 1);  // 0.1 ns, rounded up
+  EXPECT_EQ(alone.session.nextWake(), 5 * kSecond + 1);  // 0.1 ns, rounded up
   alone.wall += 1;
   alone.poll();
   EXPECT_TRUE(alone.grant(1));
   alone.report(1, 12'000'000'001);
-  EXPECT_EQ(alone.session.nextWake(), 6 * kOne + 1);
+  EXPECT_EQ(alone.session.nextWake(), 6 * kSecond + 1);
   alone.session.setLimit(0.0);
   alone.poll();
   EXPECT_TRUE(alone.grant(1));
@@ -195,15 +195,15 @@ TEST(Gate, ALimitHoldsForTheWayToATargetToo) {
   LockstepSettings settings = named({"/a"});
   settings.limit = 1.0;
   Alone alone(kNever, settings);
-  alone.session.runUntil(3 * kOne);
+  alone.session.runUntil(3 * kSecond);
   alone.poll();
-  EXPECT_EQ(alone.session.now(), kOne);
-  EXPECT_EQ(alone.session.nextWake(), 2 * kOne);
-  alone.wall = 2 * kOne;
+  EXPECT_EQ(alone.session.now(), kSecond);
+  EXPECT_EQ(alone.session.nextWake(), 2 * kSecond);
+  alone.wall = 2 * kSecond;
   alone.poll();
-  EXPECT_EQ(alone.session.now(), 3 * kOne);
+  EXPECT_EQ(alone.session.now(), 3 * kSecond);
   EXPECT_EQ(alone.phase(), "paused");
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_gate_test

@@ -6,7 +6,7 @@
 
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_interruption_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -21,7 +21,7 @@ struct Three : Stage {
     }
     for (const ConnectionId id : {1, 2, 3}) {
       grant(id);
-      report(id, 2 * kOne, {wire::Log{0, "robot", "first", "[]"}});
+      report(id, 2 * kSecond, {wire::Log{0, "robot", "first", "[]"}});
     }
     for (const ConnectionId id : {1, 2, 3}) {
       grant(id);
@@ -50,12 +50,12 @@ TEST(Interruption, OfAllInAnyOrderSaysNothingOfTheRunAndAddsNothingToItsLog) {
   for (const auto& order :
        std::vector<std::vector<ConnectionId>>{{1, 2, 3}, {3, 2, 1}, {2, 3, 1}}) {
     Three three;
-    three.report(order[0], 3 * kOne, {wire::Log{0, "robot", "half a round", "[]"}});
+    three.report(order[0], 3 * kSecond, {wire::Log{0, "robot", "half a round", "[]"}});
     for (const ConnectionId id : order) {
       three.stop(id);
-      three.pass(kOne / 10);
+      three.pass(kSecond / 10);
       three.leaveNow(id);
-      three.pass(kOne / 10);
+      three.pass(kSecond / 10);
       three.cut(id);
     }
     EXPECT_EQ(three.labels(), Texts{});
@@ -82,9 +82,9 @@ TEST(Interruption, OfAllDoesNotLogTheCallsThatItCutsShort) {
   LockstepSettings settings = named({"/a", "/b", "/c"});
   settings.log_messages = true;
   Three three(settings);
-  three.report(1, 3 * kOne, {wire::Serve{1, 0, "/s"}});
-  three.report(2, 3 * kOne, {wire::Call{0, 0, "/s", ""}});
-  three.report(3, 3 * kOne);
+  three.report(1, 3 * kSecond, {wire::Serve{1, 0, "/s"}});
+  three.report(2, 3 * kSecond, {wire::Call{0, 0, "/s", ""}});
+  three.report(3, 3 * kSecond);
   three.grant(1);
   EXPECT_EQ(lines(three.session).size(), 1U);
   for (const ConnectionId id : {1, 2, 3}) {
@@ -117,7 +117,7 @@ TEST(Interruption, OfTheTimeMasterLastOrInBetweenSaysNothingOfTheRun) {
   Three three;
   three.stop(1);
   three.leaveNow(1);
-  three.pass(kOne);
+  three.pass(kSecond);
   three.session.end("the time master was told to end");
   three.poll();
   EXPECT_EQ(three.labels(), Texts{});
@@ -129,8 +129,8 @@ TEST(Interruption, OfOneIsSaidWhenTheOthersStayAndTimeStandsUntilThen) {
   Three three;
   three.stop(1);
   three.leaveNow(1);
-  three.report(2, 3 * kOne, {wire::Log{0, "robot", "second", "[]"}});
-  three.report(3, 3 * kOne);
+  three.report(2, 3 * kSecond, {wire::Log{0, "robot", "second", "[]"}});
+  three.report(3, 3 * kSecond);
   three.cut(1);
   three.pass(Interruption::kGrace - 1);
   EXPECT_EQ(three.point(2), "none");
@@ -147,8 +147,8 @@ TEST(Interruption, OfOneInTheMiddleOfItsTurnIsSaidToo) {
   three.stop(1);
   three.leave(1);  // with a report, but the wall clock has said when
   three.cut(1);
-  three.report(2, 3 * kOne);
-  three.report(3, 3 * kOne);
+  three.report(2, 3 * kSecond);
+  three.report(3, 3 * kSecond);
   three.pass(Interruption::kGrace);
   EXPECT_EQ(three.labels(), Texts{"'/a' left at 2 s, when the wall clock said so"});
   EXPECT_EQ(three.point(2), "3000+0");
@@ -174,10 +174,10 @@ TEST(Interruption, WaitsForAProcessThatIsSlowToEndAndForTheNextOne) {
 
 TEST(Interruption, OfOneThatNeverEndsHoldsTimeForAWhileOnly) {
   Three three;
-  three.report(2, 3 * kOne);
-  three.report(3, 3 * kOne);
+  three.report(2, 3 * kSecond);
+  three.report(3, 3 * kSecond);
   three.stop(1);
-  three.report(1, 3 * kOne);
+  three.report(1, 3 * kSecond);
   three.pass(kLong);
   EXPECT_EQ(three.point(2), "3000+0");
   EXPECT_EQ(three.labels(), Texts{});  // it is still there
@@ -185,11 +185,11 @@ TEST(Interruption, OfOneThatNeverEndsHoldsTimeForAWhileOnly) {
 
 TEST(Interruption, LastWordsOfOneAreHeardWhenTheOthersStay) {
   Three three;
-  three.report(1, 5 * kOne);
+  three.report(1, 5 * kSecond);
   three.stop(1);
   three.frame(1, wire::Knock{});
-  three.report(2, 5 * kOne);
-  three.report(3, 5 * kOne);
+  three.report(2, 5 * kSecond);
+  three.report(3, 5 * kSecond);
   EXPECT_EQ(three.point(1), "none");
   EXPECT_EQ(three.labels(), Texts{});
   three.pass(Interruption::kGrace);
@@ -203,7 +203,7 @@ TEST(Interruption, DeathOfAnotherMeanwhileDegradesTheRunOnlyIfItGoesOn) {
     three.stop(1);
     three.cut(2);  // the signal was sent to it, too, and it knows none
     three.cut(1);
-    three.report(3, 3 * kOne);
+    three.report(3, 3 * kSecond);
     EXPECT_EQ(three.labels(), Texts{});
     if (goes_on) {
       three.pass(Interruption::kGrace);
@@ -222,8 +222,8 @@ TEST(Interruption, DeathOfOneThatWasToldToEndDegradesTheRunOnlyIfItGoesOn) {
   Three three(settings);
   three.stop(1);
   three.cut(1);
-  three.report(2, 3 * kOne);
-  three.report(3, 3 * kOne);
+  three.report(2, 3 * kSecond);
+  three.report(3, 3 * kSecond);
   EXPECT_EQ(three.labels(), Texts{});
   three.pass(Interruption::kGrace);
   ASSERT_EQ(three.labels().size(), 1U);
@@ -258,9 +258,9 @@ TEST(Strict, CountsWhatParticipantsSayAndDeathsAndRunsThatNameNobody) {
     LockstepSettings settings = named({"/a", "/b", "/c"});
     settings.strict = true;
     Three three(settings);
-    three.report(2, 3 * kOne);
-    three.report(3, 3 * kOne);
-    three.report(1, 3 * kOne, {wire::Note{kind, "time.time in agent.py, line 7"}});
+    three.report(2, 3 * kSecond);
+    three.report(3, 3 * kSecond);
+    three.report(1, 3 * kSecond, {wire::Note{kind, "time.time in agent.py, line 7"}});
     EXPECT_NE(three.end[2].find("'/a': time.time in agent.py, line 7"), std::string::npos);
     EXPECT_EQ(three.point(2), "none");
   }
@@ -274,9 +274,9 @@ TEST(Strict, CountsWhatParticipantsSayAndDeathsAndRunsThatNameNobody) {
 
 TEST(Strict, OneParticipantCanAskForIt) {
   Three three;
-  three.report(2, 3 * kOne);
-  three.report(3, 3 * kOne);
-  three.report(1, 3 * kOne, {wire::Note{wire::NoteKind::kStrict, ""}});
+  three.report(2, 3 * kSecond);
+  three.report(3, 3 * kSecond);
+  three.report(1, 3 * kSecond, {wire::Note{wire::NoteKind::kStrict, ""}});
   EXPECT_EQ(three.point(1), "3000+0");
   three.frame(2, wire::Knock{});
   EXPECT_EQ(three.phase(), "ended");
@@ -294,4 +294,4 @@ TEST(RosMaster, ItsLossLabelsTheRunAndEndsIt) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_interruption_test

@@ -8,7 +8,7 @@
 #include "lockstep/routing/stored_topics.h"
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_kept_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -233,4 +233,4 @@ TEST(Rounds, WhatWasToldBeforehandAndNobodyIsGrantedForIsNone) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_kept_test

@@ -7,7 +7,7 @@
 #include "lockstep_client.h"
 #include "lockstep_items.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_later_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -120,4 +120,4 @@ TEST(Later, TheOrderIsThatInWhichTheyWouldHaveCome) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_later_test

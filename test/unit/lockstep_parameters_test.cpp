@@ -7,7 +7,7 @@
 #include "lockstep_client.h"
 #include "lockstep_items.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_parameters_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -40,9 +40,9 @@ struct Two : Stage {
 
 TEST(Parameters, TheRosMasterIsToldWhenTheRoundIsOverInTheStatedOrder) {
   Two stage;
-  stage.report(1, kOne, {set("/x"), erased("/x"), set("/y")});
+  stage.report(1, kSecond, {set("/x"), erased("/x"), set("/y")});
   EXPECT_EQ(told(stage), Texts{});  // the other one may still ask
-  stage.report(2, kOne, {set("/x")});
+  stage.report(2, kSecond, {set("/x")});
   EXPECT_EQ(told(stage), (Texts{"/a: /x", "/b: /x", "/b: -/x", "/b: /y"}));
   EXPECT_EQ(told(stage), Texts{});
   EXPECT_EQ(stage.labels(), Texts{});
@@ -59,44 +59,44 @@ TEST(Parameters, WhoHasAskedIsToldOfAChangeWithItsNextGrantOnce) {
   Two stage;
   // It asks, in this round or before it, for the same, for what is above it and for what is below.
   for (const char* const asked : {"/x/y", "/x", "/x/y/z"}) {
-    stage.report(1, kOne, {wire::Asks{asked}});
-    stage.report(2, kOne, {set("/x/y")});
+    stage.report(1, kSecond, {wire::Asks{asked}});
+    stage.report(2, kSecond, {set("/x/y")});
     EXPECT_TRUE(isToldOfChange(stage, 1)) << asked;
     EXPECT_FALSE(isToldOfChange(stage, 2)) << asked;
-    stage.report(1, kOne);
-    stage.report(2, kOne);
+    stage.report(1, kSecond);
+    stage.report(2, kSecond);
     EXPECT_FALSE(isToldOfChange(stage, 1)) << asked;
     EXPECT_FALSE(isToldOfChange(stage, 2)) << asked;
   }
-  stage.report(1, kOne);
-  stage.report(2, kOne, {set("/xy"), erased("/a")});
+  stage.report(1, kSecond);
+  stage.report(2, kSecond, {set("/xy"), erased("/a")});
   EXPECT_FALSE(isToldOfChange(stage, 1));
 }
 
 TEST(Parameters, AChangeIsNoReasonForAGrantAndOneFromOutsideIsToldToo) {
   Two stage;
-  stage.report(1, kOne + 20, {wire::Asks{"/x"}});
-  stage.report(2, kOne + 10, {set("/x")});
+  stage.report(1, kSecond + 20, {wire::Asks{"/x"}});
+  stage.report(2, kSecond + 10, {set("/x")});
   EXPECT_FALSE(isToldOfChange(stage, 1));
   EXPECT_FALSE(isToldOfChange(stage, 2));
   stage.report(2, kNever);
   EXPECT_TRUE(isToldOfChange(stage, 1));
   stage.session.parameterChangedOutside("/x");
-  stage.report(1, kOne + 30);
+  stage.report(1, kSecond + 30);
   EXPECT_TRUE(isToldOfChange(stage, 1));
 }
 
 TEST(Parameters, OfOneWhoDiesThoseCountThatItHasReported) {
   Two stage;
-  stage.report(1, kOne, {set("/x")});
+  stage.report(1, kSecond, {set("/x")});
   stage.cut(1);
-  stage.report(2, kOne);
+  stage.report(2, kSecond);
   EXPECT_EQ(told(stage), Texts{"/b: /x"});
 }
 
 TEST(Parameters, WhoLeavesHasItsLastOnesSet) {
   Two stage;
-  stage.report(2, kOne);
+  stage.report(2, kSecond);
   stage.frame(1, wire::Report{1, true, kNever, 0, {set("/x")}});
   EXPECT_EQ(told(stage), Texts{"/b: /x"});
 }
@@ -105,8 +105,8 @@ TEST(Parameters, OneWithoutAnAbsoluteNameOrAValueEndsItsConnection) {
   for (const wire::Parameter& bad :
        {set("x"), set(""), set("/x", ""), wire::Parameter{"/x", false, kOneAsXml}}) {
     Two stage;
-    stage.report(1, kOne, {bad});
-    stage.report(2, kOne);
+    stage.report(1, kSecond, {bad});
+    stage.report(2, kSecond);
     EXPECT_TRUE(stage.closed[1]);
     EXPECT_EQ(told(stage), Texts{});
   }
@@ -115,8 +115,8 @@ TEST(Parameters, OneWithoutAnAbsoluteNameOrAValueEndsItsConnection) {
 TEST(Parameters, WhatOthersSetLabelsTheRunWhereItIsAskedFor) {
   Two stage;
   stage.session.parameterChangedOutside("/idle");
-  stage.report(1, kOne, {wire::Asks{"/team/size"}, wire::Asks{"/speed"}});
-  stage.report(2, kOne);
+  stage.report(1, kSecond, {wire::Asks{"/team/size"}, wire::Asks{"/speed"}});
+  stage.report(2, kSecond);
   for (const char* other : {"/other", "/team/sizes", "/team/siz", "/speedy/x"}) {
     stage.session.parameterChangedOutside(other);
   }
@@ -133,14 +133,14 @@ TEST(Parameters, WhatOthersSetLabelsTheRunWhereItIsAskedFor) {
 TEST(Parameters, WhoAsksLaterForWhatOthersHaveSetIsLabelledToo) {
   Two stage;
   stage.session.parameterChangedOutside("/team/size");
-  stage.report(1, kOne, {wire::Asks{"/teams"}});
-  stage.report(2, kOne);
+  stage.report(1, kSecond, {wire::Asks{"/teams"}});
+  stage.report(2, kSecond);
   EXPECT_EQ(stage.labels(), Texts{});
   stage.poll();
   stage.grant(1);
-  stage.report(1, kOne, {wire::Asks{"/"}});
+  stage.report(1, kSecond, {wire::Asks{"/"}});
   stage.grant(2);
-  stage.report(2, kOne);
+  stage.report(2, kSecond);
   EXPECT_EQ(stage.labels().size(), 1U);
 }
 
@@ -151,15 +151,15 @@ TEST(Parameters, WhatIsThereWhenTheRunBeginsLabelsNothing) {
   stage.join(2, "/b");
   stage.grant(1);
   stage.grant(2);
-  stage.report(1, kOne, {wire::Asks{"/x"}});
-  stage.report(2, kOne);
+  stage.report(1, kSecond, {wire::Asks{"/x"}});
+  stage.report(2, kSecond);
   EXPECT_TRUE(stage.session.status().not_repeatable.empty());
 }
 
 TEST(Parameters, WhatIsSetWhileAllAreToldToEndLabelsNothing) {
   Two stage;
-  stage.report(1, kOne, {wire::Asks{"/x"}});
-  stage.report(2, kOne);
+  stage.report(1, kSecond, {wire::Asks{"/x"}});
+  stage.report(2, kSecond);
   stage.frame(2, wire::Stopping{"a signal"});
   stage.session.parameterChangedOutside("/x");
   EXPECT_EQ(stage.labels(), Texts{});
@@ -172,4 +172,4 @@ TEST(Parameters, WhatTheRosMasterDoesNotTakeLabelsTheRun) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_parameters_test

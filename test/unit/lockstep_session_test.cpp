@@ -14,7 +14,7 @@
 #include "lockstep/welcome.h"
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_session_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -24,15 +24,15 @@ using Texts = std::vector<std::string>;
 TEST(Awaited, TheOneGrantedLastOfThoseThatOweTheReport) {
   Pair pair;
   EXPECT_EQ(pair.session.lastAwaited(), 2U);
-  pair.report(1, 5 * kOne);
+  pair.report(1, 5 * kSecond);
   EXPECT_EQ(pair.session.lastAwaited(), 2U);
-  pair.report(2, 7 * kOne);  // the round is over, the next one is of the first only
+  pair.report(2, 7 * kSecond);  // the round is over, the next one is of the first only
   EXPECT_EQ(pair.session.lastAwaited(), 1U);
 }
 
 TEST(Awaited, AnotherOneWhereThatHasReportedOrHasGone) {
   Pair pair;
-  pair.report(2, 5 * kOne);
+  pair.report(2, 5 * kSecond);
   EXPECT_EQ(pair.session.lastAwaited(), 1U);
   pair.cut(1);
   pair.report(2, kNever);
@@ -55,10 +55,10 @@ TEST(Members, NamedOnesHaveTheSameIdsWhoeverComesFirst) {
 
 TEST(Members, OneThatJoinsLateGetsAMicrostepAndALabel) {
   Pair pair;
-  pair.report(1, 5 * kOne);
+  pair.report(1, 5 * kSecond);
   pair.join(3, "/late");
   EXPECT_EQ(pair.point(3), "none");
-  pair.report(2, 5 * kOne);
+  pair.report(2, 5 * kSecond);
   EXPECT_EQ(pair.point(3), "1000+1");
   EXPECT_EQ(pair.point(1), "none");
   EXPECT_EQ(pair.session.status().not_repeatable, Texts{"'/late' joined at 1 s, after the start"});
@@ -125,9 +125,9 @@ TEST(Members, TheNewerOfOneNameReplacesTheOlder) {
   EXPECT_TRUE(pair.closed[2]);
   EXPECT_EQ(pair.end[2], "replaced: another '/b' has joined");
   pair.cut(2);
-  pair.report(1, 5 * kOne);
+  pair.report(1, 5 * kSecond);
   EXPECT_EQ(pair.point(3), "1000+1");
-  pair.report(3, 4 * kOne);
+  pair.report(3, 4 * kSecond);
   EXPECT_EQ(pair.point(3), "4000+0");
   EXPECT_EQ(pair.members[1].back(), "-2");
   EXPECT_TRUE(pair.session.status().degraded.empty());
@@ -156,7 +156,7 @@ TEST(Members, GoneComesAfterTheGrantThatHasTheLastWords) {
 TEST(Departure, WithAReportIsNormal) {
   Pair pair;
   pair.leave(1);
-  pair.report(2, 3 * kOne);
+  pair.report(2, 3 * kSecond);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_TRUE(pair.said("'/a' left at 1 s"));
   pair.cut(1);
@@ -169,7 +169,7 @@ TEST(Departure, WithoutAGrantIsNormalButComesFromTheWall) {
   Pair pair;
   pair.report(1, kNever);
   pair.frame(1, wire::Leave{"shut down"});  // its grant may be on its way: it counts all the same
-  pair.report(2, 3 * kOne);
+  pair.report(2, 3 * kSecond);
   pair.cut(1);
   pair.wall += Interruption::kGrace;
   pair.poll();
@@ -192,7 +192,7 @@ TEST(Departure, OfTheLastOnesWhenAllIsDoneLeavesTheRunRepeatable) {
 
 TEST(Departure, DeathIsNamedWithWhatWasOwedAndDegradesTheRun) {
   Pair pair;
-  pair.report(2, 3 * kOne);
+  pair.report(2, 3 * kSecond);
   pair.cut(1);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_EQ(pair.session.status().degraded,
@@ -200,7 +200,7 @@ TEST(Departure, DeathIsNamedWithWhatWasOwedAndDegradesTheRun) {
   EXPECT_TRUE(pair.said("the run is degraded", LockstepMessage::Level::kWarn));
   ASSERT_EQ(pair.session.status().departures.size(), 1U);
   EXPECT_EQ(pair.session.status().departures[0].name, "/a");
-  EXPECT_EQ(pair.session.status().departures[0].time, kOne);
+  EXPECT_EQ(pair.session.status().departures[0].time, kSecond);
   EXPECT_TRUE(pair.session.status().departures[0].died);
 }
 
@@ -208,7 +208,7 @@ TEST(Departure, DeathCanEndTheRun) {
   LockstepSettings settings = named({"/a", "/b"});
   settings.on_death = OnDeath::kEnd;
   Pair pair(settings);
-  pair.report(2, 3 * kOne, {wire::Log{0, "robot", "seen", "[]"}});
+  pair.report(2, 3 * kSecond, {wire::Log{0, "robot", "seen", "[]"}});
   pair.cut(1);
   EXPECT_EQ(pair.point(2), "none");
   EXPECT_EQ(pair.phase(), "ended");
@@ -222,7 +222,7 @@ TEST(Departure, DeathCanEndTheRun) {
 TEST(Silence, IsToldWithWhatWasToldLastAndWithWhereTheSilentOneIs) {
   Pair pair;
   pair.report(1, kNever, {advertise(1, "/x")});
-  pair.report(2, 4 * kOne, {subscribe(2, "/x"), wire::Serve{1, 0, "/s"}});
+  pair.report(2, 4 * kSecond, {subscribe(2, "/x"), wire::Serve{1, 0, "/s"}});
   pair.grant(1);
   pair.grant(2);
   pair.report(1, kNever, {wire::Send{1, 0, 0, "data"}, wire::Call{0, 0, "/s", ""}});
@@ -232,7 +232,7 @@ TEST(Silence, IsToldWithWhatWasToldLastAndWithWhereTheSilentOneIs) {
   pair.frame(2, wire::Busy{round - 1, "an old place"});  // it has reported since
   EXPECT_EQ(pair.session.status().waiting_for[0].where, "");
   pair.frame(2, wire::Busy{round, "agent.py, line 7\n"});
-  pair.wall = 12 * kOne;
+  pair.wall = 12 * kSecond;
   pair.poll();
   const auto waiting = pair.session.status().waiting_for;
   EXPECT_EQ(waiting[0].where, "agent.py, line 7\\x0a");
@@ -243,7 +243,7 @@ TEST(Silence, IsToldWithWhatWasToldLastAndWithWhereTheSilentOneIs) {
                 LockstepMessage::Level::kWarn));
   pair.frame(2, wire::Busy{round, "agent.py, line 9"});
   EXPECT_TRUE(pair.said("'/b' is in agent.py, line 9", LockstepMessage::Level::kWarn));
-  pair.report(2, kOne);
+  pair.report(2, kSecond);
   EXPECT_EQ(pair.session.status().waiting_for[0].where, "");  // of the next grant
 }
 
@@ -251,7 +251,7 @@ TEST(Silence, IsToldWithWhatWasToldLastAndWithWhereTheSilentOneIs) {
 
 TEST(Malformed, OnlyThatConnectionIsClosed) {
   Pair pair;
-  pair.report(2, 3 * kOne);
+  pair.report(2, 3 * kSecond);
   pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
   EXPECT_TRUE(pair.closed[1]);
   EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 6, got 99");
@@ -273,7 +273,7 @@ TEST(Malformed, WhatWasNeverDeclaredDropsItsSenderInItsTurn) {
   Pair pair;
   pair.report(1, kNever, {advertise(1, "/x"), wire::Send{7, 0, 0, ""}});
   EXPECT_FALSE(pair.closed[1]);
-  pair.report(2, 3 * kOne, {subscribe(1, "/x")});
+  pair.report(2, 3 * kSecond, {subscribe(1, "/x")});
   EXPECT_EQ(pair.end[1], "'/a': SEND must name a topic that was declared, got number 7");
   EXPECT_EQ(pair.point(2), "3000+0");
 }
@@ -281,8 +281,8 @@ TEST(Malformed, WhatWasNeverDeclaredDropsItsSenderInItsTurn) {
 TEST(Malformed, RubbishNeverDoesHarmToOthers) {
   std::mt19937 random(3);
   Pair pair;
-  pair.session.step(kOne);
-  pair.report(1, 2 * kOne);
+  pair.session.step(kSecond);
+  pair.report(1, 2 * kSecond);
   pair.report(2, kNever);
   for (ConnectionId id = 10; id < 2'000; ++id) {
     pair.session.connect(id, pair.wall);
@@ -298,11 +298,11 @@ TEST(Malformed, RubbishNeverDoesHarmToOthers) {
     pair.cut(id);
     ASSERT_FALSE(pair.closed[1] || pair.closed[2]);
     while (const auto grant = pair.grant(1)) {
-      pair.report(1, grant->grant.time_ns + kOne);
+      pair.report(1, grant->grant.time_ns + kSecond);
     }
-    pair.session.step(kOne);
+    pair.session.step(kSecond);
   }
-  EXPECT_GT(pair.session.now(), 1'900 * kOne);
+  EXPECT_GT(pair.session.now(), 1'900 * kSecond);
 }
 
 TEST(Malformed, GreetingsAreChecked) {
@@ -334,21 +334,21 @@ TEST(State, TellsEverything) {
   stage.grant(1);
   stage.grant(2);
   stage.grant(3);
-  stage.session.runUntil(9 * kOne);
-  stage.report(1, 7 * kOne, {}, 3);
+  stage.session.runUntil(9 * kSecond);
+  stage.report(1, 7 * kSecond, {}, 3);
   stage.report(2, kNever);
   stage.frame(2, wire::Knock{});
   const LockstepStatus status = stage.session.status();
   EXPECT_EQ(status.phase, LockstepPhase::kRunning);
-  EXPECT_EQ(status.time, kOne);
+  EXPECT_EQ(status.time, kSecond);
   EXPECT_EQ(status.limit, 50.0);
-  EXPECT_EQ(status.run_until, 9 * kOne);
+  EXPECT_EQ(status.run_until, 9 * kSecond);
   EXPECT_EQ(status.rounds, 1U);
   ASSERT_EQ(status.waiting_for.size(), 1U);
   EXPECT_EQ(status.waiting_for[0].owes, "the report of round 1");
   ASSERT_EQ(status.participants.size(), 3U);
   EXPECT_EQ(status.participants[0].name, "/z");
-  EXPECT_EQ(status.participants[0].next, 7 * kOne);
+  EXPECT_EQ(status.participants[0].next, 7 * kSecond);
   EXPECT_EQ(status.participants[0].open, 3U);
   EXPECT_EQ(status.participants[1].name, "/robot_2");
   EXPECT_TRUE(status.participants[1].owes);
@@ -373,4 +373,4 @@ TEST(End, IsToldToEverybodyAlsoToThoseWhoComeLater) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_session_test

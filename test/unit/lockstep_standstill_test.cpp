@@ -6,7 +6,7 @@
 
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_standstill_test {
 namespace {
 
 TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
@@ -25,7 +25,7 @@ TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
             1);
   alone.frame(1, wire::Knock{});
   EXPECT_EQ(alone.point(1), "1000+2");
-  alone.report(1, 2 * kOne, {}, 2);
+  alone.report(1, 2 * kSecond, {}, 2);
   EXPECT_EQ(alone.point(1), "2000+0");
 }
 
@@ -49,7 +49,7 @@ TEST(Standstill, WhoWaitsForWorkIsStuckWhileACallIsOpen) {
   stage.join(2, "/b");
   stage.grant(1);
   stage.grant(2);
-  stage.report(1, 2 * kOne);
+  stage.report(1, 2 * kSecond);
   stage.report(2, kNever, {wire::Serve{1, 0, "/serve"}, wire::Idle{1}});
   stage.grant(1);
   stage.report(1, kNever, {wire::Call{0, 0, "/serve", ""}}, 0);
@@ -82,7 +82,7 @@ TEST(Standstill, ADeadlockAndAZeroDelayLoopEndTheRunIfSoConfiguredAndAreTold) {
   Stage loop(settings);
   loop.join(1, "/a");
   for (int k = 0; k < 100 && loop.grant(1); ++k) {
-    loop.report(1, kOne);  // at once, again and again
+    loop.report(1, kSecond);  // at once, again and again
   }
   EXPECT_EQ(loop.phase(), "ended");
   EXPECT_EQ(loop.session.status().ended_by, ended_by::kZeroDelayLoop);
@@ -109,7 +109,7 @@ TEST(Standstill, TheRunEndsWithTheRoundInWhichANamedParticipantLeaves) {
   EndWith stage;
   stage.leave(2);
   EXPECT_EQ(stage.phase(), "running");  // the other one's report of this round counts
-  stage.report(1, 2 * kOne, {wire::Log{0, "r", "done", "[]"}});
+  stage.report(1, 2 * kSecond, {wire::Log{0, "r", "done", "[]"}});
   EXPECT_EQ(stage.phase(), "ended");
   EXPECT_EQ(stage.end[1], "'/b' left at 1 s, and the run ends with it");
   EXPECT_EQ(stage.session.status().ended_by, "departure");
@@ -120,7 +120,7 @@ TEST(Standstill, TheRunEndsWithTheRoundInWhichANamedParticipantLeaves) {
 
 TEST(Standstill, TheDeathOfANamedParticipantIsNoGoodEnd) {
   EndWith stage;
-  stage.report(1, 2 * kOne);
+  stage.report(1, 2 * kSecond);
   stage.cut(2);
   stage.poll();
   EXPECT_EQ(stage.phase(), "ended");
@@ -130,7 +130,7 @@ TEST(Standstill, TheDeathOfANamedParticipantIsNoGoodEnd) {
 TEST(Standstill, AnotherParticipantThatLeavesEndsNothing) {
   EndWith stage;
   stage.leave(1);
-  stage.report(2, 2 * kOne);
+  stage.report(2, 2 * kSecond);
   EXPECT_EQ(stage.point(2), "2000+0");
 }
 
@@ -151,7 +151,7 @@ TEST(ZeroDelay, MoreThanAFrameMayHoldEndsTheRunAndSaysWhose) {
       ASSERT_NE(stage.point(id), "none");
     }
     for (const ConnectionId id : {1U, 2U, 3U}) {
-      stage.report(id, id == 2 ? kNever : 2 * kOne,
+      stage.report(id, id == 2 ? kNever : 2 * kSecond,
                    is_first ? opening(id) : std::vector<wire::ReportItem>{});
     }
   }
@@ -168,4 +168,4 @@ TEST(ZeroDelay, MoreThanAFrameMayHoldEndsTheRunAndSaysWhose) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_standstill_test

@@ -7,7 +7,7 @@
 #include "clock/shown_text.h"
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_strangers_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -34,19 +34,19 @@ TEST(Strangers, MaySendAFrameOfAHellosSizeOnly) {
 TEST(Strangers, AreSentAwayWhenTheyHaveSaidNothingForLong) {
   Stage stage(named({"/a"}));
   stage.session.connect(1, 0);
-  stage.wall = 3 * kOne;
+  stage.wall = 3 * kSecond;
   stage.session.connect(2, stage.wall);
   stage.join(3, "/a");
   EXPECT_EQ(stage.session.strangers(), 2U);
-  EXPECT_EQ(stage.session.nextWake(), 10 * kOne);
-  stage.wall = 10 * kOne;
+  EXPECT_EQ(stage.session.nextWake(), 10 * kSecond);
+  stage.wall = 10 * kSecond;
   stage.poll();
   EXPECT_EQ(stage.end[1], "it has said no HELLO within 10 s");
   EXPECT_FALSE(stage.closed[2]);
   EXPECT_EQ(stage.session.strangers(), 1U);
   stage.cut(2);
   EXPECT_EQ(stage.session.strangers(), 0U);
-  stage.wall = 100 * kOne;
+  stage.wall = 100 * kSecond;
   stage.poll();
   EXPECT_FALSE(stage.closed[3]);
 }
@@ -150,4 +150,4 @@ TEST(Shown, Texts) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_strangers_test

@@ -109,7 +109,7 @@ struct Walkers : Stage {
     texts.clear();
     std::vector<wire::ReportItem> done;
     Nanoseconds now = grant.time_ns;
-    if (now == kOne) {
+    if (now == kSecond) {
       done = {advertise(1, "/t"), subscribe(1, "/t")};
     }
     std::string kept = window.arrived(now);

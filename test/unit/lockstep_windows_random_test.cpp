@@ -9,7 +9,7 @@
 
 #include "lockstep_walkers.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_windows_random_test {
 namespace {
 
 /** @return the log of the run by plain arithmetic: a queue of exact arrivals, no windows. */
@@ -60,4 +60,4 @@ TEST(Windows, RandomRunsAreThoseOfPlainArithmeticHoweverFarEachGoesByItself) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_windows_random_test

@@ -9,7 +9,7 @@
 
 #include "lockstep_client.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::lockstep_windows_test {
 namespace {
 
 constexpr Nanoseconds kMilli = 1'000'000;
@@ -82,8 +82,8 @@ TEST(Windows, OneRoundIsOneWindowAndSilenceIsLeaptOver) {
   both.grant(1);
   both.grant(2);
   const auto rounds = both.session.status().rounds;
-  both.report(1, 9 * kOne, {note("a"), wire::At{1110 * kMilli}, note("b")});
-  both.report(2, 7 * kOne, {wire::At{1149 * kMilli}, note("c")});
+  both.report(1, 9 * kSecond, {note("a"), wire::At{1110 * kMilli}, note("b")});
+  both.report(2, 7 * kSecond, {wire::At{1149 * kMilli}, note("c")});
   EXPECT_EQ(text(both.grant(2)), "7000 to 7050");
   EXPECT_EQ(text(both.grant(1)), "none");
   EXPECT_EQ(both.session.status().rounds, rounds + 1);
@@ -305,4 +305,4 @@ TEST(Windows, ALookaheadOutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::lockstep_windows_test

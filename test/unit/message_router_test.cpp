@@ -9,7 +9,7 @@
 #include "lockstep_client.h"
 #include "lockstep_model.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::message_router_test {
 namespace {
 
 class Routing : public testing::Test {
@@ -355,4 +355,4 @@ TEST_F(Routing, ADepartureEndsLinksAndCallsOfBothDirections) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::message_router_test

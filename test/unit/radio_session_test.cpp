@@ -8,7 +8,7 @@
 #include "lockstep_items.h"
 #include "radio_motion.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::radio_session_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -96,7 +96,7 @@ TEST(RadioSession, WhoIsOnNoHostHearsAtOnceAndIsNamed) {
   air.report(1, kNever, {advertise(2, "/all"), advertise(3, "/wired")});
   air.report(2, kNever, {subscribe(3, "/wired")});
   air.next(1);
-  air.report(1, 2 * kOne);
+  air.report(1, 2 * kSecond);
   air.next(2);
   air.report(2, kNever);
   EXPECT_TRUE(air.session.status().degraded.empty());
@@ -108,14 +108,14 @@ TEST(RadioSession, WhoIsOnNoHostHearsAtOnceAndIsNamed) {
 TEST(RadioSession, AHostWhoseRobotTellsNoMotionIsNamedAndWhatIsSentToItIsLost) {
   for (const bool tells : {false, true}) {
     Air air("range 5", "robot");
-    air.report(1, 2 * kOne);
+    air.report(1, 2 * kSecond);
     if (tells) {
-      air.report(2, kNever, {wire::Motion{0, "robot_1", piece(kOne, 10.0, 0.0)}});
+      air.report(2, kNever, {wire::Motion{0, "robot_1", piece(kSecond, 10.0, 0.0)}});
     } else {
       air.report(2, kNever);
     }
     air.next(1);
-    air.report(1, 2 * kOne + 1, {news("x")});
+    air.report(1, 2 * kSecond + 1, {news("x")});
     EXPECT_TRUE(air.session.status().degraded.empty());
     EXPECT_NE(air.log().back().find(tells ? "\"range\"]" : "\"no_place\"]"), std::string::npos);
     air.next(1);
@@ -130,7 +130,7 @@ TEST(RadioSession, AHostWhoseRobotTellsNoMotionIsNamedAndWhatIsSentToItIsLost) {
 
 TEST(RadioSession, HostsWithoutNodesAndNodesOnNoHostAreNamedOnce) {
   Air air("loss 0", "robot");  // where places do not matter
-  air.report(1, 3 * kOne);
+  air.report(1, 3 * kSecond);
   air.report(2, kNever);
   air.next(1);
   air.report(1, kNever);
@@ -144,7 +144,7 @@ TEST(RadioSession, HostsWithoutNodesAndNodesOnNoHostAreNamedOnce) {
   Stage alone(settings);
   alone.join(1, "/base");
   alone.grant(1);
-  alone.report(1, 3 * kOne);
+  alone.report(1, 3 * kSecond);
   alone.grant(1);
   alone.report(1, kNever);
   alone.session.takeLog();
@@ -155,10 +155,10 @@ TEST(RadioSession, HostsWithoutNodesAndNodesOnNoHostAreNamedOnce) {
 TEST(RadioSession, AQueueKeepsItUntilTheRobotComesIntoRange) {
   Air air("range 5 lost queue delay 3 3", "robot");
   air.report(1, kNever, {news("x")});
-  air.report(2, 2 * kOne);
+  air.report(2, 2 * kSecond);
   air.log();
   EXPECT_EQ(air.point(2), "2000+0");
-  const std::string drive = piece(2 * kOne, 10.0, -2.0) + piece(6 * kOne, 2.0, 0.0);
+  const std::string drive = piece(2 * kSecond, 10.0, -2.0) + piece(6 * kSecond, 2.0, 0.0);
   air.report(2, kNever, {wire::Motion{0, "robot_1", drive}});
   EXPECT_EQ(air.next(2), (Texts{"4500000003: deliver 1 1 x"}));
   EXPECT_EQ(air.log(),
@@ -183,11 +183,11 @@ TEST(RadioSession, ACallIsTriedAgainAndFailsThen) {
 TEST(RadioSession, WhoLeavesWhileItIsUnderWayGetsNothing) {
   Air air("delay 500000000 500000000");
   air.report(1, kNever, {news("x")});
-  air.report(2, kOne + 1);
+  air.report(2, kSecond + 1);
   EXPECT_EQ(air.point(2), "1000+0");
   air.leave(2);
   EXPECT_EQ(air.session.status().messages, 0U);
-  EXPECT_EQ(air.session.now(), kOne + 1);
+  EXPECT_EQ(air.session.now(), kSecond + 1);
 }
 
 TEST(RadioSession, ALatchedMessageIsSentByRadioToWhoComes) {
@@ -229,12 +229,12 @@ TEST(RadioSession, RobotsOfAFleetAreOnHostsOfTheirOwn) {
   stage.join(2, "/fleet");
   stage.grant(1);
   stage.grant(2);
-  stage.report(1, 2 * kOne, {advertise(1, "/one"), advertise(2, "/two")});
+  stage.report(1, 2 * kSecond, {advertise(1, "/one"), advertise(2, "/two")});
   wire::Subscribe one = subscribe(1, "/one"), two = subscribe(2, "/two");
   two.sub = 1;
   stage.report(2, kNever,
-               {wire::Motion{0, "robot_1", piece(kOne, 3.0, 0.0)},
-                wire::Motion{1, "robot_2", piece(kOne, 6.0, 0.0)}, one, two});
+               {wire::Motion{0, "robot_1", piece(kSecond, 3.0, 0.0)},
+                wire::Motion{1, "robot_2", piece(kSecond, 6.0, 0.0)}, one, two});
   stage.grant(2);
   stage.report(2, kNever);
   stage.grant(1);
@@ -249,4 +249,4 @@ TEST(RadioSession, RobotsOfAFleetAreOnHostsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::radio_session_test

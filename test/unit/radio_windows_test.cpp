@@ -16,7 +16,7 @@
 #include "lockstep_walkers.h"
 #include "radio_motion.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::radio_windows_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -285,4 +285,4 @@ TEST(RadioWindows, ATargetHoldsBackWhatTheRadioDoesAfterIt) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::radio_windows_test

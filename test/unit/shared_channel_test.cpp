@@ -19,7 +19,7 @@
 #include "night.h"
 #include "time_master/participant_stream.h"
 
-namespace move_base_abstract {
+namespace move_base_abstract::shared_channel_test {
 namespace {
 
 constexpr int kLong = 60'000;  // ms; only ends a test that would never end
@@ -341,4 +341,4 @@ TEST(ParticipantStream, AParticipantThatClaimsBytesThatItHasNotSentIsGone) {
 }
 
 }  // namespace
-}  // namespace move_base_abstract
+}  // namespace move_base_abstract::shared_channel_test

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pack recorded missions into the tables of examples/reality; the same missions give the same bytes.
 
-usage: tools/record_reality/pack.py FOLDER TARGET
+usage: python3 tools/record_reality/pack.py FOLDER TARGET
 
 FOLDER: the output of record.py. A mission that missed more than 2 % of its control cycles is named and left out.
 """

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Print the plan of the recordings in examples/reality for record.py, one mission per line.
 
-usage: tools/record_reality/plan.py [MISSIONS]
+usage: python3 tools/record_reality/plan.py [MISSIONS]
 """
 import itertools
 import sys

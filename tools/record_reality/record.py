@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Record missions of real move_bases (navfn, DWA) on real Stage, one after the other.
 
-usage: tools/record_reality/record.py PLAN.csv FOLDER [JOB/JOBS]
+usage: python3 tools/record_reality/record.py PLAN.csv FOLDER [JOB/JOBS]
 
 PLAN.csv has one mission per line: run,map,kind,robots,seed,simulated_s. When a mission is over, its files are written
 to FOLDER/RUN: legs.csv, poses.csv and mission.csv. Missions whose files exist are not recorded again. JOB/JOBS: record

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Record missions of the ranking's coordinators with real move_bases (navfn, DWA) on real Stage.
 
-usage: tools/record_reality/record_ranking.py FOLDER [JOBS | RUN]
+usage: python3 tools/record_reality/record_ranking.py FOLDER [JOBS | RUN]
 
 It records five coordinators with 2 and 3 robots on two maps: all combinations once, then all a second time, and so on.
 Each mission uses the unmodified ranking.launch with simulator:=false. When a mission is over, its files are written to

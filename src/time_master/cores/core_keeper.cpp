@@ -1,6 +1,6 @@
 #include "core_keeper.h"
 
-#include <chrono>
+#include "time_master/wall_now.h"
 
 namespace move_base_abstract {
 namespace {
@@ -11,12 +11,6 @@ constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
 constexpr Nanoseconds kLongRound = 20 * kMillisecond;
 constexpr Nanoseconds kCoreGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kChildrenGap = 500 * kMillisecond;  // a look takes about 1 ms
-
-Nanoseconds wallNow() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 

@@ -7,9 +7,11 @@
 
 #include <map>
 
+namespace early_close {
+
 namespace lockstep = move_base_abstract::lockstep;
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "coordinator");
   const bool correct = ros::NodeHandle("~").param("correct", false);
   lockstep::Participant participant;
@@ -34,3 +36,5 @@ int main(int argc, char** argv) {
   participant.sleep(ros::Duration(5.0));
   return 0;
 }
+
+}  // namespace early_close

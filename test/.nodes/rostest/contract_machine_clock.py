@@ -1,19 +1,16 @@
+#!/usr/bin/env python3
 """Without simulated time a robot is as slow as a real one."""
+import sys
 import unittest
+from pathlib import Path
 
 import rospy
+import rostest
 from actionlib_msgs.msg import GoalStatus
-from robot_harness import RawClient, active_since_ns, pose_stamped
 
-LAUNCH_FILE = """
-<launch>  <!-- no time master: the robot uses the machine's clock, as move_base does -->
-  <param name="/use_sim_time" value="false"/>
-  <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
-    <param name="max_speed" value="10.0"/>
-  </node>
-</launch>
-"""
-OWN_NODE = 'contract_machine_clock_test'
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'systems'))
+
+from robot_harness import RawClient, active_since_ns, pose_stamped
 
 
 class MachineClock(unittest.TestCase):
@@ -28,3 +25,8 @@ class MachineClock(unittest.TestCase):
         self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
         self.assertEqual(ended.header.stamp.to_nsec() - start_ns, 500_000_000)
         self.assertGreaterEqual((rospy.Time.now() - before).to_nsec(), 500_000_000)
+
+
+if __name__ == '__main__':
+    rospy.init_node('contract_machine_clock_test')
+    rostest.rosrun('move_base_abstract', 'contract_machine_clock', MachineClock)

@@ -7,6 +7,8 @@
 #include <boost/bind/bind.hpp>
 #include <memory>
 
+namespace cancel_race {
+
 namespace {
 
 using Client = actionlib::SimpleActionClient<move_base_msgs::MoveBaseAction>;
@@ -66,7 +68,7 @@ class Coordinator {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "coordinator");
   Coordinator coordinator(ros::NodeHandle("~").param("correct", false));
   coordinator.begin();
@@ -81,3 +83,5 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace cancel_race

@@ -1,0 +1,19 @@
+// The machine's monotonic clock.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
+
+#include <chrono>
+
+#include "clock/scaled_clock.h"
+
+namespace move_base_abstract {
+
+inline Nanoseconds wallNow() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
