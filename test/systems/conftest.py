@@ -21,6 +21,7 @@ def pytest_configure(config):
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     config.systems_folder = tempfile.mkdtemp(prefix='systems_')
+    os.mkdir(os.path.join(config.systems_folder, 'ros'))
     os.environ.update(ROS_MASTER_URI=NO_MASTER, ROS_IP='127.0.0.1', PYTHONUNBUFFERED='1',
                       TMPDIR=config.systems_folder, ROS_HOME=os.path.join(config.systems_folder, 'ros'),
                       ROS_LOG_DIR=os.path.join(config.systems_folder, 'ros', 'log'))
