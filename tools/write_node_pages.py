@@ -4,7 +4,7 @@
 usage: python3 tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
-docs/nodes/interfaces.yaml, which a rostest compares with the nodes. A table within a page is between
+docs/nodes/interfaces.yaml, which a test compares with the nodes. A table within a page is between
 `<!-- parameters: NAME -->` and `<!-- end -->`. `make lint` compares the pages with the output of this program.
 """
 import ast
