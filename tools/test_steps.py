@@ -13,7 +13,8 @@ INDEX = ROOT / 'docs' / 'site' / 'index.md'  # the tutorials are its first group
 TUTORIALS = TEST / 'tutorials' / 'test_tutorials.py'
 GTESTS = ('time_master_test', 'lockstep_test', 'event_log_writer_test', 'shim_fit_test', 'shim_heap_test',
           'pending_parameters_test', 'parameters_at_start_test')
-UNIT_PARTS = 6  # processes for the unit tests, so that all cores have work to the end
+UNIT_PARTS = 3  # processes for the unit tests, so that all cores have work to the end
+IMPORTS_MUCH = re.compile(r'soil|report|experiment|calibrat')  # pandas, scipy, Mesa: tests of these run in one process
 # What takes longest begins first. It matters where no run in this tree has told yet how long each step takes.
 LONGEST = ('unit', 'gtest_time_master_test', 'lockstep_fleet', 'experiment', 'lockstep_launch', 'browser', 'plain')
 OF_THE_NIGHT = re.compile(r'^pytestmark = pytest\.mark\.night$', re.MULTILINE)
@@ -82,12 +83,12 @@ def _files(folder):
 
 def _unit():
     """Return the unit tests, in parts of about the same size."""
-    parts = [[0, []] for _ in range(UNIT_PARTS)]
-    for path in sorted(_files('unit'), key=lambda path: (-path.stat().st_size, path)):
-        smallest = min(parts, key=lambda part: part[0])
-        smallest[0] += path.stat().st_size
-        smallest[1].append(path)
-    return [Step(f'unit_{number}', tuple(sorted(files)), VENV_PYTHON) for number, (_, files) in enumerate(parts, 1)]
+    files = sorted(_files('unit'), key=lambda path: (not IMPORTS_MUCH.search(str(path.relative_to(TEST))), path))
+    sizes = [path.stat().st_size for path in files]
+    parts = [[] for _ in range(UNIT_PARTS)]
+    for number, path in enumerate(files):
+        parts[UNIT_PARTS * sum(sizes[:number]) // sum(sizes)].append(path)
+    return [Step(f'unit_{number}', tuple(files), VENV_PYTHON) for number, files in enumerate(parts, 1)]
 
 
 def _system(path):

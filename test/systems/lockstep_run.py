@@ -1,7 +1,7 @@
 """A time master in lockstep for the tests that speak its protocol byte by byte.
 
-Each test starts a time master of its own as a child process under the test file's ROS master, and ends it. The test's own
-node does not use ROS time, since otherwise it would be an onlooker that listens to /clock.
+Each test starts a time master of its own as a child process under the test file's ROS master, and ends it. The test's
+own node does not use ROS time, since otherwise it would be an onlooker that listens to /clock.
 """
 
 import os

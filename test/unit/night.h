@@ -6,7 +6,8 @@
 
 namespace move_base_abstract {
 
-/** @brief Return ``night`` if the environment variable NIGHT is a number of 1 or more, else ``day``. */
+/** @brief Return ``night`` if the environment variable NIGHT is a number of 1 or more, else
+ * ``day``. */
 inline int times(int day, int night) {
   const char* asked = std::getenv("NIGHT");
   return asked != nullptr && std::atof(asked) >= 1.0 ? night : day;
