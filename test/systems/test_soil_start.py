@@ -8,6 +8,8 @@ import rospy
 from soil_mapping.ros import mission_run
 from soil_mapping.ros.mission_run import MissionFailed, MissionRun
 
+LAUNCH_FILE = '<launch/>'
+
 STARTS = ((3.0, 4.0), (5.0, 6.0))
 
 
