@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other, because two goals that install packages at the same time would disturb each other.
 .NOTPARALLEL:
-.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture clean
+.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture figures clean
 .PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
@@ -87,6 +87,9 @@ study: deps-study build  ## run the whole study in .ws/study, resumable; STUDY_1
 
 picture: deps-picture deps-study build  ## take the pictures of the README, from RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
+
+figures: build  ## measure the README's figures on this machine, which does nothing else, and write the ranges over all machines
+	@$(ENTER) $(PYTHON) tools/figures.py
 
 docs: deps-docs build  ## build the documentation site, .ws/docs/html/index.html; a broken link is an error
 	@$(ENTER) $(PYTHON) tools/build_docs.py '$(WS)/docs'
