@@ -2,8 +2,8 @@
 
 usage: figures.py    (in the built environment; `make figures` does it)
 
-docs/figures.json has one entry for each machine (CPU model and cores). A run replaces the entry of its own machine. Measure on
-a machine that does nothing else; the entry has the load at the beginning.
+docs/figures.json has one entry for each machine (CPU model and cores). A run replaces the entry of its own machine.
+Measure on a machine that does nothing else; the entry has the load at the beginning.
 """
 import datetime
 import json
@@ -30,7 +30,10 @@ class NotMeasured(Exception):
 
 
 def measure():
-    """Run all commands on this machine and return its entry for the file. :raises NotMeasured:"""
+    """Run all commands on this machine and return its entry for the file.
+
+    :raises NotMeasured: if one of them fails.
+    """
     load = os.getloadavg()[0]
     commit = subprocess.run(['git', '-C', str(ROOT), 'describe', '--always', '--dirty', '--abbrev=12'],
                             stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
@@ -49,7 +52,9 @@ def merged(machines, entry):
 def sentence(name, machines):
     """Return what the README says of a figure: its range, from how many runs, on which machines."""
     runs = [value for machine in machines for value in machine['figures'][name]]
-    on = '{} machines'.format(len(machines)) if len(machines) > 1 else 'one machine: {cpu}, {cores} cores'.format(**machines[0])
+    on = '{} machines'.format(len(machines))
+    if len(machines) == 1:
+        on = 'one machine: {cpu}, {cores} cores'.format(**machines[0])
     return '{:.0f} to {:.0f} times real time in {} runs on {}'.format(min(runs), max(runs), len(runs), on)
 
 
@@ -64,11 +69,12 @@ def read():
 
 
 def _one(command, said):
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          check=False)
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, check=False)
     found = said.search(done.stdout)
     if done.returncode or not found:
-        raise NotMeasured('{} ended with {} and says no speed:\n{}'.format(' '.join(command), done.returncode, done.stdout))
+        raise NotMeasured('{} ended with {} and says no speed:\n{}'.format(
+            ' '.join(command), done.returncode, done.stdout))
     return float(found.group(1))
 
 
@@ -90,7 +96,8 @@ def main():
     except NotMeasured as error:
         print('figures: {}'.format(error), file=sys.stderr)
         return 1
-    what = {name: ' '.join(command) + ': simulated seconds per second of wall time' for name, (command, _) in MEASURED.items()}
+    what = {name: ' '.join(command) + ': simulated seconds per second of wall time'
+            for name, (command, _) in MEASURED.items()}
     _replace(FIGURES, json.dumps({'what': what, 'machines': machines}, indent=1) + '\n')
     _replace(README, written(README.read_text(encoding='utf-8'), machines))
     for name in MEASURED:

@@ -10,7 +10,8 @@ import figures  # noqa: E402 - from this folder
 
 TEXT = figures.README.read_text(encoding='utf-8')
 #: speeds that are chosen, not measured: what a command asks for, and how a picture was made
-CHOSEN = ('watched at 2x or at full speed', 'at most 20 times real time, to watch', 'A run, ten times as fast as real time')
+CHOSEN = ('watched at 2x or at full speed', 'at most 20 times real time, to watch',
+          'A run, ten times as fast as real time')
 #: pages that speak of the same, and have no figures of their own
 BESIDE = ('docs/site/index.md', 'docs/start.md', 'docs/demo.md')
 
@@ -37,8 +38,8 @@ def test_other_pages_that_begin_have_no_speed_that_was_not_chosen(page):
     assert [speed for speed in speeds((ROOT / page).read_text(encoding='utf-8')) if 'thousands' in speed] == []
 
 
-@pytest.mark.parametrize('words', ['it runs at 2111.4x real time', 'thousands of times faster', '131 to 247 times real time',
-                                   '25 times as fast', '12x'])
+@pytest.mark.parametrize('words', ['it runs at 2111.4x real time', 'thousands of times faster',
+                                   '131 to 247 times real time', '25 times as fast', '12x'])
 def test_a_speed_is_recognised(words):
     assert speeds(TEXT + words)
 
