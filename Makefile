@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other, because two goals that install packages at the same time would disturb each other.
 .NOTPARALLEL:
-.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture clean
+.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture figures clean
 .PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
@@ -21,16 +21,11 @@ unexport CMAKE_PREFIX_PATH PYTHONPATH ROS_PACKAGE_PATH ROS_HOSTNAME ROS_NAMESPAC
 export ROS_IP := 127.0.0.1
 export ROS_HOME := $(WS)/ros_home
 
-# make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
-FIELD_DATA := $(wildcard ../shared/data/riseholme_compaction_0cm_kpa.csv)
-CSV ?= $(if $(MISSION)$(WORLD),,$(FIELD_DATA))
-# make study STUDY_FIELD=csv:/path/of/readings.csv (or meuse)
-STUDY_FIELD ?= $(if $(FIELD_DATA),csv:$(abspath $(FIELD_DATA)),synthetic)
-
 help:  ## print this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile | expand -t 20
 	@echo
-	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
+	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name;'
+	@echo '         make study STUDY_FIELD=csv:/path/of/readings.csv (or meuse; without it, a synthetic field)'
 	@echo 'A shell in the built environment: source .ws/setup.sh'
 
 deps:  ## install missing Debian packages to build and run, by apt
@@ -85,13 +80,16 @@ experiment: deps-experiment build  ## run a small experiment, with a report in .
 	  -o '$(WS)/experiment' $(EXPERIMENT_ARGS)
 
 study-trial: deps-study build  ## run one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
-	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)
+	@$(ENTER) rosrun move_base_abstract study trial $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/trial' $(TRIAL_ARGS)
 
 study: deps-study build  ## run the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' adds options
-	@$(ENTER) rosrun move_base_abstract study run --field '$(STUDY_FIELD)' --output '$(WS)/study' $(STUDY_ARGS)
+	@$(ENTER) rosrun move_base_abstract study run $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/study' $(STUDY_ARGS)
 
 picture: deps-picture deps-study build  ## take the pictures of the README, from RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
+
+figures: build  ## measure the README's figures on this machine, which does nothing else, and write the ranges over all machines
+	@$(ENTER) $(PYTHON) tools/figures.py
 
 docs: deps-docs build  ## build the documentation site, .ws/docs/html/index.html; a broken link is an error
 	@$(ENTER) $(PYTHON) tools/build_docs.py '$(WS)/docs'

@@ -4,7 +4,8 @@
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate FOLDER... --encounters robot.yaml [-o robot_with_encounters.yaml]
 
-Exit codes: 0 written; 2 a file cannot be read or written, there are too few legs, or the arguments are wrong.
+Exit codes: 0 written; 2 a file cannot be read or written, there are too few legs, a library is missing, or the
+arguments are wrong.
 """
 import argparse
 import math
@@ -25,6 +26,11 @@ def main(words=None):
     options = _parse(words)
     try:
         _run(options)
+    except ModuleNotFoundError as error:
+        print('calibrate: {} is not installed for {}; install what it needs: make deps-experiment, or on Debian: '
+              'apt install python3-jinja2 python3-matplotlib python3-scipy'.format(error.name, sys.executable),
+              file=sys.stderr)
+        sys.exit(2)
     except SimulatorError as error:
         print('calibrate: {}'.format(error), file=sys.stderr)
         sys.exit(2)
@@ -34,7 +40,8 @@ def _parse(words):
     parser = argparse.ArgumentParser(
         prog='calibrate', description='Fit how long the legs of a real robot take, from recordings of it. Write a YAML '
         'file that scenarios can name, and a page that shows how well it predicts.',
-        epilog='exit codes: 0 written, 2 a file cannot be read or written, too few legs, or wrong arguments')
+        epilog='exit codes: 0 written, 2 a file cannot be read or written, too few legs, no scipy or matplotlib, '
+        'or wrong arguments')
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='a bag with goals, results and poses of move_base, or a CSV file with one row per leg')
     parser.add_argument('-o', '--output', metavar='FILE.yaml', default=_YAML,

@@ -69,7 +69,7 @@ def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iter
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise ClusterError(f'{error.name} is not installed for {sys.executable}; Debian has it as '
-                           'python3-distributed (make deps), pip as the extra [experiments]') from None
+                           'python3-distributed (make deps-experiment), pip as the extra [experiments]') from None
     _configure(dask, has_dashboard)
     own = shared = None
     with contextlib.ExitStack() as stack:
