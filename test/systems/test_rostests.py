@@ -6,9 +6,8 @@ import xml.etree.ElementTree as ElementTree
 
 from night import times
 from own_folder import OwnFolder
-from own_nodes import NODES
 
-FOLDER = os.path.join(NODES, 'rostest')
+FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'rostest')
 GUARD = 300.0  # s, wall; only ends a test that would never end
 
 
@@ -18,7 +17,7 @@ class Rostests(OwnFolder, unittest.TestCase):
     def check(self, name, tests, *words):
         """Run a rostest; check that it had so many tests, and that all have passed."""
         env = {**os.environ, 'ROS_TEST_RESULTS_DIR': self.folder, 'ROS_HOME': self.folder}
-        done = subprocess.run(['rostest', os.path.join(FOLDER, name + '.test'), *words], env=env, text=True,
+        done = subprocess.run(['rostest', os.path.join(FOLDER, name + '.test.xml'), *words], env=env, text=True,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               check=False, timeout=GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Without simulated time a robot is as slow as a real one."""
 import sys
 import unittest

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A stock SimpleActionClient loses a result that comes too fast; with this package it never does."""
 import sys
 import unittest
