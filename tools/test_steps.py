@@ -10,6 +10,7 @@ TEST = ROOT / 'test'
 VENV_PYTHON = WS / 'venv' / 'bin' / 'python'  # the same Python, with the study's packages from PyPI
 PLAIN_PYTHON = WS / 'plain' / 'bin' / 'python'  # the same Python, with the packages for processes in plain Python
 INDEX = ROOT / 'docs' / 'site' / 'index.md'  # the tutorials are its first group
+BARE = TEST / 'prerequisites' / 'test_bare_machine.py::test_a_command_succeeds_on_a_bare_debian'
 TUTORIALS = TEST / 'tutorials' / 'test_tutorials.py'
 GTESTS = ('time_master_test', 'lockstep_test', 'event_log_writer_test', 'shim_fit_test', 'shim_heap_test',
           'pending_parameters_test', 'parameters_at_start_test')
@@ -57,7 +58,7 @@ def by_day():
     """Return the steps of `make test`, those that take longest first."""
     steps = [*_gtests(), *_unit(), Step('plain', (TEST / 'plain',), PLAIN_PYTHON),
              *(Step(name, (TEST / name,)) for name in ('export', 'browser', 'plugin')),
-             Step('tutorials', (TEST / 'tutorials' / 'test_runner.py',)),
+             Step('tutorials', (TEST / 'tutorials' / 'test_runner.py',)), Step('prerequisites', (TEST / 'prerequisites',)),
              *(_system(path) for path in _files('systems') if not OF_THE_NIGHT.search(path.read_text()))]
     rank = {name: number for number, name in enumerate(LONGEST)}
     return sorted(steps, key=lambda step: rank.get(step.name.rstrip('_0123456789'), len(rank)))
@@ -69,7 +70,8 @@ def by_night():
     tutorials = [Step(f'tutorial_{page}', (f'{TUTORIALS}::test_a_tutorial_shows_what_it_says[{page}]',))
                  for page in pages]
     systems = [_system(path) for path in _files('systems') if HAS_MORE_BY_NIGHT.search(path.read_text())]
-    return [*_gtests(), *_unit(), *systems, *tutorials, Step('install', (TEST / 'install',))]
+    bare = [Step(f'bare_{name}', (f'{BARE}[{name}]',)) for name in ('docs', 'tutorials_in_turn', 'demo_and_test')]
+    return [*_gtests(), *_unit(), *systems, *tutorials, Step('install', (TEST / 'install',)), *bare]
 
 
 def _gtests():

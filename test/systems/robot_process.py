@@ -42,7 +42,9 @@ class RobotProcess:
 
     def exit_code(self):
         """Wait for the end, and return the exit code."""
-        return self._process.wait(GUARD)
+        code = self._process.wait(GUARD)
+        self._process.release()
+        return code
 
     def end(self, with_signal=signal.SIGINT):
         """End the process by a signal, and wait for its end."""

@@ -108,6 +108,7 @@ class FirstGoal(unittest.TestCase):
         def end():
             process.terminate()
             process.wait(GUARD)
+            process.release()
         self.addCleanup(end)
 
     def test_every_server_advertises_a_topic_before_it_listens_to_it(self):

@@ -14,6 +14,7 @@ fork, too, which needs no imports.
 import functools
 import importlib
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -71,16 +72,15 @@ class Loopback(loopback.Loopback):
 
 
 def start(command, output, environment=None, cwd=None):
-    """Start a program, as a fork if that makes no difference; return its process, with the methods of Popen.
+    """Start a program, as a fork if that makes no difference; return its processes.Held, which must be released.
 
     output: a file that is open for writing; environment, cwd: this process's own if None.
     """
     environment = dict(os.environ) if environment is None else environment
     kind, words = kind_of(command)
-    if kind is None:
-        return subprocess.Popen(command, env=environment, cwd=cwd, stdin=subprocess.DEVNULL, stdout=output,
-                                stderr=subprocess.STDOUT, start_new_session=True)
-    return processes.Held(_parent(kind).fork(words, environment, [output.fileno()] * 2, cwd))
+    return processes.Held(_parent(kind).fork(words, environment, [output.fileno()] * 2, cwd) if kind else
+                          subprocess.Popen(command, env=environment, cwd=cwd, stdin=subprocess.DEVNULL, stdout=output,
+                                           stderr=subprocess.STDOUT, start_new_session=True))
 
 
 def run(command, environment=None, cwd=None, timeout=GUARD):
@@ -93,9 +93,10 @@ def run(command, environment=None, cwd=None, timeout=GUARD):
         try:
             code = process.wait(timeout)
         except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+            process.signal_group(signal.SIGKILL)
             raise
+        finally:
+            process.release()
         output.seek(0)
         return subprocess.CompletedProcess(command, code, output.read().decode(errors='replace'))
 
