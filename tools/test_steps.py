@@ -58,7 +58,8 @@ def by_day():
     """Return the steps of `make test`, those that take longest first."""
     steps = [*_gtests(), *_unit(), Step('plain', (TEST / 'plain',), PLAIN_PYTHON),
              *(Step(name, (TEST / name,)) for name in ('export', 'browser', 'plugin')),
-             Step('tutorials', (TEST / 'tutorials' / 'test_runner.py',)), Step('prerequisites', (TEST / 'prerequisites',)),
+             Step('tutorials', (TEST / 'tutorials' / 'test_runner.py',)),
+             Step('prerequisites', (TEST / 'prerequisites',)),
              *(_system(path) for path in _files('systems') if not OF_THE_NIGHT.search(path.read_text()))]
     rank = {name: number for number, name in enumerate(LONGEST)}
     return sorted(steps, key=lambda step: rank.get(step.name.rstrip('_0123456789'), len(rank)))
