@@ -13,6 +13,7 @@ import unittest
 import uuid
 
 import psutil
+import pytest
 from own_folder import OwnFolder
 
 from move_base_abstract_experiments import records
@@ -23,6 +24,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends a run that would never end
 MARK = 'EXPERIMENT_TEST_MARK'
+ONE = ('--workers', '1')
 SWEEP = """
 experiment: sweep
 launch: $(find move_base_abstract)/examples/experiments/patrol.launch
@@ -169,6 +171,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         """Return the Results of an experiment's folder."""
         return [records.read_trial(self.path(out), one.id) for one in records.read_plan(self.path(out)).trials]
 
+    @pytest.mark.night
     def test_killed_workers_and_clients_lose_nothing_and_change_nothing(self):
         file = self.write('sweep.yaml', SWEEP)
         whole = Client(self.folder, file, 'whole')
@@ -197,6 +200,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 7)
         wait_for(lambda: not again.left(), 'the end of all processes')
 
+    @pytest.mark.night
     def test_ctrl_c_and_sigterm_end_what_was_started(self):
         file = self.write('sweep.yaml', SWEEP)
         for out, end in (('out', lambda pid: os.killpg(pid, signal.SIGINT)), (
@@ -219,9 +223,9 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.write('wrong.launch', LAUNCH)
         file = self.write('wrong.yaml', WRONG)
         os.environ['ROS_PACKAGE_PATH'] = self.folder + ':' + os.environ['ROS_PACKAGE_PATH']
-        code, text = Client(self.folder, mistaken, 'mistaken').end()
+        code, text = Client(self.folder, mistaken, 'mistaken', *ONE).end()
         self.assertEqual((code, "did you mean 'what'" in text, os.path.exists(self.path('mistaken'))), (2, True, False))
-        code, text = Client(self.folder, file, 'out').end()
+        code, text = Client(self.folder, file, 'out', *ONE).end()
         self.assertEqual(code, 1, text)
         good, bad, callback, killed = self.results('out')
         self.assertEqual((good.status, good.error, good.metrics.get('said')), ('complete', None, 1))
@@ -239,19 +243,19 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((told['signal'], told['at'], told['crashed']), ('SIGKILL', 1.5, True))
         allowed = self.write('allowed.yaml', WRONG.replace('[good, bad, callback, killed]', '[callback]')
                              + 'crashes: allow\n')
-        code, text = Client(self.folder, allowed, 'allowed').end()
+        code, text = Client(self.folder, allowed, 'allowed', *ONE).end()
         self.assertEqual(code, 0, text)
         about = self.results('allowed')[0]
         self.assertEqual((about.status, about.crashes), ('complete', callback.crashes))
         code, text = Client(self.folder, self.write('allowed.yaml', WRONG.replace(
-            '[good, bad, callback, killed]', '[callback]')), 'allowed').end()
+            '[good, bad, callback, killed]', '[callback]')), 'allowed', *ONE).end()
         self.assertEqual((code, 'complete already' in text), (1, False), text)
 
     def test_a_command_is_run_as_well_as_a_launch_file(self):
         program = self.write('say.py', SAY.replace("'~what'", "'~what', ''").replace(
             'str(k)', "rospy.get_param('/time_master/cores', '')"), 0o755)
         file = self.write('command.yaml', COMMAND.format(program))
-        code, text = Client(self.folder, file, 'command').end()
+        code, text = Client(self.folder, file, 'command', *ONE).end()
         self.assertEqual(code, 0, text)
         only = self.results('command')[0]
         self.assertEqual((only.status, only.simulated_seconds, only.repeatable, only.ended_by),
@@ -259,6 +263,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         with open(self.path('command/trials/{}/messages.jsonl'.format(only.id))) as stream:
             self.assertIn('"one"', stream.read())
 
+    @pytest.mark.night
     def test_short_functions_share_processes_and_leave_each_other_nothing(self):
         self.write('short.py', FUNCTION)
         client = Client(self.folder, self.write('short.yaml', SHORT), 'short')
