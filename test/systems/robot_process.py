@@ -1,4 +1,4 @@
-"""Starts an executable of this package in a process of its own, with parameters; has its output and its end."""
+"""Starts programs in processes of their own; has their output and their end."""
 import os
 import signal
 import tempfile
@@ -11,18 +11,14 @@ from robot_harness import GUARD
 from move_base_abstract_ros.loopback import find_executable
 
 
-class RobotProcess:
-    """An executable of this package in a process of its own."""
+class Started:
+    """A program that runs, with its output so far and its end."""
 
-    def __init__(self, executable, parameters, arguments, namespace):
-        self.namespace = namespace
-        self.private = '{}/move_base'.format(self.namespace)
-        if parameters is not None:
-            rospy.set_param(self.private, parameters)
-        command = [find_executable(executable), *arguments, '__ns:=' + (self.namespace or '/'), '__name:=move_base']
+    def __init__(self, command, environment=None, cwd=None):
+        """Start it; environment, cwd: this process's own if None."""
         descriptor, self._path = tempfile.mkstemp(suffix='.out')
         with open(descriptor, 'wb') as output:
-            self._process = warm.start(command, output, dict(os.environ, PYTHONUNBUFFERED='1'))
+            self._process = warm.start(command, output, dict(environment or os.environ, PYTHONUNBUFFERED='1'), cwd)
 
     @property
     def output(self):
@@ -51,3 +47,15 @@ class RobotProcess:
         if self._process.poll() is None:
             self._process.send_signal(with_signal)
         return self.exit_code()
+
+
+class RobotProcess(Started):
+    """An executable of this package that is a robot, with parameters."""
+
+    def __init__(self, executable, parameters, arguments, namespace):
+        self.namespace = namespace
+        self.private = '{}/move_base'.format(self.namespace)
+        if parameters is not None:
+            rospy.set_param(self.private, parameters)
+        super().__init__([find_executable(executable), *arguments, '__ns:=' + (self.namespace or '/'),
+                          '__name:=move_base'])

@@ -3,7 +3,6 @@ import itertools
 import math
 import os
 import shutil
-import subprocess
 import tempfile
 import unittest
 
@@ -12,6 +11,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
 from PIL import Image
 from robot_harness import GUARD, LoadMap, Record
+from robot_process import Started
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -61,11 +61,8 @@ class MapServer(unittest.TestCase):
         if parameters:
             rospy.set_param(self.namespace + '/map_server', parameters)
         command = [find_executable('map_server'), *arguments, '__ns:=' + self.namespace, '__name:=map_server']
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                   cwd=self.folder, env=environment)
-        self.addCleanup(process.stdout.close)
-        self.addCleanup(process.wait, GUARD)
-        self.addCleanup(process.terminate)
+        process = Started(command, environment, self.folder)
+        self.addCleanup(process.end)
         return process
 
     def grid(self):
@@ -80,8 +77,8 @@ class MapServer(unittest.TestCase):
     def refused(self, arguments, *words, **parameters):
         """Assert that a map server ends at once with an error that holds ``words``, and without a traceback."""
         process = self.start(*arguments, **parameters)
-        output, _ = process.communicate(timeout=GUARD)
-        self.assertEqual(process.returncode, FAILURE, output)
+        code, output = process.exit_code(), process.output
+        self.assertEqual(code, FAILURE, output)
         for word in words:
             self.assertIn(word, output)
         self.assertNotIn('Traceback', output)
@@ -107,8 +104,8 @@ class MapServer(unittest.TestCase):
     def test_frame_id_and_an_unknown_key(self):
         process = self.start(self.describe(modes='raw'), frame_id='field')
         self.assertEqual(self.grid().header.frame_id, 'field')
-        process.terminate()
-        self.assertIn("modes: unknown key, not used; did you mean 'mode'?", process.communicate(timeout=GUARD)[0])
+        process.end()
+        self.assertIn("modes: unknown key, not used; did you mean 'mode'?", process.output)
 
     @unittest.skipIf(LoadMap is None, 'nav_msgs has no LoadMap here')
     def test_every_mode_from_a_png_with_alpha(self):
@@ -154,8 +151,8 @@ class MapServer(unittest.TestCase):
             self.assertEqual(change(self.write('m.yaml', content)).result, 255)
         self.assertEqual((self.grid().info, self.grid().data), (old.info, old.data))
         self.assertEqual(self.service('static_map', GetMap)().map.data, CELLS)
-        process.terminate()
-        output, _ = process.communicate(timeout=GUARD)
+        process.end()
+        output = process.output
         for words in ('/no/map.yaml: cannot be read', "there is no package 'no_such_package'", 'cut.pgm: the image',
                       'resolution: got 0; allowed', 'is not YAML of plain values', 'the map stays as it is'):
             self.assertIn(words, output)
@@ -200,6 +197,6 @@ class MapServer(unittest.TestCase):
         environment = dict(os.environ, ROS_PACKAGE_PATH=os.path.join(self.folder, 'src') + os.pathsep
                            + os.environ.get('ROS_PACKAGE_PATH', ''))
         process = self.start('some.yaml', '_frame_id:=field', environment=environment)
-        output, _ = process.communicate(timeout=GUARD)
-        self.assertEqual((process.returncode, output), (
+        code = process.exit_code()
+        self.assertEqual((code, process.output), (
             7, 'the real one: some.yaml _frame_id:=field __ns:={} __name:=map_server\n'.format(self.namespace)))
