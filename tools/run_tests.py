@@ -140,7 +140,8 @@ def _fork(step, results, log):
 
 def _import_for_forks():
     """Import what each fork needs."""
-    standard_path = sys.path[1:]
+    # The devel space's packages put the sources before the folder of this program.
+    standard_path = sys.path[sys.path.index(str(ROOT / 'tools')) + 1:]
     sys.path[:0] = [str(test_steps.TEST / 'systems'), str(test_steps.TEST)]
     for name in IMPORTS:
         importlib.import_module(name)
