@@ -8,16 +8,19 @@ ROSBASH = '/usr/share/bash-completion/completions/rosbash'
 ROSBASH_OF_NOETIC = '/opt/ros/noetic/share/rosbash/rosbash'
 # `complete -p` prints the function that completes the words of a command.
 ASK = r"""
-for file in "$2" "$3"; do [ ! -e "$file" ] || { . "$file"; break; }; done
+if [ -n "$2" ]; then . "$2"; else for file in "$3" "$4"; do [ ! -e "$file" ] || { . "$file"; break; }; done; fi
 COMP_WORDS=("$1" move_base_abstract '') COMP_CWORD=2
 $(complete -p "$1" | sed 's/.*-F \([^ ]*\).*/\1/')
 printf '%s\n' "${COMPREPLY[@]}"
 """
 
 
-def offered(command, env):
-    """Return the names that bash offers as the second word of rosrun or roslaunch, in order, each once."""
-    done = subprocess.run(['bash', '-c', ASK, 'bash', command, ROSBASH, ROSBASH_OF_NOETIC], env=env, check=True,
+def offered(command, env, setup=''):
+    """Return the names that bash offers as the second word of rosrun or roslaunch, in order, each once.
+
+    ``setup``: a file that the shell sources; otherwise it has rosbash alone.
+    """
+    done = subprocess.run(['bash', '-c', ASK, 'bash', command, setup, ROSBASH, ROSBASH_OF_NOETIC], env=env, check=True,
                           stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
     return sorted(set(done.stdout.split()))
 

@@ -27,6 +27,10 @@ class Completion(OwnFolder, unittest.TestCase):
         self.assertEqual(completion.offered('rosrun', env), completion.documented('Programs'))
         self.assertEqual(completion.offered('roslaunch', env), completion.documented('Launch files'))
 
+    def test_the_built_environment_of_the_sources_offers_the_documented_programs(self):
+        offered = completion.offered('rosrun', dict(os.environ), os.path.join(ROOT, '.ws', 'setup.sh'))
+        self.assertEqual(offered, completion.documented('Programs'))
+
     def test_an_executable_test_would_be_offered(self):
         sources = shutil.copytree(os.path.join(ROOT, 'test', 'systems'), self.path('copy/test'))
         shutil.copy(os.path.join(ROOT, 'package.xml'), self.path('copy'))
