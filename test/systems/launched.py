@@ -4,8 +4,10 @@
     OWN_NODE = 'name'                        # the name of the test's own node; without it there is none
 """
 import os
+import time
 from contextlib import contextmanager
 
+import rosgraph
 import rospy
 from roslaunch.core import setup_env
 from roslaunch.node_args import create_local_process_args
@@ -13,6 +15,8 @@ from warm import Loopback
 
 from move_base_abstract_ros.launching import plan, roles, ros_master
 
+GUARD = 60.0  # s, wall; only ends a start that would never end
+QUIET = 0.5  # s, wall
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -40,6 +44,24 @@ class Launched(Loopback):
                            if os.environ.get(name) != value}
             self.spawn(roles.name_of(node), create_local_process_args(node, node.machine))
             self._given = {}
+        self._wait_until_up({roles.name_of(node) for node in config.nodes})
+
+    def _wait_until_up(self, names):
+        """Wait until all nodes have registered, and the ROS master has heard nothing new for QUIET.
+
+        rospy makes a second connection to a publisher if that registers while the first one is being made, and drops
+        what is under way on the first.
+        """
+        master = rosgraph.Master('/launched', master_uri=self.uri)
+        deadline, state, since = time.monotonic() + GUARD, None, 0.0
+        while state is None or time.monotonic() < since + QUIET:
+            now = master.getSystemState()
+            there = {node for kind in now for _, nodes in kind for node in nodes}
+            if now != state or not names <= there:
+                state, since = now, time.monotonic()
+            self.check()
+            assert time.monotonic() < deadline, 'not up within {} s: {}'.format(GUARD, sorted(names - there))
+            time.sleep(0.05)
 
 
 @contextmanager
