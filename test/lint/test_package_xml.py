@@ -23,7 +23,7 @@ DEBIAN = {
     'message_generation': 'ros-message-generation', 'message_runtime': 'ros-message-runtime',
     'move_base_msgs': 'python3-move-base-msgs libmove-base-msgs-dev',
     'nav_msgs': 'libnav-msgs-dev ros-nav-msgs python3-nav-msgs', 'nlohmann-json-dev': 'nlohmann-json3-dev',
-    'nodelet': 'libnodeletlib-dev libnodeletlib-tools', 'pluginlib': 'libpluginlib-dev', 'roscpp': 'libroscpp-dev',
+    'nodelet': 'libnodeletlib-dev libnodeletlib-tools', 'pluginlib': 'pluginlib-dev', 'roscpp': 'libroscpp-dev',
     'rosgraph_msgs': 'libros-rosgraph-msgs-dev', 'rostest': 'librostest-dev python3-rostest',
     'std_msgs': 'libstd-msgs-dev ros-std-msgs', 'std_srvs': 'libstd-srvs-dev python3-std-srvs',
     'tf2_ros': 'python3-tf2-ros libtf2-ros-dev', 'xmlrpcpp': 'libxmlrpcpp-dev'}

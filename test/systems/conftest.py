@@ -59,6 +59,7 @@ def pytest_terminal_summary(terminalreporter, config):
             terminalreporter.write_line('\n'.join(lines))
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
     """Remove the folder."""
     shutil.rmtree(config.systems_folder, ignore_errors=True)
