@@ -37,7 +37,7 @@ TIMES = WS / 'test_times.json'  # CPU seconds of each step, in its last run
 LIMIT_S, NIGHT_LIMIT_S = 1800.0, 5400.0
 GRACE_S = 20.0  # wall seconds between the request to stop and the kill
 LOOK_S = 0.02  # wall seconds between two looks at the processes
-FEWEST_JOBS, MOST_JOBS = 3, 4  # a step also waits: for processes to start, or for time to pass
+FEWEST_JOBS, MOST_JOBS = 4, 5  # a step also waits: for processes to start, or for time to pass
 IMPORTS = ('pytest', '_pytest.junitxml', 'psutil', 'actionlib', 'rosbag', 'std_msgs.msg', 'sensor_msgs.msg')
 
 Running = namedtuple('Running', 'step pid began')
