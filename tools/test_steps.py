@@ -19,7 +19,7 @@ IMPORTS_MUCH = re.compile(r'soil|report|experiment|calibrat')  # pandas, scipy, 
 # What takes longest begins first. It matters where no run in this tree has told yet how long each step takes.
 LONGEST = ('unit', 'gtest_time_master_test', 'lockstep_fleet', 'experiment', 'lockstep_launch', 'browser', 'plain')
 OF_THE_NIGHT = re.compile(r'^pytestmark = pytest\.mark\.night$', re.MULTILINE)
-HAS_MORE_BY_NIGHT = re.compile(r'run_scenario\(|repeated\(|\.scenario\(|mark\.night|\btimes\(')
+HAS_MORE_BY_NIGHT = re.compile(r'run_scenario\(|repeated\(|\.scenario\(|mark\.night|^from night import', re.MULTILINE)
 
 
 @dataclass(frozen=True)
