@@ -14,7 +14,8 @@ from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 
 _OVER = ('deadlock', 'zero_delay_loop', 'ended')
-_IDLE = 10  # states in a row, since a run may be idle for a moment before its end
+# states in a row, since a run may be idle for a moment before its end; with a speed limit it is on its way to argv[1]
+_IDLE = 10
 
 
 def main():
@@ -25,7 +26,7 @@ def main():
     idle = 0
     while True:
         state = rospy.wait_for_message('/time_master/state', TimeState)
-        idle = idle + 1 if state.phase == 'idle' else 0
+        idle = idle + 1 if state.phase == 'idle' and not state.wanted_factor else 0
         is_over = (state.phase == 'paused' and state.sim_time.to_sec() >= until or state.phase in _OVER
                    or idle >= _IDLE)
         if is_over or time.monotonic() > deadline:

@@ -81,11 +81,11 @@ class Runs:
         master = rosgraph.Master('/run', master_uri=self.ros.uri)
         return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
 
-    def scenario(self, programs):
-        """Run programs as a scenario; return the runs, whose events must be the same."""
+    def scenario(self, programs, until=1e9):
+        """Run programs as a scenario; return the runs, whose events must be the same before ``until`` [s, simulated]."""
         name = ', '.join(' '.join([program.name, *map(str, program.parameters.values())]) for program in programs)
         return repeated(name, lambda condition: self.run(programs, condition=condition),
-                        lambda run: repr(run.events).encode())
+                        lambda run: repr(run.until(until)).encode())
 
     def run(self, programs, condition=Condition(), ask_why=False, onlook=(), **parameters):
         """Run until the first program has ended by itself; then end the others.

@@ -40,7 +40,7 @@ def ticks_at(topic, times, numbers):
 class LockstepRoscppTest(unittest.TestCase):
     def same(self, programs, until=1e9):
         """Run a scenario; assert that the runs are the same up to ``until`` [s], and return the first."""
-        runs = RUNS.scenario(programs)
+        runs = RUNS.scenario(programs, until)
         first = runs[0].until(until)
         self.assertTrue(first)
         for run in runs:
