@@ -82,7 +82,7 @@ class Runs:
         return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
 
     def scenario(self, programs, until=1e9):
-        """Run programs as a scenario; return the runs, whose events must be the same before ``until`` [s, simulated]."""
+        """Run programs as a scenario; return the runs, whose events must be the same before ``until`` [s]."""
         name = ', '.join(' '.join([program.name, *map(str, program.parameters.values())]) for program in programs)
         return repeated(name, lambda condition: self.run(programs, condition=condition),
                         lambda run: repr(run.until(until)).encode())
