@@ -245,10 +245,12 @@ def main():
             _import_for_forks()
         steps, times = _longest_first(steps) if night is None else (night.begin(steps, results), {})
         with Runner(results, arguments.jobs, NIGHT_LIMIT_S if night else LIMIT_S) as runner:
-            runner.run(steps, *([night.may_begin] if night else []))
-        if night:
-            night.conclude(runner.done)
-        elif not arguments.only:
+            try:
+                runner.run(steps, *([night.may_begin] if night else []))
+            finally:
+                if night:  # also if it is ended before its time
+                    night.conclude(runner.done)
+        if not night and not arguments.only:
             TIMES.write_text(json.dumps({**times, **{step.name: round(cpu, 1) for step, cpu, *_ in runner.done}}))
         sys.exit(test_summary.summarise(results))
 
