@@ -45,7 +45,8 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         return [text for _at, text in self.told(*programs, **options)]
 
     def test_a_foreign_agent_does_the_same_in_each_run(self):
-        first, *others = map(self.told_in, RUNS.scenario([chance('agent'), rate(), recorder('/told')]))
+        programs = [chance('agent'), rate(), recorder('/told')]
+        first, *others = map(self.told_in, [*RUNS.scenario(programs), RUNS.run(programs)])
         self.assertEqual(len([text for _at, text in first if text.startswith('loop ')]), 60)
         self.assertGreater(len([text for _at, text in first if text.startswith('rolls ')]), 10)
         for other in others:
