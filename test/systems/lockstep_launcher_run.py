@@ -144,8 +144,8 @@ def run_scenario(programs, until, before=None, name='', **kwds):
         if before is not None:
             before()
         return run_programs(programs, until, condition=condition, **kwds)
-    return repeated(name or '; '.join(' '.join(map(str, words)) for words in programs.values()), run,
-                    lambda one: one.log)
+    shown = '; '.join(' '.join(os.path.basename(str(word)) for word in words) for words in programs.values())
+    return repeated(name or shown, run, lambda one: one.log)
 
 
 def command(words, name):
