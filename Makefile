@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other, because two goals that install packages at the same time would disturb each other.
 .NOTPARALLEL:
-.PHONY: help deps build demo docs test nightly explore lint bench study study-trial experiment picture figures clean
+.PHONY: help deps build build-tests demo docs test nightly explore lint bench study study-trial experiment picture figures clean
 .PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
@@ -44,16 +44,15 @@ demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a 
 	  $(if $(ROUTES),--routes) $(if $(WORLD),--world '$(WORLD)') $(if $(POLICY),--policy '$(POLICY)') \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
-test: TESTS := tests
-test: deps-test build  ## run all tests; ONLY=part_of_a_name runs some
+build-tests: TESTS := tests
+build-tests: deps-test build
 	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
+
+test: build-tests  ## run all tests; ONLY=part_of_a_name runs some
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
 
-nightly: TESTS := tests
-nightly: deps-test build  ## run each scenario 20 times under other conditions, and all that `make test` leaves out; PART=3/16 HOURS=2 ONLY=part_of_a_name
-	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
-	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
+nightly: build-tests  ## run each scenario 20 times under other conditions, and all that `make test` leaves out; PART=3/16 HOURS=2 ONLY=part_of_a_name
 	@$(ENTER) $(PYTHON) tools/run_tests.py --night $(or $(RUNS),20) $(if $(PART),--part '$(PART)') \
 	  $(if $(HOURS),--hours '$(HOURS)') $(if $(ONLY),--only '$(ONLY)')
 
