@@ -16,9 +16,9 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 import psutil
-from busy_cores import busy
 from night import runs_of_a_scenario
 
+from move_base_abstract_ros.launching.conditions import busy
 from move_base_abstract_ros.lockstep.participation.report_delays import VARIABLE as DELAY
 
 #: environment variable: the file to which a line of JSON is added for each run of a scenario

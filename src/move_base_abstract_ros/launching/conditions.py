@@ -68,9 +68,9 @@ def limit_for(simulated):
 
 
 @contextmanager
-def every_core_busy():
-    """Keep every core busy inside the context."""
-    processes = [subprocess.Popen([sys.executable, '-c', _BUSY]) for _ in range(os.cpu_count() or 1)]
+def busy(count=os.cpu_count() or 1):
+    """Keep ``count`` cores busy inside the context; by default every core."""
+    processes = [subprocess.Popen([sys.executable, '-c', _BUSY]) for _ in range(count)]
     try:
         yield
     finally:

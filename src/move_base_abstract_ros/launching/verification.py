@@ -16,7 +16,7 @@ from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..loopback import find_executable
 from . import difference_report
-from .conditions import CONDITIONS, every_core_busy, limit_for
+from .conditions import CONDITIONS, busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
 _BROKEN = 4  # exit code of lockstep_launch: the run has come to its end
@@ -111,7 +111,7 @@ class Verification:
         environment = dict(os.environ, ROS_LOG_DIR=os.path.join(folder, 'ros_log'), PYTHONUNBUFFERED='1',
                            ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **dict(condition.environment))
         begin = time.monotonic()
-        with every_core_busy() if condition.is_busy else contextlib.nullcontext():
+        with busy() if condition.is_busy else contextlib.nullcontext():
             code = self._wait(command + self._words, environment, output)
         wall = time.monotonic() - begin
         said = _outcome(outcome)
