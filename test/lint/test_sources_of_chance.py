@@ -62,8 +62,8 @@ def test_each_function_that_the_library_stands_in_front_of_has_its_row():
 
 def test_each_name_of_python_has_its_row():
     replaced_ = {row.name for row in replaced.ROWS.values() if PYTHON_SOURCE.match(row.name)}
-    told = set(literals(MACHINE / 'irregular.py', 'CALLS')) | {'select.select', '_posixsubprocess.fork_exec'}
-    events = set(literals(MACHINE / 'irregular.py', 'EVENTS')) | {'open', 'ctypes.dlsym'}
+    told = set(literals(MACHINE / 'unrepeatable_calls.py', 'CALLS')) | {'select.select', '_posixsubprocess.fork_exec'}
+    events = set(literals(MACHINE / 'unrepeatable_calls.py', 'EVENTS')) | {'open', 'ctypes.dlsym'}
     assert told <= set(replaced.ROWS)
     replaced_ |= told
     kinds = {name: kind for names, kind, _why, _tests in table('Python') for name in names if ' ' not in name}

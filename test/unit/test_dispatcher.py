@@ -332,7 +332,7 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     left = [name for name, what in state.items() if what == 'open']
     assert sorted(left) == sorted(dispatch.core.open_orders)
     assert set(doing.values()) == {name for name, what in state.items() if what.startswith('done by')}
-    usable = [robot for robot in dispatch.core.robots if not robot.works_not and not robot.must_charge]
+    usable = [robot for robot in dispatch.core.robots if not robot.is_out_of_order and not robot.must_charge]
     assert not left or not [robot for robot in usable if robot.name not in doing]  # else somebody could do them
     for name in doing:  # it stands where somebody with an empty battery is in its way
         assert dispatch.fleet.robot(name).activity.startswith('held: zone')

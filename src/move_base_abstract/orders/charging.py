@@ -86,7 +86,7 @@ class Charging:
         """Send the robots that must charge, as long as there is room."""
         waiting = []
         for robot in robots:
-            if robot.must_charge and robot.phase == FREE and not robot.works_not:
+            if robot.must_charge and robot.phase == FREE and not robot.is_out_of_order:
                 if robot.awaits_charger_since is None:
                     self._number += 1
                     robot.awaits_charger_since = self._number
@@ -103,9 +103,9 @@ class Charging:
     def _send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
         """Make room for waiting robots; send idle robots to charge if the settings say so."""
         waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
-                   and not robot.works_not]
+                   and not robot.is_out_of_order]
         for robot in robots:
-            if robot.must_charge or robot.works_not:
+            if robot.must_charge or robot.is_out_of_order:
                 continue
             if waiters and robot.phase == AT_CHARGER:
                 self.leave(robot)

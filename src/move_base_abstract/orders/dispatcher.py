@@ -231,7 +231,7 @@ class Dispatcher:
 
     def _assign(self, now_ns: int) -> None:
         """Ask the policy which robots begin with which orders."""
-        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER) and not robot.works_not
+        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER) and not robot.is_out_of_order
                 and not robot.must_charge and not robot.goal_id]
         if not free or not self._open:
             return

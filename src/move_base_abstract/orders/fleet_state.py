@@ -67,7 +67,7 @@ class RobotState:
     tried_now: Dict[str, int] = field(default_factory=dict)  # {charger: instant [ns] at which the way to it failed}
 
     @property
-    def works_not(self) -> bool:
+    def is_out_of_order(self) -> bool:
         """Whether it can do nothing now: it has failed, or its battery is empty."""
         return self.has_failed or self.is_empty
 

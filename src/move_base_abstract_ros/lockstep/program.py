@@ -12,7 +12,7 @@ from ..replacing import rospy_start
 from ..replacing.replaced import replace
 from .code import objects, own_code, turns
 from .code.labels import told
-from .machine import chance, clocks, identity, irregular, sqlite
+from .machine import chance, clocks, identity, sqlite, unrepeatable_calls
 from .machine.files import files
 from .machine.native import native
 from .participation import early, finish, garbage, joining
@@ -59,8 +59,8 @@ def _watch(options, name, before_node):
     draw = chance.install(start, seen.date_ns)
     identity.install(seen)
     sqlite.install(seen, draw)
-    irregular.install()
-    irregular.hand_on(seen)
+    unrepeatable_calls.install()
+    unrepeatable_calls.hand_on(seen)
     event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
