@@ -96,6 +96,13 @@ def test_each_page_is_of_one_kind():
                              'Reference for those who change it']
 
 
+def test_the_changelog_has_up_to_15_lines_a_release_for_users():
+    releases = re.split(r'^.*\n-{5,}\n', text_of(ROOT / 'CHANGELOG.rst'), flags=re.MULTILINE)[1:]
+    lines = [[line for line in release.splitlines() if line] for release in releases]
+    assert releases and [release for release in lines if len(release) > 15] == [], 'git has the rest: condense'
+    assert [line for release in lines for line in release if len(line) > 170] == []
+
+
 def test_the_page_to_begin_with_names_each_tutorial():
     page = text_of(ROOT / 'docs' / 'start.md')
     assert [each for each in kinds()['Tutorials'] if each != 'look' and f'(../{each}.md)' not in page] == []
