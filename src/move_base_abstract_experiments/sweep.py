@@ -127,7 +127,7 @@ def _check_launch(trial: Trial, notes: Dict[Tuple[str, str], str]) -> None:
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
-    from move_base_abstract_ros.launching.plan import Wishes
+    from move_base_abstract_ros.launching.plan import LaunchOptions
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
     # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
@@ -138,7 +138,7 @@ def _check_launch(trial: Trial, notes: Dict[Tuple[str, str], str]) -> None:
     try:
         config = launch_files.read([(path, arguments)], experiment.adopt)
         if experiment.adopt:
-            launch_files.adopted(config, Wishes(parameters={}, left_out=experiment.leave_out))
+            launch_files.adopted(config, LaunchOptions(parameters={}, left_out=experiment.leave_out))
     except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]

@@ -21,7 +21,7 @@ from .motions import BACKWARDS, EVEN, LIMITED, make_leg
 EVENTS_TOPIC = '/event_log'  # has each event of the log as a line of JSON
 
 
-class Told(NamedTuple):
+class TopicMessage(NamedTuple):
     """A message on a topic at an instant [ns]."""
 
     time_ns: int
@@ -37,13 +37,13 @@ class Told(NamedTuple):
 
 
 def messages_of(recording, motions, rate, frame):
-    """Return an iterator over the messages (Told) of a run in the order of time; at one instant poses come first.
+    """Return the messages (TopicMessage) of a run, an iterator in the order of time; at one instant poses come first.
 
     ``rate`` [Hz, simulated]: that of the poses of moving robots, at multiples of its period; there is also a pose where
     a leg begins and ends. ``frame``: the frame of the poses.
     """
     poses = [_poses(track, motions.limits, rate, frame) for track in motions.tracks.values()]
-    return heapq.merge(*poses, _events(recording, motions, frame), key=lambda told: told.time_ns)
+    return heapq.merge(*poses, _events(recording, motions, frame), key=lambda one: one.time_ns)
 
 
 def _instants(motion, period_ns):
@@ -90,9 +90,9 @@ def _told_pose(name, time_ns, pose, speeds, frame):
     transform = _stamped(TransformStamped(child_frame_id=child), time_ns, frame)
     transform.transform.translation.x, transform.transform.translation.y = pose.x, pose.y
     _turn(transform.transform.rotation, pose.yaw)
-    yield Told(time_ns, prefix + '/robot_pose', stamped)
-    yield Told(time_ns, prefix + '/odom', odometry)
-    yield Told(time_ns, '/tf', TFMessage([transform]))
+    yield TopicMessage(time_ns, prefix + '/robot_pose', stamped)
+    yield TopicMessage(time_ns, prefix + '/odom', odometry)
+    yield TopicMessage(time_ns, '/tf', TFMessage([transform]))
 
 
 def _events(recording, motions, frame):
@@ -100,7 +100,7 @@ def _events(recording, motions, frame):
     goals = _goal_ids(recording, motions)
     for number, (time_ns, name, kind, values) in enumerate(recording):
         line = json.dumps({'time_ns': time_ns, 'robot': name, 'kind': kind, 'values': json.loads(values)})
-        yield Told(time_ns, EVENTS_TOPIC, String(line))
+        yield TopicMessage(time_ns, EVENTS_TOPIC, String(line))
         if name in motions.tracks and kind in ('departed', 'ended'):
             prefix = '/' + _plain(name.strip('/')) + '/move_base/'
             yield from (_goal if kind == 'departed' else _result)(
@@ -127,7 +127,7 @@ def _goal(prefix, time_ns, values, goal_id, frame):
     message.goal_id.stamp = message.header.stamp
     _stamped(message.goal.target_pose, time_ns, frame)
     _fill(message.goal.target_pose.pose, Pose2D(*values))
-    yield Told(time_ns, prefix + 'goal', message)
+    yield TopicMessage(time_ns, prefix + 'goal', message)
 
 
 def _result(prefix, time_ns, values, _goal_id, _frame):
@@ -136,7 +136,7 @@ def _result(prefix, time_ns, values, _goal_id, _frame):
         return
     message = _stamped(MoveBaseActionResult(), time_ns, '')
     message.status.goal_id.id, message.status.status, message.status.text = _plain(values[0]), state, _plain(values[2])
-    yield Told(time_ns, prefix + 'result', message)
+    yield TopicMessage(time_ns, prefix + 'result', message)
 
 
 def _plain(text):

@@ -79,7 +79,7 @@ class System:
             others = config.params[named].value if named in config.params else ()
             config.params[named] = Param(named, [*others, TEST])
             end = {'end_with': [TEST]} if settings.until == DEPARTURE else {'end_when_idle': True}
-            return plan.plan_of(config, plan.Wishes(
+            return plan.plan_of(config, plan.LaunchOptions(
                 parameters={'event_log': self.log, 'log_messages': settings.log_messages, **end,
                             **settings.time_master},
                 replaced=tuple((tuple(old.split('/')), tuple(new.split('/')))

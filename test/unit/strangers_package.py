@@ -50,7 +50,7 @@ def package_fixture(tmp_path, monkeypatch):
 def adopt(path, *arguments, **others):
     """Return the Adopted of a launch file."""
     config = plan.read([(path, list(arguments))], True)
-    return adoption.adopt(config, plan.Wishes(parameters={}, **others))
+    return adoption.adopt(config, plan.LaunchOptions(parameters={}, **others))
 
 
 def write_map(package, origin='[0.0, 0.0, 0.0]', columns=40, rows=30):

@@ -287,4 +287,4 @@ def test_options_that_say_nothing_are_refused(words):
 def test_a_robot_that_is_not_there_cannot_start_anywhere(package):
     path = package('one.launch', '<launch><node pkg="move_base_abstract" type="move_base" name="move_base"/></launch>')
     with pytest.raises(ConfigurationError, match='--start /b: the launch file has no node of this name; it has /m'):
-        plan.plan_of(plan.read([(path, [])]), plan.Wishes(parameters={}, starts=(('/b', (0.0, 0.0, 0.0)),)))
+        plan.plan_of(plan.read([(path, [])]), plan.LaunchOptions(parameters={}, starts=(('/b', (0.0, 0.0, 0.0)),)))

@@ -40,7 +40,7 @@ def log(*events, **end):
 
 
 def found(result, *events, wanted=(), **end):
-    failure = failures.of_run(failures.seen(result, log(*events, **end)), wanted)
+    failure = failures.of_run(failures.evidence_of(result, log(*events, **end)), wanted)
     return failure and tuple(failure)
 
 
@@ -64,7 +64,7 @@ def test_what_fails_a_run():
     assert found(complete(), ended_by='idle', open_goals=OPEN)[0] == 'every_goal_ends'
     assert found(complete(), ended_by='end_at', open_goals=OPEN) is None
     assert found(Result('0000-a', error='it was not over')) == ('unfinished', 'it was not over')
-    assert failures.of_run(failures.seen(Result('0000-a', error='no log'), None)).name == 'unfinished'
+    assert failures.of_run(failures.evidence_of(Result('0000-a', error='no log'), None)).name == 'unfinished'
 
 
 def test_only_what_is_wanted_counts():
@@ -76,12 +76,13 @@ def test_only_what_is_wanted_counts():
 
 def test_a_search_gathers_what_runs_have_stated_up_to_the_first_that_fails():
     def told(seed, outcome, failure=None):
-        judged = failures.seen(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
+        judged = failures.evidence_of(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
             'sometimes', 'it waits', outcome]})).judged
-        return runs.Told(runs.Chosen(seed), failure, [], '', judged=judged)
+        return runs.RunResult(runs.RunRequest(seed), failure, [], '', judged=judged)
     failed = told(2, 'held', failures.Failure('crash /a', 'why'))
     gathered = Gathering()
-    assert command._first_failing(iter([told(0, 'stated'), runs.Told(runs.Chosen(1), None, [], ''), failed, told(
+    unjudged = runs.RunResult(runs.RunRequest(1), None, [], '')
+    assert command._first_failing(iter([told(0, 'stated'), unjudged, failed, told(
         3, 'held')]), gathered) is failed
     assert gathered.sometimes == {('/a', 'it waits'): (2, 1)}
     assert command._first_failing(iter([told(0, 'stated')]), Gathering()) is None

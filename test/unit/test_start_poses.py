@@ -71,7 +71,7 @@ def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial
     for first in ('1.0 2.0 0 90.0', '1.0 2.5 0 90.0'):
         write_stage(package, '2.0 1.5 0 0', first=first)
         config = launch_files.read([(path, [])], adopts=True)
-        wishes = launch_files.adopted(config, plan.Wishes(parameters={}, kept_out=('/stage', '/map_server')))
+        wishes = launch_files.adopted(config, plan.LaunchOptions(parameters={}, kept_out=('/stage', '/map_server')))
         assert wishes.left_out == ('/stage',)
         assert wishes.kept_out == ('/stage', '/map_server')
         ingredients.forget()
@@ -82,4 +82,4 @@ def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial
 def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
     path = package('none.launch', '<launch/>')
     with pytest.raises(ConfigurationError, match='adopt: this file has no robot'):
-        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.Wishes(parameters={}))
+        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.LaunchOptions(parameters={}))

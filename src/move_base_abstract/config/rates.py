@@ -8,7 +8,7 @@ _SHOWN = 5  # names
 
 
 @dataclass(frozen=True)
-class Told:
+class Rate:
     """Something that one robot publishes at a rate; ``what`` names it, for example 'feedback'."""
 
     what: str
@@ -22,28 +22,28 @@ class Rates:
     """The rates of one process; ``changed()`` is called when one comes or goes. The caller holds the clock's lock."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
-        self._told: Dict[Told, bool] = {}  # in the order in which they were added
+        self._rates: Dict[Rate, bool] = {}  # in the order in which they were added
         self.changed = changed
 
     def add(self, what: str, frequency: Callable[[], float],
-            hearers: Callable[[], Iterable[Tuple[str, str]]]) -> Told:
-        """Add something that a robot publishes at a rate, and return its :class:`Told`."""
-        told = Told(what, frequency, hearers)
-        self._told[told] = True
+            hearers: Callable[[], Iterable[Tuple[str, str]]]) -> Rate:
+        """Add something that a robot publishes at a rate, and return its :class:`Rate`."""
+        rate = Rate(what, frequency, hearers)
+        self._rates[rate] = True
         self.changed()
-        return told
+        return rate
 
-    def remove(self, told: Told) -> None:
+    def remove(self, rate: Rate) -> None:
         """Remove what the robot no longer publishes."""
-        del self._told[told]
+        del self._rates[rate]
         self.changed()
 
     def text(self) -> str:
         """Return all rates with the subscribers, for example 'feedback at 20 Hz to nobody; tf at 10 Hz to /viewer'."""
         groups: Dict[Tuple[str, float], List[Dict[str, bool]]] = {}
-        for told in self._told:
-            names = {name: True for _topic, name in told.hearers()}
-            groups.setdefault((told.what, told.frequency()), []).append(names)
+        for rate in self._rates:
+            names = {name: True for _topic, name in rate.hearers()}
+            groups.setdefault((rate.what, rate.frequency()), []).append(names)
         return '; '.join(_line(what, frequency, robots) for (what, frequency), robots in groups.items())
 
 

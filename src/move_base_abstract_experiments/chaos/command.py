@@ -14,7 +14,7 @@ from move_base_abstract.properties import Gathering
 from .. import ending
 from . import replay_file
 from .replay_file import Replay
-from .runs import PARTS, Chosen, Runs, Told, document_of
+from .runs import PARTS, RunRequest, RunResult, Runs, document_of
 
 GOOD, FAILED, OTHER = 0, 1, 3
 _LARGEST_SEED = 2147483647
@@ -104,7 +104,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
     with Runs(document_of(path, arguments, dict(more)), os.getcwd(), options.workers, options.delay,
               options.property) as runs:
         # The stated order, seed 0, comes first. If it fails, no chaos is needed.
-        seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
+        seeds = [RunRequest(0), *map(RunRequest, range(first, last + 1))]
         gathered = Gathering()
         found = _first_failing(runs.each(seeds), gathered)
         passed = time.monotonic() - begin
@@ -118,7 +118,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
         return _tell(runs, found, made, options.output)
 
 
-def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
+def _first_failing(told: Iterable[RunResult], gathered: Gathering) -> Optional[RunResult]:
     """Return the first run that fails, or None. ``gathered`` takes the statements of all runs up to that one."""
     for one in told:
         if one.judged is not None:
@@ -128,7 +128,7 @@ def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
     return None
 
 
-def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
+def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
     """Shrink a failure, print it, and write the file that runs it again; return the exit code."""
     assert found.failure is not None
     shrunk = found
@@ -171,7 +171,7 @@ def _replay(options: argparse.Namespace) -> int:
         raise ConfigurationError(f'{options.replay}: launch must be a file, then ARG:=VALUE')
     with Runs(document_of(path, arguments, dict(made.document)), os.getcwd(), 1, made.delay,
               [made.failure] if made.failure else []) as runs:
-        told = runs.one(Chosen(made.seed, tuple(made.only)))
+        told = runs.one(RunRequest(made.seed, tuple(made.only)))
     for line in made.happened:
         _say('  ' + line)
     if told.failure is None:

@@ -29,7 +29,7 @@ class Failure(NamedTuple):
     text: str
 
 
-class Seen(NamedTuple):
+class Evidence(NamedTuple):
     """All that the finders need to know about a run.
 
     ``events``: those of the kinds that count here; ``end``: the log's end record, or {}; ``judged``: its properties.
@@ -41,8 +41,8 @@ class Seen(NamedTuple):
     judged: Judgement
 
 
-def seen(result: Result, log: Optional[bytes]) -> Seen:
-    """Return the Seen of a run. ``log``: the bytes of its event log, or None."""
+def evidence_of(result: Result, log: Optional[bytes]) -> Evidence:
+    """Return the Evidence of a run. ``log``: the bytes of its event log, or None."""
     events: List[Event] = []
     end: Dict[str, Any] = {}
     judged = Judgement((), {})
@@ -52,10 +52,10 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
         events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, *_GOES_WRONG)]
         end = read.end or {}
         judged = judge_log(EventLog(io.StringIO(text, newline='\n'), 'events.jsonl'))
-    return Seen(result, events, end, judged)
+    return Evidence(result, events, end, judged)
 
 
-def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
+def buggified(run: Evidence) -> Iterator[Dict[str, Any]]:
     """Yield a decision for each robot that went wrong on purpose, in the form of those of chaos_decisions."""
     for event in run.events:
         values = json.loads(event.values) if event.kind in _GOES_WRONG else []
@@ -72,7 +72,7 @@ def _words(values: List[Any]) -> str:
     return str(_BUGGIFIED.get(values[0], values[0]))
 
 
-def _broken_properties(run: Seen) -> Iterator[Failure]:
+def _broken_properties(run: Evidence) -> Iterator[Failure]:
     """Yield the broken statements of nodes; the text of a statement is the name of its Failure."""
     for one in run.judged.broken:
         if one.property in statements.KINDS:
@@ -80,13 +80,13 @@ def _broken_properties(run: Seen) -> Iterator[Failure]:
                           + (f': {", ".join(one.details)}' if one.details else ''))
 
 
-def _crashes(run: Seen) -> Iterator[Failure]:
+def _crashes(run: Evidence) -> Iterator[Failure]:
     """Yield the crashes: a node ended by a signal or with an exit code other than 0, or had an uncaught exception."""
     for text in run.result.crashes:
         yield Failure(f'crash {text.split(" ")[0]}', text)
 
 
-def _standstill(run: Seen) -> Iterator[Failure]:
+def _standstill(run: Evidence) -> Iterator[Failure]:
     """Yield a deadlock (a participant waits, but nothing happens any more) or a zero-delay loop (time stands still)."""
     reason = str(run.end.get('reason', ''))
     for name in (_DEADLOCK, _LOOP):
@@ -94,24 +94,24 @@ def _standstill(run: Seen) -> Iterator[Failure]:
             yield Failure(name.replace(' ', '_').replace('-', '_'), reason or str(run.result.error))
 
 
-def _of_robots(run: Seen) -> Iterator[Failure]:
+def _of_robots(run: Evidence) -> Iterator[Failure]:
     """Yield the broken properties of robots: goals that never end, overfull places, empty batteries."""
     for one in run.judged.broken:
         if one.property in _OF_ROBOTS:
             yield Failure(one.property, one.words())
 
 
-def _unfinished(run: Seen) -> Iterator[Failure]:
+def _unfinished(run: Evidence) -> Iterator[Failure]:
     """Yield a Failure if the run did not come to its end."""
     if not run.result.is_complete:
         yield Failure('unfinished', str(run.result.error))
 
 
-FINDERS: Sequence[Callable[[Seen], Iterator[Failure]]] = (
+FINDERS: Sequence[Callable[[Evidence], Iterator[Failure]]] = (
     _broken_properties, _crashes, _standstill, _of_robots, _unfinished)
 
 
-def of_run(run: Seen, wanted: Sequence[str] = ()) -> Optional[Failure]:
+def of_run(run: Evidence, wanted: Sequence[str] = ()) -> Optional[Failure]:
     """Return the first Failure of a run, or None.
 
     wanted: the names that count, or their first words; empty: all count.

@@ -24,20 +24,20 @@ PARTS = ('participant', 'onlooker')  # options that name nodes: these take part,
 _TIME_LIMIT_S = 120.0  # wall, of a run
 
 
-class Chosen(NamedTuple):
-    """The choice of a run. ``only``: the names of the decisions that are applied; None: all that the seed makes."""
+class RunRequest(NamedTuple):
+    """What is to run. ``only``: the names of the decisions that are applied; None: all that the seed makes."""
 
     seed: int
     only: Optional[Tuple[str, ...]] = None
 
 
-class Told(NamedTuple):
+class RunResult(NamedTuple):
     """The result of a run.
 
     ``decisions``: [{'name', 'time_ns', 'what', 'says'}]; ``digest``: that of the event log, or ''.
     """
 
-    chosen: Chosen
+    chosen: RunRequest
     failure: Optional[failures.Failure]
     decisions: List[Dict[str, Any]]
     digest: str
@@ -62,11 +62,11 @@ def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) ->
 def _participants(path: str, arguments: Sequence[str], options: Dict[str, Any], forced: Tuple[str, ...],
                   kept_out: Tuple[str, ...]) -> List[str]:
     """Return the participants by the rules of lockstep_launch, with the nodes ``forced`` and without ``kept_out``."""
-    from move_base_abstract_ros.launching.plan import Wishes, name_anonymous_ones_alike, plan_of
+    from move_base_abstract_ros.launching.plan import LaunchOptions, name_anonymous_ones_alike, plan_of
     name_anonymous_ones_alike()
-    wishes = Wishes({}, forced=forced, kept_out=kept_out, left_out=tuple(options.get('leave_out', ())), replaced=[
+    asked = LaunchOptions({}, forced=forced, kept_out=kept_out, left_out=tuple(options.get('leave_out', ())), replaced=[
         (tuple(old.split('/')), tuple(new.split('/'))) for old, new in options.get('replace', {}).items()])
-    return list(plan_of(launch_files.read([(path, arguments)]), wishes).participants)
+    return list(plan_of(launch_files.read([(path, arguments)]), asked).participants)
 
 
 class Runs:
@@ -98,9 +98,9 @@ class Runs:
             warm.close()
         self._pool.shutdown()
 
-    def each(self, chosen: Iterable[Chosen]) -> Iterator[Told]:
+    def each(self, chosen: Iterable[RunRequest]) -> Iterator[RunResult]:
         """Yield the result of each run, in the order given. As many run at the same time as there are processes."""
-        ahead: List[Any] = []  # Futures of Told
+        ahead: List[Any] = []  # Futures of RunResult
         waiting = iter(chosen)
         try:
             while True:
@@ -117,11 +117,11 @@ class Runs:
             for future in ahead:
                 future.cancel()
 
-    def one(self, chosen: Chosen) -> Told:
+    def one(self, chosen: RunRequest) -> RunResult:
         """Return the result of one run."""
         return next(self.each([chosen]))
 
-    def shrunk(self, found: Told) -> Told:
+    def shrunk(self, found: RunResult) -> RunResult:
         """Return the result of a run with as few of the decisions of ``found`` as still fail in the same way.
 
         If its ``failure`` is None, the run is not repeatable.
@@ -129,15 +129,15 @@ class Runs:
         failure = found.failure
         assert failure is not None
         def first_failing(candidates: List[List[str]]) -> Optional[Tuple[int, List[str]]]:
-            told = self.each(Chosen(found.chosen.seed, tuple(names)) for names in candidates)
+            told = self.each(RunRequest(found.chosen.seed, tuple(names)) for names in candidates)
             for number, one in enumerate(told):
                 if one.failure is not None and one.failure.name == failure.name:
                     return number, [decision['name'] for decision in one.decisions]
             return None
         left = shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)
-        return self.one(Chosen(found.chosen.seed, tuple(left)))
+        return self.one(RunRequest(found.chosen.seed, tuple(left)))
 
-    def _run(self, chosen: Chosen) -> Told:
+    def _run(self, chosen: RunRequest) -> RunResult:
         warm = self._idle.get()
         try:
             content = warm.run(self._job_of(chosen)) or b''
@@ -147,7 +147,7 @@ class Runs:
                 self._all.remove(warm)
                 warm = jobs.WarmProcess()
                 self._all.append(warm)
-            return Told(chosen, failures.Failure('unfinished', str(problem)), [], '', str(problem))
+            return RunResult(chosen, failures.Failure('unfinished', str(problem)), [], '', str(problem))
         finally:
             self._idle.put(warm)
         with outputs.opened(content) as archive:
@@ -159,12 +159,13 @@ class Runs:
             log, decisions = member(LOG), member('files-' + DECISIONS)
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
-        seen = failures.seen(result, log)
-        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(seen)]
-        return Told(chosen, failures.of_run(seen, self._wanted), sorted(made, key=lambda one: int(one['time_ns'])),
-                    hashlib.sha256(log).hexdigest() if log is not None else '', judged=seen.judged)
+        evidence = failures.evidence_of(result, log)
+        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(evidence)]
+        return RunResult(chosen, failures.of_run(evidence, self._wanted),
+                         sorted(made, key=lambda one: int(one['time_ns'])),
+                         hashlib.sha256(log).hexdigest() if log is not None else '', judged=evidence.judged)
 
-    def _job_of(self, chosen: Chosen) -> Job:
+    def _job_of(self, chosen: RunRequest) -> Job:
         trial = self._job.trial
         only = () if chosen.only is None else chosen.only or ('none',)
         experiment = dataclasses.replace(trial.experiment, chaos_seed=chosen.seed,

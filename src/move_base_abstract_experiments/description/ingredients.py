@@ -74,7 +74,7 @@ def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: T
     plan.name_anonymous_ones_alike()  # their counter starts again, so each reading gives the same names
     try:
         config = launch_files.read([(path, arguments)], adopts)
-        wishes = plan.Wishes(parameters={}, left_out=left_out, replaced=tuple(
+        wishes = plan.LaunchOptions(parameters={}, left_out=left_out, replaced=tuple(
             (tuple(old.split('/')), tuple(new.split('/'))) for old, new in replaced))
         wishes = launch_files.adopted(config, wishes) if adopts else wishes
     except ConfigurationError:

@@ -111,7 +111,7 @@ def _wishes(config: Any, run: Run) -> Any:
     if condition is not None and '--own-hash-seed' in condition.options:
         seed = condition.options[condition.options.index('--own-hash-seed') + 1]
         own_environment = (('PYTHONHASHSEED', seed),)
-    return plan.Wishes(
+    return plan.LaunchOptions(
         parameters=parameters_of(run, 1.0 if start is None else start.value),
         launcher=('--sleep', experiment.sleep, '--seed', str(run.job.trial.seed)), forced=forced, kept_out=kept_out,
         left_out=experiment.leave_out, is_reversed=run.is_reversed, own_environment=own_environment,

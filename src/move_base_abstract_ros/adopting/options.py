@@ -42,7 +42,7 @@ def words_for(added, arguments, parameters, starts):
 
 
 def wishes_of(options):
-    """Return {field: value} of the parsed options, for a plan's Wishes."""
+    """Return {field: value} of the parsed options, for a plan's LaunchOptions."""
     return {'is_tolerant': options.tolerant, 'added': tuple(options.add), 'arguments': tuple(options.args),
             'set': tuple(options.param), 'starts': tuple(options.start)}
 

@@ -9,34 +9,34 @@ from . import roles
 _START = ('start_x', 'start_y', 'start_yaw')
 
 
-def add_to(config, wishes):
-    """Add to roslaunch's configuration what the wishes ask for.
+def add_to(config, options):
+    """Add to roslaunch's configuration what the options ask for.
 
     :raises ConfigurationError: if a node to be added exists already, or a node that is named does not exist.
     """
     names = [roles.name_of(node) for node in config.nodes]
-    for name, (package, kind), arguments in wishes.added:
+    for name, (package, kind), arguments in options.added:
         if name in names:
             raise ConfigurationError('--add {}: the launch file has a node of this name'.format(name))
         config.nodes.append(_node(config, name, package, kind, arguments))
         names.append(name)
-    for name, arguments in wishes.arguments:
+    for name, arguments in options.arguments:
         _known('--args', name, names)
         for node in config.nodes:
             if roles.name_of(node) == name:
                 node.args = arguments
-    for key, text in wishes.set:
+    for key, text in options.set:
         _set(config, key, convert_value(text, 'auto'))
-    for name, pose in wishes.starts:
+    for name, pose in options.starts:
         _known('--start', name, names)
         for key, value in zip(_START, pose):
             _set(config, '{}/{}'.format(name, key), value)
 
 
-def told(wishes):
+def told(options):
     """Return lines for the user: the added nodes, and where robots start."""
-    return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in wishes.added] + [
-        '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in wishes.starts]
+    return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in options.added] + [
+        '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in options.starts]
 
 
 def _known(option, name, names):

@@ -24,7 +24,7 @@ _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes
 _NOT_COVERED = TIME_MASTER + '/not_covered'
 
 
-class Wishes(NamedTuple):
+class LaunchOptions(NamedTuple):
     """What the user asks for. ``parameters``: of the time master; they take precedence over the launch file's."""
 
     parameters: dict
@@ -72,13 +72,13 @@ class Plan(NamedTuple):
         return [role.name for role in self.roles if role.takes_part]
 
 
-def make_plan(files, wishes):
+def make_plan(files, options):
     """Read launch files and plan their run. ``files``: as roslaunch takes them, [path or (path, arguments)].
 
     :raises ConfigurationError: if the files cannot be run like this.
     :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
-    return plan_of(read(files, wishes.is_tolerant), wishes)
+    return plan_of(read(files, options.is_tolerant), options)
 
 
 def read(files, is_tolerant=False):
@@ -95,40 +95,40 @@ def read(files, is_tolerant=False):
     return config
 
 
-def plan_of(config, wishes):
+def plan_of(config, options):
     """Change a roslaunch configuration into that of a run in lockstep, and return it as a Plan.
 
     :raises ConfigurationError: if it cannot be run like this.
     """
-    if wishes.deputy:
-        _add_deputy(config, *wishes.deputy)
+    if options.deputy:
+        _add_deputy(config, *options.deputy)
     said = start_poses.said_by(config)
-    given.add_to(config, wishes)
-    notes = [] if wishes.is_told else given.told(wishes)
-    _check_names(config, wishes)
-    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
+    given.add_to(config, options)
+    notes = [] if options.is_told else given.told(options)
+    _check_names(config, options)
+    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    replaced = _replace(config, wishes.replaced)
-    notes += [] if wishes.is_told else replaced
-    _refuse_other_clocks(config, (*wishes.forced, *wishes.kept_out))
+    replaced = _replace(config, options.replaced)
+    notes += [] if options.is_told else replaced
+    _refuse_other_clocks(config, (*options.forced, *options.kept_out))
     fleets = _fleets(config)
-    notes += _split(config, fleets, wishes.parts)
-    notes += start_poses.notes_of(config, said, not wishes.is_told)
-    launcher = [find_executable('lockstep'), *wishes.launcher]
+    notes += _split(config, fleets, options.parts)
+    notes += start_poses.notes_of(config, said, not options.is_told)
+    launcher = [find_executable('lockstep'), *options.launcher]
     found = []
     for node in _others(config):
-        role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
+        role = roles.role_of(node, options.forced, options.kept_out, options.with_respawned)
         found.append(role)
-        _prepare(node, role, launcher, wishes)
+        _prepare(node, role, launcher, options)
         notes += [*filter(None, [roles.choice_of_program(node)]), *_look_at_recorder(config, node, role)]
     if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
     _keep_local([*config.nodes_core, *(node for node, role in zip(_others(config), found) if not role.takes_part)])
-    notes += _add_time_master(config, found, wishes)
-    if wishes.is_reversed:
+    notes += _add_time_master(config, found, options)
+    if options.is_reversed:
         _reverse(config, [role.name for role in found if role.takes_part])
-    return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets], wishes.is_reversed)
+    return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets], options.is_reversed)
 
 
 def scripts_of(plan):
@@ -167,10 +167,10 @@ def name_anonymous_ones_alike():
     substitution_args.rosgraph.names.anonymous_name = anonymous_name
 
 
-def _check_names(config, wishes):
+def _check_names(config, options):
     names = [roles.name_of(node) for node in config.nodes]
-    for option, asked in (('--participant', wishes.forced), ('--onlooker', wishes.kept_out),
-                          ('--leave-out', wishes.left_out)):
+    for option, asked in (('--participant', options.forced), ('--onlooker', options.kept_out),
+                          ('--leave-out', options.left_out)):
         for name in asked:
             if name not in names:
                 raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
@@ -201,11 +201,11 @@ def _refuse_other_clocks(config, kept):
                     name, node.package, node.type, name, name, name))
 
 
-def _prepare(node, role, launcher, wishes):
+def _prepare(node, role, launcher, options):
     if role.takes_part:
-        node.env_args = [*wishes.environment, *node.env_args]
+        node.env_args = [*options.environment, *node.env_args]
         if role.kind == 'itself':
-            node.env_args = [*node.env_args, *wishes.own_environment]
+            node.env_args = [*node.env_args, *options.own_environment]
         else:
             node.launch_prefix = roles.prefix_of(node, launcher)
             node.respawn = False
@@ -282,7 +282,7 @@ def _copy(node, name):
     return twin
 
 
-def _add_time_master(config, found, wishes):
+def _add_time_master(config, found, options):
     """Make the configuration have one time master, in lockstep, that waits for all participants.
 
     Return lines for the user about the changes.
@@ -307,7 +307,7 @@ def _add_time_master(config, found, wishes):
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
     _set(config, '/use_sim_time', True)
     for key, value in dict({'mode': 'lockstep', 'participants': taking + [name for name in named if name not in taking],
-                            'end_with': required}, **wishes.parameters).items():
+                            'end_with': required}, **options.parameters).items():
         _set(config, '{}/{}'.format(TIME_MASTER, key), value)
     return notes
 

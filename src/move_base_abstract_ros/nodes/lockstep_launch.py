@@ -165,11 +165,11 @@ def files_of(parser, words):
 
 
 def wishes_of(options, parameters, **others):
-    """Return the options as Wishes for a plan. ``parameters``: more parameters of the time master."""
-    from ..launching.plan import Wishes
+    """Return the options as LaunchOptions for a plan. ``parameters``: more parameters of the time master."""
+    from ..launching.plan import LaunchOptions
     given = {**({'end_at': options.until} if options.until else {}),
              **network.resolve(kinds.parameters_of(kinds.of_arguments(RunOptions, options)))}
-    return Wishes(parameters={**given, **parameters},
+    return LaunchOptions(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
                   replaced=tuple(options.replace), with_respawned=options.no_respawn,

@@ -6,7 +6,7 @@ from library_node import play
 from std_msgs.msg import String
 
 
-class Told(rospy.SubscribeListener):
+class Connected(rospy.SubscribeListener):
     """Greets each new subscriber, and logs that."""
 
     def __init__(self, say):
@@ -22,7 +22,7 @@ class Told(rospy.SubscribeListener):
 
 
 def speaker(say):
-    publisher = rospy.Publisher('chat', String, subscriber_listener=Told(say), queue_size=10)
+    publisher = rospy.Publisher('chat', String, subscriber_listener=Connected(say), queue_size=10)
     for number in range(8):
         say('listeners', publisher.get_num_connections())
         publisher.publish(str(number))

@@ -7,7 +7,7 @@ import threading
 import rospy
 
 
-class Told:
+class NoticedPlaces:
     """The participant of this process, and the places that have been noticed."""
 
     def __init__(self):
@@ -62,4 +62,4 @@ class Told:
 
 
 #: the labels of this process
-told = Told()
+told = NoticedPlaces()
