@@ -28,16 +28,13 @@ _COUNTED = re.compile(r'(\d+) of (\d+) trials')
 _MB = 2 ** 20
 
 
-def measure(folder, count, workers, isolation):
-    """Run ``count`` trials in a folder on ``workers`` workers; return a record with times in wall s and CPU s.
-
-    :param isolation: the experiment's isolation, ``trial`` or ``batch``.
-    """
+def measure(folder, count, workers):
+    """Run ``count`` trials in a folder on ``workers`` workers; return a record with times in wall s and CPU s."""
     with open(os.path.join(folder, 'many.py'), 'w', encoding='utf-8') as stream:
         stream.write(_MODULE)
     file, out = os.path.join(folder, f'many_{count}.yaml'), os.path.join(folder, f'many_{count}')
     with open(file, 'w', encoding='utf-8') as stream:
-        json.dump({**_SPEC, 'replications': max(1, count // 10), 'isolation': isolation}, stream)  # JSON is YAML
+        json.dump({**_SPEC, 'replications': max(1, count // 10)}, stream)  # JSON is YAML
     words = [find_executable('experiment'), 'run', file, '-o', out, '--workers', str(workers)]
     begin = time.monotonic()
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
@@ -46,7 +43,7 @@ def measure(folder, count, workers, isolation):
             seen.take(line)
     if process.returncode:
         raise RuntimeError(f'{words[0]} ended with code {process.returncode}')
-    return {'isolation': isolation, **seen.record(max(1, count // 10) * 10, workers)}
+    return seen.record(max(1, count // 10) * 10, workers)
 
 
 class _Seen:

@@ -40,6 +40,7 @@ def read_used(factors, **others):
     ({'command': ['x']}, 'got launch, command'),
     ({'function': 'a:b'}, 'got launch, function'),
     ({'prepare': 'a:b'}, "'prepare' is an option for a function"),
+    ({'isolation': 'batch'}, 'each trial has a process of its own; take this line out'),
     ({'stored_topics': ['/a b']}, 'NODE=TOPIC'),
     ({'stored_topics': ['/a'], 'lookahead': 0.1}, 'all takes time'),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),

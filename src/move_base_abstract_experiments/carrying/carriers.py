@@ -87,7 +87,7 @@ def _received(connection: socket.socket) -> bytes:
 
 def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
     """Carry out the jobs that are asked for, until the connection is closed."""
-    from ..trials import execution, series
+    from ..trials import execution
     for descriptor in descriptors:
         os.close(descriptor)
     with asked.makefile('rb') as requests:
@@ -96,4 +96,3 @@ def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
             processes.redirect(os.path.join(path, run_folders.PRINTS))
             execution.carry_out(job, path, problem)
             asked.sendall(_DONE)
-    series.end()

@@ -33,7 +33,6 @@ from .metric_names import BUILT_IN, Metric
 SYSTEMS = ('launch', 'command', 'function')  # an experiment runs exactly one of them
 _LAUNCH = ('launch',)
 ALL = 'all'
-TRIAL, BATCH = 'trial', 'batch'  # isolation
 MOST_TRIALS = 1_000_000
 LONGEST_S = 1e9  # simulated, of a trial
 LARGEST_SEED = 10**17
@@ -147,9 +146,6 @@ class Experiment(RunOptions):
                            '[below](#trials-that-are-a-function)')
     prepare: str = option(_FUNCTION, None, '`module:function` that each warm process calls once, '
                           '[below](#trials-that-are-a-function)', systems=('function',))
-    isolation: str = option(
-        one_of(TRIAL, BATCH), TRIAL, '`trial`: each trial has a process of its own; `batch`: many short trials '
-        'share one, [below](#many-short-trials)', systems=('function',), is_part=True)
     inputs: Tuple[str, ...] = option(list_of(text()), [], 'files on whose content a trial depends; paths are relative '
                                      'to the folder of this file')
     participants: Optional[Tuple[str, ...]] = option(

@@ -37,6 +37,8 @@ def read(path: str, folder: Optional[str] = None) -> Experiment:
 
 def checked(document: Any, folder: str) -> Experiment:
     """Return the Experiment of a document, as loaded from YAML; see read()."""
+    if isinstance(document, dict) and 'isolation' in document:  # until the release after 1.0
+        raise ConfigurationError("'isolation' has gone: each trial has a process of its own; take this line out")
     experiment = kinds.read(Experiment, '', document, folder=folder)
     given = [key for key in SYSTEMS if key in document]
     if len(given) != 1:

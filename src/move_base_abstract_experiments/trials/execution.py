@@ -18,10 +18,9 @@ from move_base_abstract.runs import ends, event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog
 
 from ..description import ingredients, launch_files, plan, worker_files
-from ..description.experiment import BATCH
 from ..description.job import Job
 from ..records import COMPLETE, DIFFERENT, IDENTICAL, Number, Result
-from . import bundle, functions, metrics, run_folders, series, termination, user_metrics
+from . import bundle, functions, metrics, run_folders, termination, user_metrics
 from .run_folders import Folders
 from .termination import RunError
 
@@ -60,8 +59,6 @@ def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
             _measure(job, folders, result)
         if job.trial.verified_by and not (experiment.function and result.labels):  # with labels, it may well differ
             _verify(job, path, folders, result, first)
-        if experiment.isolation == BATCH:
-            unsure.append(series.LABEL)
         _check_files_again(job, result, unsure)
     except (SimulatorError, OSError) as error:
         result.error = _first_line(str(error), folders)
@@ -166,8 +163,7 @@ def _call(job: Job, folders: Folders, result: Result) -> None:
     """Run the trial that is a function."""
     begin = time.monotonic()
     try:
-        shares = job.trial.experiment.isolation == BATCH
-        answer = (series.run if shares else functions.run_trial)(job, folders)
+        answer = functions.run_trial(job, folders)
     except functions.DeathError as error:
         died = ends.Process('the function', False, error.code, was_early=error.code is not None)
         _judge(job, result, [died], ends.Log(), error)

@@ -242,17 +242,12 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
     experiment = job.trial.experiment
     processes.adopt_orphans()
     processes.block_child_signal()
-    os.environ.update(environment(folders))
+    os.environ.update({'ROS_LOG_DIR': folders.logs, 'ROS_HOME': folders.files})
     output = os.path.join(folders.logs, run_folders.OUTPUT)
-    return Returned(*call(lambda: perform(job, folders), experiment.time_limit, output, folders.files))
+    return Returned(*call(lambda: _perform(job, folders), experiment.time_limit, output, folders.files))
 
 
-def environment(folders: run_folders.Folders) -> Dict[str, str]:
-    """Return the environment variables that a function gets in addition."""
-    return {'ROS_LOG_DIR': folders.logs, 'ROS_HOME': folders.files}
-
-
-def perform(job: Job, folders: run_folders.Folders) -> Returned:
+def _perform(job: Job, folders: run_folders.Folders) -> Returned:
     """Call the function that is a trial, in this process."""
     trial, experiment = FunctionTrial(job.trial, folders), job.trial.experiment
     uncaught = _note_threads()
