@@ -24,7 +24,7 @@ def main(robots=1000, hours=1.0):
     chance = {spec.name: random.Random('{}/{}'.format(SEED, spec.name)) for spec in scenario.robots}
 
     def send_next(name):
-        fleet.send(name, chance[name].uniform(0.0, FIELD), chance[name].uniform(0.0, FIELD))
+        fleet.robot(name).send(chance[name].uniform(0.0, FIELD), chance[name].uniform(0.0, FIELD))
 
     def on_end(name, _goal_id, _state, _text, _now_ns):
         send_next(name)
@@ -36,7 +36,7 @@ def main(robots=1000, hours=1.0):
     fleet.run_for(3600.0 * hours)
     wall = time.perf_counter() - begin
     goals = sum(1 for entry in fleet.trace if entry.kind == 'ended')
-    distance = sum(fleet.distance(name) for name in fleet.names)
+    distance = sum(robot.distance for robot in fleet.robots)
     print('{} robots, {:g} h: {} goals, {:.1f} km, {:.2f} s of wall time, {:.0f}x real time, {:.0f} goals/s'.format(
         robots, hours, goals, distance / 1000.0, wall, 3600.0 * hours / wall, goals / wall))
 

@@ -30,7 +30,7 @@ def begun():
     def send(name, *_details):
         if goals[name]:
             goal = goals[name].pop(0)
-            fleet.send(name, goal.x, goal.y, goal.yaw)
+            fleet.robot(name).send(goal.x, goal.y, goal.yaw)
     settings = robot_settings(2.0, True, routes=True, rviz=False)
     scenario = make_scenario({'defaults': settings, 'robots': robots,
                               'zones': [{'name': 'crossing', 'rectangle': list(ZONE), 'capacity': 1}]})
@@ -47,7 +47,7 @@ def frame(background, fleet, now_s):
     west, south, east, north = (METRE * value for value in ZONE)
     draw.rectangle((west, height - north, east, height - south), outline='#e0a000', width=2)
     for name, colour in zip(fleet.names, COLOURS):
-        pose = fleet.pose(name)
+        pose = fleet.robot(name).pose
         x, y, radius = METRE * pose.x, height - METRE * pose.y, METRE * RADIUS
         draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=colour, outline='black')
     draw.text((8, 6), f'{now_s:5.1f} s', fill='black')

@@ -31,7 +31,7 @@ def ways():
     def send(name, *_details):
         if goals[name]:
             goal = goals[name].pop(0)
-            fleet.send(name, goal.x, goal.y, goal.yaw)
+            fleet.robot(name).send(goal.x, goal.y, goal.yaw)
     settings = robot_settings(2.0, True, routes=True, rviz=False)
     fleet = Fleet(make_scenario({'defaults': settings, 'robots': robots}), on_end=send, occupancy=occupancy)
     for name in fleet.names:

@@ -26,7 +26,7 @@ from .common.arguments import as_float
 from .common.units import NS_PER_S, check_reachable, seconds_to_ns
 from .common.unknown_keys import check_keys
 from .fleet.fleet import Fleet
-from .fleet.robot_view import RobotView
+from .fleet.member import Member
 from .fleet.user_calls import AFTER_USERS
 from .goals.outcome import GoalState
 from .runs.trace import KINDS
@@ -49,26 +49,22 @@ class Outcome(NamedTuple):
         return self.state is GoalState.SUCCEEDED
 
 
-class Robot(RobotView):
+class Robot(Member):
     """A robot for processes. ``go``, ``work`` and ``when`` return events of SimPy, to be yielded or combined."""
-
-    def __init__(self, env, name):
-        super().__init__(env.fleet, name)
-        self._env = env
 
     def go(self, x, y, yaw=0.0):
         """Send the robot to (x, y) [m], ``yaw`` [rad], in the frame ``map``; the event's value is an :class:`Outcome`.
 
         A goal that fails raises no exception: look at ``outcome.succeeded``. A newer goal ends this one as PREEMPTED.
         """
-        return self._env.ending('goal', self.name, self.send(x, y, yaw))
+        return self._fleet.env.ending('goal', self.name, self.send(x, y, yaw))
 
     def work(self, task):
         """Have the robot do ``task`` (:class:`.arrivals.Task`) where it stands; the event's value is its Outcome.
 
         :raises ConfigurationError: if the scenario says nothing of places.
         """
-        return self._env.ending('task', self.name, self._fleet.work(self.name, task))
+        return self._fleet.env.ending('task', self.name, self.send_task(task))
 
     def when(self, kind, *values):
         """Return the event of the robot's next entry of ``kind`` in the trace; its value is that :class:`.TraceEntry`.
@@ -78,7 +74,17 @@ class Robot(RobotView):
         :raises ConfigurationError: if there is no such kind.
         """
         check_keys({kind: None}, KINDS, "robot '{}'".format(self.name), 'when: ')
-        return self._env.happening(self.name, kind, values)
+        return self._fleet.env.happening(self.name, kind, values)
+
+
+class _Fleet(Fleet):
+    """The fleet of the environment ``env``."""
+
+    _member_type = Robot
+
+    def __init__(self, env, scenario, **options):
+        self.env = env
+        super().__init__(scenario, **options)
 
 
 class Environment(simpy.Environment):
@@ -90,8 +96,8 @@ class Environment(simpy.Environment):
     def __init__(self, scenario=Scenario(()), **options):
         self._endings = {}  # {(kind, robot, goal id): event}
         self._happenings = []  # of [event, robot, kind, values]
-        self.fleet = Fleet(scenario, on_end=self._ended('goal'), on_worked=self._ended('task'), on_event=self._happened,
-                           **options)
+        self.fleet = _Fleet(self, scenario, on_end=self._ended('goal'), on_worked=self._ended('task'),
+                            on_event=self._happened, **options)
         super().__init__()
 
     @property
@@ -101,12 +107,12 @@ class Environment(simpy.Environment):
 
     def robot(self, name):
         """Return the :class:`Robot` of that name. :raises ConfigurationError: if there is none."""
-        return Robot(self, name)
+        return self.fleet.robot(name)
 
     @property
     def robots(self):
         """All robots, in the order of their indices."""
-        return [Robot(self, name) for name in self.fleet.names]
+        return self.fleet.robots
 
     def schedule(self, event, priority=NORMAL, delay=0):
         """Have ``event`` happen after ``delay`` [s]; SimPy's events call this."""

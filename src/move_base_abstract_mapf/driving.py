@@ -85,7 +85,7 @@ class Drive:
         return bool(self.fleet.simulation.queue.is_busy())
 
     def _send(self, robot: int, cell: Cell, towards: Cell) -> None:
-        self.fleet.send(self._names[robot], *self._site.grid.pose(cell, towards))
+        self.fleet.robot(self._names[robot]).send(*self._site.grid.pose(cell, towards))
 
     def _on_end(self, name: str, _goal_id: str, state: Any, _text: str, now_ns: int) -> None:
         self.execution.ended(self._numbers[name], state is GoalState.SUCCEEDED, now_ns)

@@ -14,10 +14,10 @@ def small_run(last=(4.0, 4.0)):
     """Return the trace of three robots; ``last`` is the last goal of the first robot, (x, y) [m]."""
     fleet = Fleet(make_scenario({'defaults': LIMITS, 'robots': [{'name': 'robot', 'count': 3, 'start_x': 4.0,
                                                                  'start_y': 4.0, 'step_y': 4.0}]}))
-    fleet.send('robot_0', 30.0, 20.0, 1.0)
-    fleet.send('robot_1', 4.0, 36.0)
-    fleet.at(10 * S, lambda fleet: fleet.send('robot_1', 56.0, 4.0))
-    fleet.at(60 * S, lambda fleet: fleet.send('robot_0', *last))
+    fleet.robot('robot_0').send(30.0, 20.0, 1.0)
+    fleet.robot('robot_1').send(4.0, 36.0)
+    fleet.at(10 * S, lambda fleet: fleet.robot('robot_1').send(56.0, 4.0))
+    fleet.at(60 * S, lambda fleet: fleet.robot('robot_0').send(*last))
     fleet.run()
     return fleet.trace
 

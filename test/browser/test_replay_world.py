@@ -32,7 +32,7 @@ def page(tmp_path_factory):
         'places': [{'name': 'dock', 'x': 30.0, 'y': 30.0, 'capacity': 1, 'duration': 10.0}]})
     fleet = Fleet(scenario)
     for number in range(49):  # the last one never leaves
-        fleet.send('robot_{}'.format(number), 60.0, 1.5 * number)
+        fleet.robot('robot_{}'.format(number)).send(60.0, 1.5 * number)
     fleet.run_for(40.0)
     stops = ('dock', 30.0, 30.0, 'pick')
     entries = [*fleet.trace, (41 * S, '/dispatcher', 'order_arrived', (HOSTILE, 0, 0, *stops)),

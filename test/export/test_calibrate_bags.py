@@ -49,13 +49,13 @@ class Recorder:
     def tell_pose(self):
         def fill(message):
             message.header.frame_id = self._frame
-            pose = self.fleet.pose('bot')
+            pose = self.fleet.robot('bot').pose
             put(message.pose.pose, pose.x, pose.y, pose.yaw)
         self.tell(self._pose_kind, self._pose_topic, fill)
 
     def tell_plan(self, goal):
         def fill(message):
-            start = self.fleet.pose('bot')
+            start = self.fleet.robot('bot').pose
             places = [(start.x, start.y), (start.x, start.y + 5.0), goal[:2]]
             message.poses = [PoseStamped() for _ in places]
             for pose, place in zip(message.poses, places):
@@ -66,7 +66,7 @@ class Recorder:
         """Send a goal and record the robot until it ends; return how long it takes [s]."""
         self.tell_pose()
         begin_ns = self.fleet.now_ns
-        name = self.fleet.send('bot', *goal)
+        name = self.fleet.robot('bot').send(*goal)
 
         def fill_goal(message):
             message.goal_id.id = name

@@ -31,12 +31,12 @@ def fleet():
                 'world_bounds': [-9.0, -9.0, 9.0, 9.0]}
     fleet = Fleet(make_scenario({'defaults': defaults,
                                  'robots': [{'name': 'a'}, {'name': 'b', 'start_y': 2.0}]}))
-    fleet.send('a', 4.0, 3.0, 1.0)
-    fleet.send('b', 90.0, 0.0)
-    fleet.at(4 * S, lambda fleet: fleet.send('a', 0.0, 5.0))
+    fleet.robot('a').send(4.0, 3.0, 1.0)
+    fleet.robot('b').send(90.0, 0.0)
+    fleet.at(4 * S, lambda fleet: fleet.robot('a').send(0.0, 5.0))
     poses = {}
     for k in range(10, 140):
-        fleet.at(k * S // 10, lambda fleet: poses.update({fleet.now_ns: fleet.pose('a')}))
+        fleet.at(k * S // 10, lambda fleet: poses.update({fleet.now_ns: fleet.robot('a').pose}))
     fleet.run()
     fleet.poses = poses
     return fleet

@@ -178,6 +178,6 @@ def test_the_scenario_of_the_readme_is_one(tmp_path):
     file.write_text(re.search('```yaml\n(.*?)```', text_of(ROOT / 'README.md'), re.DOTALL).group(1), encoding='utf-8')
     fleet = Fleet(read_scenario(file), occupancy=OccupancyMap(np.zeros((400, 600), np.int8), 0.1))
     for robot in fleet.names:
-        fleet.send(robot, 30.0, 20.0)
+        fleet.robot(robot).send(30.0, 20.0)
     fleet.run_for(3600.0)
     assert {'departed', 'entered', 'held', 'charging_began'} <= {entry.kind for entry in fleet.trace}

@@ -26,7 +26,7 @@ from move_base_abstract import Fleet, make_scenario
 def run(trial):
     robots = [{'name': 'bot', 'max_speed': trial.args['speed']}]
     fleet = Fleet(make_scenario({'seed': trial.seed, 'robots': robots}))
-    fleet.send('bot', 3.0, 4.0)
+    fleet.robot('bot').send(3.0, 4.0)
     fleet.run(until=60.0)
     fleet.write_log(trial.event_log)
     return {'cost': trial.args['speed'] * 2}
@@ -87,7 +87,7 @@ def test_a_log_is_compared_and_replayed_without_ros(python, tmp_path):
     program.write_text("""
 from move_base_abstract import Fleet, make_scenario
 fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'log_motion': True}]}))
-fleet.send('bot', 3.0, 4.0)
+fleet.robot('bot').send(3.0, 4.0)
 fleet.run(until=60.0)
 fleet.write_log('run.jsonl')
 import runpy, sys

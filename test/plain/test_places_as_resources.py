@@ -26,7 +26,7 @@ def by_fleet(given, **place):
         {'name': 'r', 'count': len(given)}]}), start_ns=0)
     for number, (at_ns, work_ns, priority) in enumerate(given):
         task = Task(str(number), 0, 'dock', Pose2D(), work_ns, priority=priority)
-        fleet.at(at_ns, lambda fleet, number=number, task=task: fleet.work('r_{}'.format(number), task))
+        fleet.at(at_ns, lambda fleet, number=number, task=task: fleet.robot('r_{}'.format(number)).send_task(task))
     fleet.run()
     spans, began, refused = {}, {}, set()
     for entry in fleet.trace:
@@ -103,7 +103,7 @@ def test_a_place_with_a_finite_queue_is_an_m_m_1_k(load, most):
 
     def arrives(number, work_ns):
         arrived[str(number)] = fleet.now_ns
-        fleet.work(idle.pop(0), Task(str(number), 0, 'dock', Pose2D(), work_ns))
+        fleet.robot(idle.pop(0)).send_task(Task(str(number), 0, 'dock', Pose2D(), work_ns))
     for number, (at_ns, work_ns, _) in enumerate(given):
         fleet.at(at_ns, lambda _, number=number, work_ns=work_ns: arrives(number, work_ns))
     end_ns = fleet.run()
@@ -117,8 +117,8 @@ def test_what_is_left_after_giving_way_is_paid_for_once_and_told_as_it_is():
     scenario = make_scenario({'defaults': {'battery_capacity': 1.0, 'ambient_power': 0.0}, 'robots': [
         {'name': 'a'}, {'name': 'b'}], 'places': [{'name': 'dock', 'capacity': 1, 'preemption': True}]})
     fleet = Fleet(scenario, start_ns=0)
-    fleet.work('a', Task('long', 0, 'dock', Pose2D(), 10 * S, power=10.0, energy=500.0))
-    fleet.at(4 * S, lambda fleet: fleet.work('b', Task('urgent', 0, 'dock', Pose2D(), 5 * S, priority=1)))
+    fleet.robot('a').send_task(Task('long', 0, 'dock', Pose2D(), 10 * S, power=10.0, energy=500.0))
+    fleet.at(4 * S, lambda fleet: fleet.robot('b').send_task(Task('urgent', 0, 'dock', Pose2D(), 5 * S, priority=1)))
     fleet.run(until=6.0)
     assert fleet.robot('a').activity.startswith('waiting')
     fleet.run()
@@ -128,15 +128,15 @@ def test_what_is_left_after_giving_way_is_paid_for_once_and_told_as_it_is():
         (4.0, 'b', 'task_began', 'urgent', 5 * S), (9.0, 'a', 'waiting_ended', 'long', 'dock'),
         (9.0, 'a', 'task_began', 'long', 6 * S)]
     assert fleet.now == 15.0
-    assert fleet.condition('a').battery.soc == pytest.approx(1.0 - 600.0 / (12.0 * 3600.0), rel=1e-12)
+    assert fleet.robot('a').condition.battery.soc == pytest.approx(1.0 - 600.0 / (12.0 * 3600.0), rel=1e-12)
 
 
 def test_an_urgent_one_that_fails_while_it_works_lets_the_other_one_go_on():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a'}, {'name': 'b'}], 'places': [
         {'name': 'dock', 'capacity': 1, 'preemption': True, 'queue': 0}]}), start_ns=0)
-    fleet.work('a', Task('long', 0, 'dock', Pose2D(), 10 * S))
-    fleet.at(4 * S, lambda fleet: fleet.work('b', Task('urgent', 0, 'dock', Pose2D(), 5 * S, priority=1)))
-    fleet.at(6 * S, lambda fleet: fleet.cancel_work('b'))
+    fleet.robot('a').send_task(Task('long', 0, 'dock', Pose2D(), 10 * S))
+    fleet.at(4 * S, lambda fleet: fleet.robot('b').send_task(Task('urgent', 0, 'dock', Pose2D(), 5 * S, priority=1)))
+    fleet.at(6 * S, lambda fleet: fleet.robot('b').cancel_task())
     fleet.run()
     assert [(entry.time_ns / S, *entry.values[:2]) for entry in fleet.trace if entry.kind == 'task_ended'] == [
         (6.0, 'urgent', 'PREEMPTED'), (12.0, 'long', 'SUCCEEDED')]

@@ -104,8 +104,8 @@ def test_a_process_that_waits_for_goals_does_what_a_callback_does():
 
     left = list(corners)
     fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'bot'}]}), start_ns=0,
-                  on_end=lambda *_: left and fleet.send('bot', *left.pop(0)))
-    fleet.send('bot', *left.pop(0))
+                  on_end=lambda *_: left and fleet.robot('bot').send(*left.pop(0)))
+    fleet.robot('bot').send(*left.pop(0))
     fleet.run()
     assert env.fleet.trace == fleet.trace
     assert [outcome.time_ns for outcome in outcomes] == [5 * S, 5 * S + 3_750_000_000, 13_750_000_000, 17_500_000_000]

@@ -40,12 +40,12 @@ def scans_of_the_plain_fleet(stamps):
     found = {}
     for stamp_ns in stamps:
         fleet.run(stamp_ns)
-        scan = fleet.scan('robot_0')
+        scan = fleet.robot('robot_0').scan()
         data = struct.pack('<{}f'.format(len(scan.ranges)), *scan.ranges)
         found[stamp_ns] = hashlib.sha1(data).hexdigest(), scan.pose
         if stamp_ns == SENT_NS:  # a robot's own event comes before a goal at the same instant
-            fleet.send('robot_0', 13.0, 6.0)
-            fleet.send('robot_1', 12.0, 4.0)
+            fleet.robot('robot_0').send(13.0, 6.0)
+            fleet.robot('robot_1').send(12.0, 4.0)
     return found
 
 

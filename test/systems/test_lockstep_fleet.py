@@ -119,7 +119,7 @@ def oracle(names, own=None, scenario=None):
     goals, counts = plan_of(names), {name: itertools.count(1) for name in names}
 
     def send(fleet, name, *place):
-        fleet.send(name, *place, goal_id='{}-{}'.format(name, next(counts[name])))
+        fleet.robot(name).send(*place, goal_id='{}-{}'.format(name, next(counts[name])))
 
     def on_end(name, *_details):
         if goals[name]:
@@ -130,7 +130,7 @@ def oracle(names, own=None, scenario=None):
     plain = Fleet(make_scenario(scenario), on_end=on_end)
     for name in names:
         plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name, *goals[name].pop(0)))
-    plain.at(3 * NS_PER_S, lambda fleet: fleet.cancel(names[0]))
+    plain.at(3 * NS_PER_S, lambda fleet: fleet.robot(names[0]).cancel())
     plain.at(3 * NS_PER_S, lambda fleet: send(fleet, names[1], 30.0, 0.0))
     plain.run()
     return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
@@ -141,7 +141,7 @@ def yard_oracle(scenario):
     goals, counts = {name: list(places) for name, places in YARD.items()}, {name: itertools.count(1) for name in YARD}
 
     def send(fleet, name):
-        fleet.send(name, *goals[name].pop(0), goal_id='{}-{}'.format(name, next(counts[name])))
+        fleet.robot(name).send(*goals[name].pop(0), goal_id='{}-{}'.format(name, next(counts[name])))
 
     def on_end(name, *_details):
         if goals[name]:
@@ -150,7 +150,7 @@ def yard_oracle(scenario):
     plain = Fleet(make_scenario(scenario), on_end=on_end, occupancy=load_map(read_description(YARD_MAP)))
     for name in YARD:
         plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name))
-    plain.at(9 * NS_PER_S, lambda fleet: fleet.cancel('robot_1'))
+    plain.at(9 * NS_PER_S, lambda fleet: fleet.robot('robot_1').cancel())
     plain.run()
     return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
 

@@ -148,7 +148,7 @@ def nearest_idle(seed):
             robot = min(idle, key=lambda one: math.hypot(at[one][0] - pose.x, at[one][1] - pose.y))
             idle.remove(robot)
             doing[robot], at[robot] = waiting.pop(0), (pose.x, pose.y)
-            fleet.send(robot, pose.x, pose.y, pose.yaw)
+            fleet.robot(robot).send(pose.x, pose.y, pose.yaw)
 
     def arrives(task):
         waiting.append(task)
@@ -159,7 +159,7 @@ def nearest_idle(seed):
         assign()
 
     scenario = read_scenario(os.path.join(HERE, os.pardir, os.pardir, 'config', 'tasks_scenario.yaml'))
-    fleet = Fleet(scenario, on_end=lambda robot, *_: fleet.work(robot, doing[robot]), on_worked=worked)
+    fleet = Fleet(scenario, on_end=lambda robot, *_: fleet.robot(robot).send_task(doing[robot]), on_worked=worked)
     for task in scenario.tasks(seed):
         fleet.at(fleet.now_ns + task.arrival_ns, lambda _, task=task: arrives(task))
     fleet.run()

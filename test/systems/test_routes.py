@@ -61,7 +61,7 @@ def travelled(goal, **settings):
     defaults = {'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.5,
                 'start_x': START[0], 'start_y': START[1], **settings}
     fleet = Fleet(make_scenario({'defaults': defaults, 'robots': [{'name': 'bot'}]}), start_ns=0, occupancy=yard())
-    fleet.send('bot', *goal)
+    fleet.robot('bot').send(*goal)
     fleet.run()
     [values] = [entry.values for entry in fleet.trace if entry.kind == 'route']
     return list(zip(values[::2], values[1::2])), fleet.trace[-1].time_ns

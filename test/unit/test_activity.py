@@ -9,8 +9,8 @@ S = 1_000_000_000
 
 
 def doing(fleet):
-    return [activity(member.navigator, member.condition, member.tasks)
-            for member in fleet._members.values()]
+    return [activity(member.navigator, member.condition, member._tasks)
+            for member in fleet.robots]
 
 
 def test_idle_travelling_waiting_working_held_and_failed():
@@ -19,17 +19,17 @@ def test_idle_travelling_waiting_working_held_and_failed():
                   start_ns=0)
     assert doing(fleet) == ['idle'] * 3
     for name in 'ab':
-        fleet.work(name, Task(name, 0, 'dock', Pose2D()))
-    fleet.send('c', 9.0, 0.0)
+        fleet.robot(name).send_task(Task(name, 0, 'dock', Pose2D()))
+    fleet.robot('c').send(9.0, 0.0)
     fleet.run(S)
     assert doing(fleet) == ['working', 'waiting', 'travelling']
-    navigator = fleet._members['c'].navigator
+    navigator = fleet.robot('c').navigator
     navigator.travel.hold('gate', S)
     assert doing(fleet)[2] == 'held: gate'
     navigator.travel.hold('yard ' + 'x' * 40, S)
     assert doing(fleet)[2] == 'held: gate, yard xxxxxxxxxxxxxxxxxxxx...'
     navigator.travel.release('yard ' + 'x' * 40, S)
-    fleet.fail('c', 'stall', 5.0)
+    fleet.robot('c').fail('stall', 5.0)
     assert doing(fleet)[2] == 'failed: stall, held: gate'
 
 
@@ -41,7 +41,7 @@ def test_a_robot_without_places_that_has_no_goal_is_idle():
 def test_the_charge_of_a_battery_is_told_and_that_it_is_empty():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a', 'battery_capacity': 1.0, 'battery_start': 0.5}]}), start_ns=0)
     assert doing(fleet) == ['idle, 50 %']
-    fleet.set_charge('a', 0.0)
+    fleet.robot('a').set_charge(0.0)
     assert doing(fleet) == ['battery empty, 0 %']
 
 

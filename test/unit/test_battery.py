@@ -37,7 +37,7 @@ def rows(fleet, *kinds):
 
 
 def soc(fleet):
-    return fleet.condition('bot').battery.soc
+    return fleet.robot('bot').condition.battery.soc
 
 
 # ---- energy of legs: the oracle
@@ -120,13 +120,13 @@ THIRSTY = {'battery_capacity': 0.02, 'mass': 7.0, 'friction_coefficient': 0.1, '
 def errands(fleet):
     """Have the robot drive five ways, with a rest behind each, and a cancel and a hold on them."""
     for x, y in ((9.0, 4.0), (0.0, 0.0), (7.0, 1.0), (2.0, 2.0), (9.0, 9.0)):
-        fleet.at(fleet.now_ns, lambda fleet, x=x, y=y: fleet.send('bot', x, y, 1.0))
+        fleet.at(fleet.now_ns, lambda fleet, x=x, y=y: fleet.robot('bot').send(x, y, 1.0))
         fleet.run_for(11.0)
-        fleet.hold('bot', 'door')
+        fleet.robot('bot').hold('door')
         fleet.run_for(2.0)
-        fleet.release('bot', 'door')
+        fleet.robot('bot').release('door')
         fleet.run_for(10.0)
-        fleet.cancel('bot')
+        fleet.robot('bot').cancel()
     return [entry for entry in fleet.trace if entry.kind == 'battery']
 
 
@@ -145,33 +145,33 @@ def test_thresholds_are_passed_at_the_first_nanosecond_at_which_the_formula_says
 
 def test_who_stops_on_its_way_has_braked():
     fleet = fleet_of(mass=2.0)
-    fleet.send('bot', 20.0, 0.0)
-    for act in (fleet.hold, fleet.release):  # it has not moved
-        act('bot', 'door')
+    fleet.robot('bot').send(20.0, 0.0)
+    for act in (fleet.robot('bot').hold, fleet.robot('bot').release):  # it has not moved
+        act('door')
     assert soc(fleet) == 1.0
     fleet.run(3 * S)
     assert soc(fleet) == pytest.approx(1.0 - 1.0 / 360.0)
     for tool in (True, False):
-        fleet.set_tool('bot', tool)
-    fleet.cancel('bot')
+        fleet.robot('bot').set_tool(tool)
+    fleet.robot('bot').cancel()
     assert soc(fleet) == pytest.approx(1.0 - 2.0 / 360.0)
 
 
 def test_empty_on_the_way_it_stands_there_and_refuses_goals():
     fleet = fleet_of(ambient_power=36.0, battery_thresholds=[0.2])  # 10 s
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run(12 * S)
-    fleet.send('bot', 1.0, 0.0)
+    fleet.robot('bot').send(1.0, 0.0)
     fleet.run(20 * S)
     assert rows(fleet, 'battery', 'stands', 'ended') == [
         (8.0, 'battery', 0.2, 'below'), (10.0, 'battery', 0.0, 'empty'), (10.0, 'stands', 10.0, 0.0, 0.0),
         (10.0, 'ended', 'bot-1', 'ABORTED', EMPTY), (12.0, 'ended', 'bot-2', 'ABORTED', EMPTY)]
-    assert (fleet.condition('bot').state_text, soc(fleet)) == ('battery empty', 0.0)
+    assert (fleet.robot('bot').condition.state_text, soc(fleet)) == ('battery empty', 0.0)
 
 
 def test_an_idle_battery_runs_down_at_its_instants_but_no_run_waits_for_it():
     fleet = fleet_of(ambient_power=3.6)  # 100 s
-    fleet.send('bot', 5.0, 0.0)
+    fleet.robot('bot').send(5.0, 0.0)
     fleet.run()
     assert fleet.now_ns == 5 * S
     fleet.run(1000 * S)
@@ -180,14 +180,14 @@ def test_an_idle_battery_runs_down_at_its_instants_but_no_run_waits_for_it():
 
 def test_a_tool_takes_its_power_while_it_works_also_on_the_way():
     fleet = fleet_of(tool_power=18.0, mass=1.0, battery_thresholds=[])  # 20 s
-    fleet.send('bot', 100.0, 0.0)
+    fleet.robot('bot').send(100.0, 0.0)
     fleet.run(4 * S)
-    fleet.set_tool('bot', True)
+    fleet.robot('bot').set_tool(True)
     fleet.run(14 * S)
-    fleet.set_tool('bot', False)
+    fleet.robot('bot').set_tool(False)
     assert soc(fleet) == pytest.approx(0.5 - 0.5 / 360.0)  # half a joule was for the speed
     fleet.run(40 * S)
-    fleet.set_tool('bot', True)
+    fleet.robot('bot').set_tool(True)
     fleet.run(60 * S)
     assert rows(fleet, 'battery') == [(pytest.approx(50.0 - 0.5 / 18.0, abs=1e-8), 'battery', 0.0, 'empty')]
 
@@ -196,36 +196,36 @@ def test_a_tool_takes_its_power_while_it_works_also_on_the_way():
 
 def test_who_stands_in_a_charger_is_charged_until_it_is_full():
     fleet = fleet_of([DOCK], charging_current=0.36, battery_start=0.1, start_x=10.0, mass=1.0)  # 3.6 W: 100 s for all
-    fleet.send('bot', 0.5, 0.0)
+    fleet.robot('bot').send(0.5, 0.0)
     fleet.run(1000 * S)
     full = 9.5 + 90.0 + 1.0 / 3.6  # it took 1 J to be fast and to stand again
     assert rows(fleet, 'battery', 'charging_began') == [
         (9.5, 'charging_began', 'dock'), (pytest.approx(9.5 + 10.0 + 1.0 / 3.6), 'battery', 0.2, 'above'),
         (pytest.approx(full), 'battery', 1.0, 'full')]
     assert soc(fleet) == 1.0
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run()
     assert rows(fleet, 'charging_ended') == [(1000.0, 'charging_ended', 'dock')]
 
 
 def test_a_chargers_own_current_counts_and_who_drives_through_is_not_charged():
     fleet = fleet_of([dict(DOCK, charger=0.72)], battery_start=0.5, mass=1.0, start_x=5.0, battery_thresholds=[])
-    fleet.send('bot', -5.0, 0.0)
+    fleet.robot('bot').send(-5.0, 0.0)
     fleet.run()
     assert rows(fleet, 'charging_began', 'battery') == []
-    fleet.place('bot', Pose2D())
+    fleet.robot('bot').place(Pose2D())
     fleet.run_for(5.0)
     assert soc(fleet) == pytest.approx(0.5 - 1.0 / 360.0 + 0.1)
 
 
-@pytest.mark.parametrize('charge', [lambda fleet: fleet.place('bot', Pose2D()),
-                                    lambda fleet: fleet.set_charge('bot', 0.5)])
+@pytest.mark.parametrize('charge', [lambda fleet: fleet.robot('bot').place(Pose2D()),
+                                    lambda fleet: fleet.robot('bot').set_charge(0.5)])
 def test_an_empty_robot_takes_goals_again_as_soon_as_there_is_charge(charge):
     fleet = fleet_of([DOCK], battery_start=0.0, start_x=5.0)
     fleet.run(S)
     charge(fleet)
     fleet.run(2 * S)
-    fleet.send('bot', 3.0, 0.0)
+    fleet.robot('bot').send(3.0, 0.0)
     fleet.run()
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == ['SUCCEEDED']
     assert soc(fleet) > 0.0
@@ -240,12 +240,12 @@ def test_a_robot_that_begins_in_a_charger_or_empty_is_so_from_the_beginning():
 
 def test_a_reset_fills_the_battery_as_at_the_start():
     fleet = fleet_of(ambient_power=36.0, battery_start=0.5)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run(7 * S)
-    assert fleet.condition('bot').state_text == 'battery empty'
+    assert fleet.robot('bot').condition.state_text == 'battery empty'
     fleet.reset()
-    assert (soc(fleet), fleet.condition('bot').state_text) == (0.5, '')
-    fleet.send('bot', 2.0, 0.0)
+    assert (soc(fleet), fleet.robot('bot').condition.state_text) == (0.5, '')
+    fleet.robot('bot').send(2.0, 0.0)
     fleet.run(30 * S)
     assert rows(fleet, 'battery')[2:] == [(10.0, 'battery', 0.2, 'below'), (12.0, 'battery', 0.0, 'empty')]
 
@@ -253,18 +253,18 @@ def test_a_reset_fills_the_battery_as_at_the_start():
 def test_the_charge_can_be_set_and_what_it_passes_is_told():
     fleet = fleet_of(battery_thresholds=[0.6, 0.3])
     for share in (0.1, 0.5, 1.0, 0.0):
-        fleet.set_charge('bot', share)
+        fleet.robot('bot').set_charge(share)
     assert [row[2:] for row in rows(fleet, 'battery')] == [
         (0.1, 'set'), (0.6, 'below'), (0.3, 'below'), (0.5, 'set'), (0.3, 'above'), (1.0, 'set'), (0.6, 'above'),
         (0.0, 'set'), (0.6, 'below'), (0.3, 'below'), (0.0, 'empty')]
     with pytest.raises(ConfigurationError, match='state_of_charge: got 1.5; allowed: a number in 0..1'):
-        fleet.set_charge('bot', 1.5)
+        fleet.robot('bot').set_charge(1.5)
 
 
 def test_the_clock_starting_anew_changes_no_charge():
     fleet = fleet_of(ambient_power=3.6)
     fleet.run(30 * S)
-    member = fleet._members['bot']
+    member = fleet.robot('bot')
     fleet.simulation.restart(5 * S)
     member.condition.restart(-25 * S)
     member.navigator.restart(30 * S, 5 * S)
@@ -280,7 +280,7 @@ def test_work_at_a_place_draws_its_power_until_the_battery_is_empty():
         'places': [{'name': 'bench', 'x': 0.0, 'y': 0.0}]}), 0)
     states = []
     for name in 'abc':
-        fleet.work('bot', Task(name, 0, 'bench', Pose2D(), 50 * S, 4.5, 0.0))
+        fleet.robot('bot').send_task(Task(name, 0, 'bench', Pose2D(), 50 * S, 4.5, 0.0))
         fleet.run_for(60.0)
         states.append(round(soc(fleet), 9))
     assert states == [0.375, 0.0, 0.0]
@@ -290,10 +290,10 @@ def test_work_at_a_place_draws_its_power_until_the_battery_is_empty():
 
 def test_a_charge_that_is_set_on_the_way_counts_from_there_on():
     fleet = fleet_of(ambient_power=3.6, mass=36.0)
-    fleet.send('bot', 100.0, 0.0)
+    fleet.robot('bot').send(100.0, 0.0)
     fleet.run(10 * S)
     assert soc(fleet) == pytest.approx(1.0 - 0.05 - 0.1)
-    fleet.set_charge('bot', 0.7)
+    fleet.robot('bot').set_charge(0.7)
     fleet.run(20 * S)
     assert soc(fleet) == pytest.approx(0.7 - 0.1)
 
@@ -320,11 +320,11 @@ def test_a_charger_is_true_or_a_current(value):
 def test_without_a_capacity_nothing_is_made_and_the_log_is_the_same():
     def drive(**settings):
         fleet = Fleet(make_scenario({'robots': [{'name': 'bot', **settings}], 'zones': [DOCK]}), 0)
-        fleet.send('bot', 7.0, 3.0)
+        fleet.robot('bot').send(7.0, 3.0)
         fleet.run()
         return fleet
     plain, full = drive(mass=9.0), drive(battery_capacity=1000.0, battery_thresholds=[])
-    assert plain.condition('bot').battery is None
+    assert plain.robot('bot').condition.battery is None
     assert plain.trace == drive().trace != []
     assert [entry for entry in full.trace if not entry.kind.startswith('charging')] == plain.trace
 
@@ -335,6 +335,6 @@ def test_without_a_capacity_nothing_is_made_and_the_log_is_the_same():
 def test_numbers_that_are_almost_nothing_are_taken(extreme, start):
     fleet = fleet_of([DOCK], battery_start=start, **extreme)
     fleet.run_for(10.0)
-    fleet.send('bot', 5.0, 0.0)
+    fleet.robot('bot').send(5.0, 0.0)
     fleet.run_for(10.0)
     assert 0.0 <= soc(fleet) <= 1.0

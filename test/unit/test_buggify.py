@@ -20,11 +20,11 @@ def trace_of(goals=6, **settings):
     def on_end(name, *_):
         left[name] -= 1
         if left[name]:
-            fleet.send(name, 20.0 * (left[name] % 2), 0.0)
+            fleet.robot(name).send(20.0 * (left[name] % 2), 0.0)
     fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, **settings},
                                  'robots': [{'name': 'a'}, {'name': 'b'}]}), 0, on_end)
     for name in left:
-        fleet.send(name, 20.0, 0.0)
+        fleet.robot(name).send(20.0, 0.0)
     fleet.run()
     return [(entry.time_ns / S, entry.robot, entry.kind, entry.values) for entry in fleet.trace]
 

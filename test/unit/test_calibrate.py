@@ -121,9 +121,9 @@ def simulate(used, seed):
                   start_ns=0)
     found = []
     for _, way in used:
-        fleet.place('bot', Pose2D(0.0, 0.0, -way.start_turn))
+        fleet.robot('bot').place(Pose2D(0.0, 0.0, -way.start_turn))
         begin_ns = fleet.now_ns
-        fleet.send('bot', way.length, 0.0, way.end_turn)
+        fleet.robot('bot').send(way.length, 0.0, way.end_turn)
         fleet.run()
         state = fleet.trace[-1].values[1]
         found.append((fleet.now_ns - begin_ns) / 1e9 if state == 'SUCCEEDED' else np.nan)

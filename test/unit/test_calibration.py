@@ -39,7 +39,7 @@ def test_the_one_that_ships_is_found_by_its_name_and_tells_its_source():
 def test_a_goal_takes_the_delay_the_phases_and_what_is_drawn():
     fleet = Fleet(make_scenario({'seed': 4, 'defaults': {'calibration': SHIPPED}, 'robots': [{'name': 'bot'}]}),
                   start_ns=0)
-    fleet.send('bot', 20.0, 5.0, 1.0)
+    fleet.robot('bot').send(20.0, 5.0, 1.0)
     fleet.run()
     calibration = read_calibration(SHIPPED, 'x')
     leg = PhasedRoute(Pose2D(), Pose2D(20.0, 5.0, 1.0), (), calibration.limits, calibration.phases,
@@ -49,7 +49,7 @@ def test_a_goal_takes_the_delay_the_phases_and_what_is_drawn():
     assert chance.uniform(1, Purpose.TAIL) > calibration.durations.tail_chance(leg.duration_ns / S, leg.start_turn)
     assert delay == RAW['start_delay']
     assert ends(fleet)[0].time_ns == round(delay * S) + round(leg.duration_ns * factor)
-    assert fleet.pose('bot') == leg.end
+    assert fleet.robot('bot').pose == leg.end
 
 
 def test_a_goal_of_the_tail_stands_first():
@@ -83,7 +83,7 @@ def test_robots_with_and_without_a_calibration_live_in_one_fleet():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a', 'calibration': SHIPPED}, {'name': 'b', 'max_speed': 1.0}]}),
                   start_ns=0)
     for name in fleet.names:
-        fleet.send(name, 10.0, 0.0)
+        fleet.robot(name).send(10.0, 0.0)
     fleet.run()
     assert [entry.time_ns for entry in ends(fleet) if entry.robot == 'b'] == [10 * S]
     assert [entry.time_ns > 12 * S for entry in ends(fleet) if entry.robot == 'a'] == [True]

@@ -20,8 +20,9 @@ def with_rules(path, **rules):
 def circles(path, goals, begin_s=0.0):
     """Return how many circles close where each robot is sent to its goal, one after the other."""
     fleet = Fleet(read_scenario(path), start_ns=0)
-    for number, (robot, goal) in enumerate(goals):
-        fleet.at(round(number * begin_s * 1e9), lambda _, robot=robot, goal=goal: fleet.send(robot, *map(float, goal)))
+    for number, (name, goal) in enumerate(goals):
+        robot = fleet.robot(name)
+        fleet.at(round(number * begin_s * 1e9), lambda _, robot=robot, goal=goal: robot.send(*map(float, goal)))
     fleet.run()
     return sum(entry.kind == 'deadlock' for entry in fleet.trace)
 
@@ -86,7 +87,7 @@ def closes_a_circle(path, dice, goals, robots):
 
     def send(name, *_):
         if left[name]:
-            fleet.send(name, *left[name].pop())
+            fleet.robot(name).send(*left[name].pop())
     fleet = Fleet(read_scenario(path), start_ns=0, on_end=send)
     for name in left:
         send(name)

@@ -59,7 +59,7 @@ def test_what_a_failed_robot_carries_is_fetched_anew_or_taken_over(after, stop, 
     dispatch = dispatch_of(dispatcher={'after_failure': after}, failure_kind=kind, repair_time=1000.0)
     stops = (Stop(Pose2D(2.0, 0.0), action='load'), Stop(Pose2D(2.0, 8.0), action='unload'))
     dispatch.order(Order('one', 0, stops))
-    dispatch.fleet.at(5 * S, lambda fleet: fleet.fail('r_0'))
+    dispatch.fleet.at(5 * S, lambda fleet: fleet.robot('r_0').fail())
     dispatch.run(until=900.0)
     rows = told(dispatch, 'order_returned', 'order_assigned', 'order_done')
     assert rows[1][:6] == (5.0, 'r_0', 'order_returned', 'one', 'robot failed', stop)
@@ -82,7 +82,7 @@ def test_what_nobody_can_reach_is_given_up_after_so_many_attempts_and_time_goes_
 def test_an_empty_battery_gives_the_order_back_and_a_charged_one_goes_on():
     dispatch = dispatch_of(battery_capacity=0.05, each={1: {'battery_start': 0.0}})
     dispatch.order(order('one', (0.0, 60.0)))
-    dispatch.fleet.at(200 * S, lambda fleet: fleet.set_charge('r_1', 1.0))
+    dispatch.fleet.at(200 * S, lambda fleet: fleet.robot('r_1').set_charge(1.0))
     dispatch.run(until=400.0)
     rows = told(dispatch, 'order_returned', 'order_assigned')
     assert [(row[1], row[2]) for row in rows[:3]] == [
@@ -94,7 +94,7 @@ def test_an_empty_battery_gives_the_order_back_and_a_charged_one_goes_on():
 def test_a_robot_that_somebody_else_sends_gives_its_order_back_and_is_free_when_that_is_over():
     dispatch = dispatch_of(robots=1)
     dispatch.order(order('one', (5.0, 0.0)))
-    dispatch.fleet.at(2 * S, lambda fleet: fleet.send('r_0', 2.0, 4.0))
+    dispatch.fleet.at(2 * S, lambda fleet: fleet.robot('r_0').send(2.0, 4.0))
     dispatch.run()
     assert [row[:3] for row in told(dispatch, 'order_returned', 'order_assigned', 'order_done')] == [
         (0.0, 'r_0', 'order_assigned'), (2.0, 'r_0', 'order_returned'), (6.0, 'r_0', 'order_assigned'),
@@ -157,7 +157,7 @@ def test_a_charged_robot_makes_room_for_one_that_waits():
     dispatch.run(until=600.0)
     assert [(row[1], row[2]) for row in told(dispatch)] == [
         ('r_0', 'charge_assigned'), ('r_1', 'charge_awaited'), ('r_0', 'charge_over'), ('r_1', 'charge_assigned')]
-    assert dispatch.fleet.pose('r_0') == Pose2D(0.0, 0.0)
+    assert dispatch.fleet.robot('r_0').pose == Pose2D(0.0, 0.0)
 
 
 def test_time_goes_on_for_a_charge_that_an_order_waits_for():

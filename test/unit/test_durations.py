@@ -36,7 +36,7 @@ def durations(fleet, name, goals):
     found = []
     for number in range(goals):
         begin_ns = fleet.now_ns
-        fleet.send(name, 10.0 * (number + 1) % 20.0, 0.0)
+        fleet.robot(name).send(10.0 * (number + 1) % 20.0, 0.0)
         fleet.run()
         found.append(fleet.now_ns - begin_ns)
     return found
@@ -95,12 +95,12 @@ def test_until_its_delay_is_over_a_robot_that_turns_in_no_time_has_not_turned():
 
 def test_overhead_and_factor_to_the_nanosecond():
     fleet = fleet_of('bot', goal_overhead=1.5, duration_factor=1.25, turn_rate=0.0)
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run(int(1.5 * S))
-    assert fleet.pose('bot') == Pose2D()
+    assert fleet.robot('bot').pose == Pose2D()
     fleet.run()
     assert ends(fleet) == [(int((1.5 + 1.25 * 7.0) * S), 'SUCCEEDED', 'Goal reached.')]
-    assert fleet.distance('bot') == 10.0
+    assert fleet.robot('bot').distance == 10.0
 
 
 def test_a_drawn_factor_is_the_one_of_seed_robot_and_goal():
@@ -116,7 +116,7 @@ def test_a_drawn_factor_is_the_one_of_seed_robot_and_goal():
 def test_what_one_robot_draws_depends_on_no_other():
     alone = durations(fleet_of('bot', **SPREAD), 'bot', 4)
     fleet = fleet_of('first', 'bot', **SPREAD)
-    fleet.place('bot', Pose2D())
+    fleet.robot('bot').place(Pose2D())
     durations(fleet, 'first', 5)
     assert durations(fleet, 'bot', 4) == alone
     assert durations(fleet_of('bot', seed=8, **SPREAD), 'bot', 4) != alone
@@ -125,19 +125,19 @@ def test_what_one_robot_draws_depends_on_no_other():
 def test_a_goal_that_is_replaced_changes_nothing_for_those_after_it():
     fleet, other = fleet_of('bot', **SPREAD), fleet_of('bot', **SPREAD)
     for one, seconds in ((fleet, 0.5), (other, 5.0)):
-        one.send('bot', 10.0, 0.0)
+        one.robot('bot').send(10.0, 0.0)
         one.run_for(seconds)
-        one.place('bot', Pose2D())
-        one.send('bot', 5.0, 0.0)
+        one.robot('bot').place(Pose2D())
+        one.robot('bot').send(5.0, 0.0)
         one.run()
     assert ends(fleet)[-1][0] - int(0.5 * S) == ends(other)[-1][0] - 5 * S
 
 
 def test_a_goal_that_goes_on_from_elsewhere_keeps_its_factor_and_has_waited_already():
     fleet = fleet_of('bot', **SPREAD)
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run_for(4.0)
-    fleet.place('bot', Pose2D())
+    fleet.robot('bot').place(Pose2D())
     fleet.run()
     chance = Chance(7, 'bot')
     factor = read_settings(SPREAD, 'x').durations.factor.draw(lambda place: chance.uniform(1, Purpose.FACTOR, place))
@@ -146,24 +146,24 @@ def test_a_goal_that_goes_on_from_elsewhere_keeps_its_factor_and_has_waited_alre
 
 def test_of_the_overhead_only_the_rest_is_waited_for():
     fleet = fleet_of('bot', goal_overhead=3.0)
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run_for(1.0)
-    fleet.place('bot', Pose2D())
+    fleet.robot('bot').place(Pose2D())
     fleet.run()
     assert ends(fleet)[0][0] == 10 * S
 
 
 def test_a_robot_that_is_stopped_while_it_waits_looks_where_it_looked():
     fleet = fleet_of('bot', goal_overhead=3.0, turn_rate=0.0)
-    goal = fleet.send('bot', 0.0, 10.0)
+    goal = fleet.robot('bot').send(0.0, 10.0)
     fleet.run_for(1.0)
-    fleet.cancel('bot', goal)
-    assert fleet.pose('bot') == Pose2D()
+    fleet.robot('bot').cancel(goal)
+    assert fleet.robot('bot').pose == Pose2D()
 
 
 def test_a_goal_that_no_time_reaches_is_aborted_with_durations_too():
     fleet = fleet_of('bot', duration_factor=1.1)
-    fleet.send('bot', 1e305, 0.0)
+    fleet.robot('bot').send(1e305, 0.0)
     fleet.run()
     (_, state, text), = ends(fleet)
     assert state == 'ABORTED'
@@ -175,9 +175,9 @@ def test_a_goal_that_no_time_reaches_is_aborted_with_durations_too():
 def test_as_many_goals_fail_as_their_length_says_and_on_the_way():
     fleet = fleet_of('bot', failure_by_length=[[5.0, 0.0], [10.0, 0.25], [15.0, 1.0]])
     for number in range(400):
-        fleet.send('bot', 0.0, 10.0 * (number % 2))
+        fleet.robot('bot').send(0.0, 10.0 * (number % 2))
         fleet.run()
-        fleet.place('bot', Pose2D(0.0, 10.0 * (number % 2), 0.0))
+        fleet.robot('bot').place(Pose2D(0.0, 10.0 * (number % 2), 0.0))
     states = [state for _, state, _ in ends(fleet)]
     assert abs(states.count('ABORTED') - 100) < 2.6 * math.sqrt(400 * 0.25 * 0.75)
     assert {text for _, state, text in ends(fleet) if state == 'ABORTED'} == {NO_CONTROL}
@@ -185,18 +185,18 @@ def test_as_many_goals_fail_as_their_length_says_and_on_the_way():
 
 def test_a_goal_fails_where_the_robot_is_at_that_instant():
     fleet = fleet_of('bot', failure_by_length=[[0.0, 1.0]])
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run()
     share = Chance(7, 'bot').uniform(1, Purpose.FAILURE_PLACE)
     leg = Leg(Pose2D(), Pose2D(10.0, 0.0), MotionLimits(2.0, 1.0, 1.0))
     assert ends(fleet) == [(int(share * 7 * S), 'ABORTED', NO_CONTROL)]
-    assert fleet.pose('bot') == leg.pose_at(fleet.now_ns) != leg.end
+    assert fleet.robot('bot').pose == leg.pose_at(fleet.now_ns) != leg.end
     assert [entry.kind for entry in fleet.trace] == ['departed', 'stands', 'ended']
 
 
 def test_a_goal_shorter_than_the_first_length_has_the_first_chance():
     fleet = fleet_of('bot', failure_by_length=[[5.0, 0.0], [10.0, 1.0]])
-    fleet.send('bot', 4.0, 0.0)
+    fleet.robot('bot').send(4.0, 0.0)
     fleet.run()
     assert ends(fleet)[0][1] == 'SUCCEEDED'
 
@@ -238,7 +238,7 @@ def test_quantiles_come_from_a_file_beside_the_scenario(tmp_path):
         'defaults: {duration_distribution: quantiles, duration_quantiles: factors.yaml, max_speed: 1.0}\n'
         'robots: [{name: bot}]\n')
     fleet = Fleet(read_scenario(tmp_path / 'fleet.yaml'), start_ns=0)
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run()
     assert ends(fleet)[0][0] == 15 * S
 

@@ -50,8 +50,8 @@ TWO = [{'name': 'a'}, {'name': 'b', 'start_x': 30.0, 'start_yaw': math.pi}]
 
 def two(tmp_path, law, **more):
     fleet = Fleet(scenario(tmp_path, law, TWO, **more))
-    fleet.send('a', 30.0, 0.0)
-    fleet.send('b', 0.0, 0.0, math.pi)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0, math.pi)
     fleet.run()
     return fleet
 
@@ -65,15 +65,15 @@ def drive(tmp_path, law, names, seed, steps=False):
 
     def send(name, *_ended):
         if goals[name]:
-            fleet.send(name, *goals[name].pop())
+            fleet.robot(name).send(*goals[name].pop())
     robots.sort(key=lambda one: names.index(one['name']))
     fleet = Fleet(scenario(tmp_path, law, robots), on_end=send)
     for name in names:
         send(name)
     places = {name: [] for name in names}
-    while steps and any(fleet._members[name].navigator.is_active for name in names):
+    while steps and any(fleet.robot(name).navigator.is_active for name in names):
         for name in names:
-            pose = fleet.pose(name)
+            pose = fleet.robot(name).pose
             places[name].append((pose.x, pose.y))
         fleet.run(fleet.now_ns + MS)
     fleet.run()
@@ -112,8 +112,8 @@ def test_a_fleet_meets_when_its_poses_say_so(tmp_path, seed):
 def test_nothing_is_delayed_where_nothing_costs_anything(tmp_path):
     fleet = two(tmp_path, FREE)
     alone = Fleet(make_scenario({'seed': 5, 'robots': TWO, 'defaults': {'calibration': calibration(tmp_path, FREE)}}))
-    alone.send('a', 30.0, 0.0)
-    alone.send('b', 0.0, 0.0, math.pi)
+    alone.robot('a').send(30.0, 0.0)
+    alone.robot('b').send(0.0, 0.0, math.pi)
     alone.run()
     assert [entry for entry in fleet.trace if entry.kind not in ('meets', 'encounter')] == alone.trace
     assert [(entry.time_ns, entry.robot, entry.values) for entry in fleet.trace if entry.kind == 'meets'] == [
@@ -139,8 +139,8 @@ def test_who_is_blocked_gives_up_in_upstreams_words(tmp_path):
     fleet = two(tmp_path, {**DEAR, 'block_chance': 1.0, 'abort_chance': 1.0, 'both_chance': 1.0})
     assert [row[3:] for row in rows(fleet, 'ended')] == [('ABORTED', NO_CONTROL.text)] * 2
     assert len(rows(fleet, 'released')) == 2
-    fleet.place('b', Pose2D(0.0, 50.0))
-    fleet.send('a', 30.0, 0.0)
+    fleet.robot('b').place(Pose2D(0.0, 50.0))
+    fleet.robot('a').send(30.0, 0.0)
     fleet.run()
     assert rows(fleet, 'ended')[-1][3] == 'SUCCEEDED'
 
@@ -148,38 +148,38 @@ def test_who_is_blocked_gives_up_in_upstreams_words(tmp_path):
 @pytest.mark.parametrize('what', ['cancel', 'send', 'place'])
 def test_who_stands_may_be_sent_elsewhere(tmp_path, what):
     fleet = Fleet(scenario(tmp_path, {**DEAR, 'delay_mean': 1000.0, 'both_chance': 1.0}, TWO))
-    fleet.send('a', 30.0, 0.0)
-    fleet.send('b', 0.0, 0.0, math.pi)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0, math.pi)
     fleet.run(until=30.0)
     assert fleet.robot('a').activity == 'held: encounter with b'
     if what == 'cancel':
-        fleet.cancel('a')
-        assert not fleet._members['a'].navigator.travel.held_for
+        fleet.robot('a').cancel()
+        assert not fleet.robot('a').navigator.travel.held_for
     elif what == 'send':
-        fleet.send('a', 0.0, 5.0)
+        fleet.robot('a').send(0.0, 5.0)
         assert fleet.robot('a').activity == 'travelling'
     else:
-        fleet.place('a', Pose2D(0.0, 20.0))
+        fleet.robot('a').place(Pose2D(0.0, 20.0))
         assert fleet.robot('a').activity == 'held: encounter with b'
     fleet.run()
-    assert not fleet._members['a'].navigator.travel.held_for
+    assert not fleet.robot('a').navigator.travel.held_for
     assert [row[3] for row in rows(fleet, 'ended') if row[1] == 'b'] == ['SUCCEEDED']
 
 
 def test_reset_and_removal_leave_nothing_behind(tmp_path):
     fleet = Fleet(scenario(tmp_path, {**DEAR, 'delay_mean': 1000.0}, TWO))
-    fleet.send('a', 30.0, 0.0)
-    fleet.send('b', 0.0, 0.0, math.pi)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0, math.pi)
     fleet.run(until=30.0)
     fleet.reset()
     fleet.run()
     assert fleet.now < 31.0
-    fleet.send('a', 30.0, 0.0)
+    fleet.robot('a').send(30.0, 0.0)
     fleet.remove('b')
     fleet.run()
     assert fleet.now < 80.0 and rows(fleet, 'ended')[-1][3] == 'SUCCEEDED'
     fleet.add('c', calibration=fleet.scenario.robots[0].parameters['calibration'], start_x=15.0)
-    fleet.send('a', 0.0, 0.0)
+    fleet.robot('a').send(0.0, 0.0)
     fleet.run()
     assert rows(fleet, 'encounter')[-1][2] == 'a' and rows(fleet, 'encounter')[-1][3] == 'standing'
 

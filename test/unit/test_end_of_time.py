@@ -66,8 +66,8 @@ def test_a_robot_that_would_give_up_after_the_end_of_time_gives_up_at_once(rig):
 
 def test_a_fleet_in_plain_python_ends_and_goes_on():
     fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 1e-9}]}))
-    fleet.send('bot', 10.0, 0.0)
-    fleet.send('bot', 1e-9, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
+    fleet.robot('bot').send(1e-9, 0.0)
     assert fleet.run() == 2 * S
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == [
         GoalState.ABORTED.name, GoalState.SUCCEEDED.name]

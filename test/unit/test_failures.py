@@ -37,7 +37,7 @@ def endings(fleet):
 
 def test_stall_it_stands_for_its_repair_time_and_goes_on():
     fleet = fleet_of(failure_kind='stall', failure_times=[4.0], repair_time=10.0)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run()
     assert rows(fleet) == [
         (0.0, 'departed', (20.0, 0.0, 0.0)), (4.0, 'failed', ('stall', 'script')), (4.0, 'held', ('failure',)),
@@ -48,10 +48,10 @@ def test_stall_it_stands_for_its_repair_time_and_goes_on():
 
 def test_abort_it_stands_and_refuses_goals_until_it_is_repaired():
     fleet = fleet_of(failure_kind='abort', failure_times=[4.0], repair_time=10.0)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     for at in (6, 14):
         fleet.run(at * S)
-        fleet.send('bot', 0.0, 0.0)
+        fleet.robot('bot').send(0.0, 0.0)
     fleet.run()
     assert endings(fleet) == [(4.0, 'bot-1', 'ABORTED'), (6.0, 'bot-2', 'ABORTED'), (18.0, 'bot-3', 'SUCCEEDED')]
     assert {values[2] for _, _, values in rows(fleet, 'ended')[:2]} == {FAILED}
@@ -59,11 +59,11 @@ def test_abort_it_stands_and_refuses_goals_until_it_is_repaired():
 
 def test_silent_nothing_is_said_or_heard_until_it_is_repaired():
     fleet = fleet_of(failure_kind='silent', failure_times=[4.0], repair_time=10.0)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run(6 * S)
-    fleet.cancel('bot')
-    fleet.send('bot', 0.0, 0.0)
-    assert (fleet.condition('bot').state_text, rows(fleet, 'ended')) == ('failed: silent', [])
+    fleet.robot('bot').cancel()
+    fleet.robot('bot').send(0.0, 0.0)
+    assert (fleet.robot('bot').condition.state_text, rows(fleet, 'ended')) == ('failed: silent', [])
     fleet.run()
     assert [row[:2] for row in rows(fleet)[4:]] == [
         (14.0, 'repaired'), (14.0, 'ended'), (14.0, 'released'), (14.0, 'departed'), (18.0, 'stands'), (18.0, 'ended')]
@@ -76,7 +76,7 @@ def test_what_ends_while_a_robot_is_silent_is_said_when_it_is_repaired():
         (goal_id, state.name, now_ns / S)),
                      failure_kind='silent', failure_times=[2.0], repair_time=100.0, abort_policy='upstream',
                      recovery_behavior_enabled=False, world_bounds=[-1.0, -1.0, 9.0, 1.0])
-    fleet.send('bot', 20.0, 0.0)  # is given up after 5 s
+    fleet.robot('bot').send(20.0, 0.0)  # is given up after 5 s
     fleet.run()
     assert ended == [('bot-1', 'ABORTED', 102.0)]
 
@@ -85,16 +85,16 @@ def test_what_ends_while_a_robot_is_silent_is_said_when_it_is_repaired():
 @pytest.mark.parametrize('act', [Fleet.reset, lambda fleet: fleet.remove('bot')])
 def test_reset_and_removal_end_a_failure_and_its_goal(kind, act):
     fleet = fleet_of(failure_kind=kind, repair_time=1e6)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run(S)
-    fleet.fail('bot')
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').fail()
+    fleet.robot('bot').send(10.0, 0.0)
     act(fleet)
     assert 'ABORTED' in [state for _, _, state in endings(fleet)]
     fleet.run()
     assert fleet.now_ns == S
     if fleet.names:
-        fleet.send('bot', 2.0, 0.0)
+        fleet.robot('bot').send(2.0, 0.0)
         fleet.run()
         assert endings(fleet)[-1][::2] == (2.0, 'SUCCEEDED')
 
@@ -102,26 +102,27 @@ def test_reset_and_removal_end_a_failure_and_its_goal(kind, act):
 @pytest.mark.parametrize('kind', ['abort', 'stall', 'silent'])
 def test_repaired_by_hand_it_does_as_if_its_time_were_over(kind):
     fleet = fleet_of(failure_kind=kind, failure_times=[1.0], repair_distribution='never')
-    fleet.send('bot', 4.0, 0.0)
+    fleet.robot('bot').send(4.0, 0.0)
     fleet.run()
-    assert (fleet.now_ns, fleet.condition('bot').failing.failure.until_ns) == (S, None)
+    assert (fleet.now_ns, fleet.robot('bot').condition.failing.failure.until_ns) == (S, None)
     fleet.run(5 * S)
-    assert (fleet.repair('bot'), fleet.repair('bot'), fleet.condition('bot').state_text) == (True, False, '')
-    fleet.send('bot', 3.0, 0.0)
+    robot = fleet.robot('bot')
+    assert (robot.repair(), robot.repair(), robot.condition.state_text) == (True, False, '')
+    fleet.robot('bot').send(3.0, 0.0)
     fleet.run()
     assert endings(fleet)[-1][0] == 5.5
 
 
 def test_a_failure_asked_for_has_the_kind_and_time_asked_for():
     fleet = fleet_of(failure_kind='stall', repair_time=5.0)
-    assert fleet.fail('bot', 'abort', 2.5) and not fleet.fail('bot')
+    assert fleet.robot('bot').fail('abort', 2.5) and not fleet.robot('bot').fail()
     fleet.run()
     assert rows(fleet) == [(0.0, 'failed', ('abort', 'request')), (2.5, 'repaired', ())]
     kinds = "'abort', 'stall', 'silent' or 'stuck'"
     with pytest.raises(ConfigurationError, match="robot 'bot'/kind: got 'nap'; allowed: " + kinds):
-        fleet.fail('bot', 'nap')
+        fleet.robot('bot').fail('nap')
     with pytest.raises(ConfigurationError, match='failure_kind: got none'):
-        fleet_of().fail('bot')
+        fleet_of().robot('bot').fail()
 
 
 def test_scripted_failures_may_be_each_of_its_own_and_one_during_another_is_left_out():
@@ -141,15 +142,15 @@ def number(count, purpose, seed=0, robot='bot'):
 def shuttle(fleet, seconds, names=('bot',), length=100.0):
     """Have robots drive to and fro, each goal sent as the one before ends, for so long."""
     for name in names:
-        fleet.send(name, length, 0.0)
+        fleet.robot(name).send(length, 0.0)
     fleet.run(int(seconds * S))
     return fleet
 
 
 def to_and_fro(length=100.0):
     def go(robot, _goal_id, _state, _text, _now_ns, fleet=None):
-        x = fleet.pose(robot).x
-        fleet.send(robot, 0.0 if x > 0.5 * length else length, 0.0)
+        x = fleet.robot(robot).pose.x
+        fleet.robot(robot).send(0.0 if x > 0.5 * length else length, 0.0)
     return go
 
 
@@ -165,11 +166,11 @@ def test_hours_count_while_there_is_a_goal_and_no_failure():
     fleet = fleet_of(failure_kind='stall', failures_per_hour=60.0, repair_time=7.0, max_speed=0.001)
     first, second = (int(number(count, Purpose.FAILURE_HOURS) / 60.0 * HOUR) for count in (1, 2))
     fleet.run(100 * S)
-    fleet.send('bot', 1000.0, 0.0)
+    fleet.robot('bot').send(1000.0, 0.0)
     fleet.run(100 * S + first // 2)
-    fleet.cancel('bot')
+    fleet.robot('bot').cancel()
     fleet.run(200 * S + first // 2)
-    fleet.send('bot', 1000.0, 0.0)
+    fleet.robot('bot').send(1000.0, 0.0)
     fleet.run(207 * S + first + second)
     assert [entry.time_ns for entry in fleet.trace if entry.kind == 'failed'] == [
         200 * S + first, 207 * S + first + second]
@@ -191,18 +192,18 @@ def test_goals_count_by_their_time_and_a_goal_that_is_left_counts_in_part():
     first = number(1, Purpose.FAILURE_GOALS) / 0.4
     assert 0.5 < first < 3.0
     fleet = fleet_of(**settings)
-    fleet.send('bot', 20.0, 0.0)
+    fleet.robot('bot').send(20.0, 0.0)
     fleet.run(5 * S)
-    fleet.place('bot', Pose2D(10.0, 5.0))  # half is done; the rest stands for the other half
+    fleet.robot('bot').place(Pose2D(10.0, 5.0))  # half is done; the rest stands for the other half
     fleet.run(6 * S)
-    fleet.cancel('bot')
+    fleet.robot('bot').cancel()
     way = math.hypot(10.0, 5.0) / 2.0
     done = 0.5 + 0.5 / way
-    fleet.place('bot', Pose2D())
+    fleet.robot('bot').place(Pose2D())
     begin = fleet.now_ns
     while not rows(fleet, 'failed'):
         begin = fleet.now_ns
-        fleet.send('bot', 20.0 - fleet.pose('bot').x, 0.0)
+        fleet.robot('bot').send(20.0 - fleet.robot('bot').pose.x, 0.0)
         fleet.run()
         done += 1.0
     assert rows(fleet, 'failed')[0][0] == pytest.approx(begin / S + 10.0 * (first - (done - 1.0)), abs=1e-8)
@@ -244,7 +245,7 @@ def test_failures_come_at_their_rates():
                 repairs.append(entry.time_ns / S - begin)
                 begin = None
         down += fleet.now_ns / S - begin if begin is not None else 0.0
-        driven += fleet.distance(name)
+        driven += fleet.robot(name).distance
     hours = (len(NAMES) * fleet.now_ns / S - down - sum(repairs)) / 3600.0
     for cause, exposure in (('hour', hours), ('km', driven / 1000.0), ('goal', driven / 100.0)):
         count, expected = counts[cause], exposure * rates[cause]
@@ -287,11 +288,11 @@ def test_what_does_not_fit_is_an_error_that_names_it(wrong, text):
 @pytest.mark.parametrize('rate', ['failures_per_hour', 'failures_per_km', 'failures_per_goal'])
 def test_the_smallest_rate_lets_nothing_fail(rate):
     fleet = shuttle(driving(failure_kind='stall', **{rate: 5e-324}), 20.0)
-    assert fleet.condition('bot').failing.count == 0
+    assert fleet.robot('bot').condition.failing.count == 0
 
 
 def test_without_a_kind_nothing_is_made_and_the_log_is_the_same():
     settings = {'duration_distribution': 'lognormal', 'duration_cv': 0.3}
     plain, with_kind = (shuttle(driving(**settings, **more), 2000.0) for more in ({}, {'failure_kind': 'stall'}))
-    assert plain.condition('bot').failing is None
+    assert plain.robot('bot').condition.failing is None
     assert plain.trace == with_kind.trace != []

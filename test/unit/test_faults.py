@@ -22,7 +22,8 @@ ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'g
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
            ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
            ('room.py', '_look'), ('room.py', '_changed'), ('timed_task.py', 'shut_down'),
-           ('traveller.py', '_happen'), ('travel.py', '_change_holds'), ('member.py', 'worker'),
+           ('traveller.py', '_happen'), ('travel.py', '_change_holds'), ('member.py', '_now_ns'),
+           ('member.py', '_worker'), ('member.py', 'send'), ('member.py', 'send_task'),
            ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'),
            ('failing.py', '_forget'), ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
            ('geometry.py', 'quaternion_of_yaw')}
@@ -50,9 +51,9 @@ class World:
         self.fleet = Fleet(make_scenario(WORLD), start_ns=0)
         self.fleet.simulation._on_fault = lambda who, error: self.reported.append((who, error))
         for name, y in zip(NAMES, (0.0, 2.0, 4.0)):
-            self.fleet.at(0, lambda fleet, name=name, y=y: fleet.send(name, 12.0, y, goal_id=name + '-out'))
-            self.fleet.at(60 * S, lambda fleet, name=name: fleet.work(name, TASKS[name]))
-            self.fleet.at(90 * S, lambda fleet, name=name, y=y: fleet.send(name, 0.0, y, goal_id=name + '-back'))
+            self.fleet.at(0, lambda fleet, name=name, y=y: fleet.robot(name).send(12.0, y, goal_id=name + '-out'))
+            self.fleet.at(60 * S, lambda fleet, name=name: fleet.robot(name).send_task(TASKS[name]))
+            self.fleet.at(90 * S, lambda fleet, name=name, y=y: fleet.robot(name).send(0.0, y, goal_id=name + '-back'))
         before = sys.gettrace()
         sys.settrace(self._look)
         try:
@@ -82,10 +83,11 @@ class World:
         assert not self.raised and len(self.reported) == 1
         assert not any(state.waiting for state in fleet.zones)
         for name in NAMES:
-            member = fleet._members[name]
-            assert not member.navigator.is_active and not member.navigator.travel.held_for and member.robot.leg is None
-            assert member.tasks._ledger.active is None and not member.tasks.is_waiting
-            pose = fleet.pose(name)
+            member = fleet.robot(name)
+            navigator = member.navigator
+            assert not navigator.is_active and not navigator.travel.held_for and navigator.robot.leg is None
+            assert member._tasks._ledger.active is None and not member._tasks.is_waiting
+            pose = fleet.robot(name).pose
             for zone, state in zip(fleet.scenario.zones, fleet.zones):
                 assert zone.contains(pose.x, pose.y) == (name in state.robots)
         ends = {entry.values[0]: entry.values[1:] for entry in fleet.trace if entry.kind in ('ended', 'task_ended')}
@@ -94,7 +96,7 @@ class World:
         assert all(end[1] == 'The goal cannot be worked on: Injected: broken' for end in bad.values()), bad
         start = fleet.now_ns
         for name in NAMES:
-            fleet.send(name, 5.0 * NAMES.index(name), -20.0, goal_id=name + '-new')
+            fleet.robot(name).send(5.0 * NAMES.index(name), -20.0, goal_id=name + '-new')
         fleet.run(start + 600 * S)
         new = [entry.values[1] for entry in fleet.trace if entry.kind == 'ended' and entry.values[0].endswith('-new')]
         assert new == ['SUCCEEDED'] * 3
@@ -132,14 +134,14 @@ def ends(fleet):
 
 def test_a_goal_that_breaks_its_planner_is_aborted_with_the_text_and_logged_with_the_traceback(caplog):
     fleet = fleet_of('a', 'b', planner=Broken())
-    fleet.send('a', 2.0, 0.0)
-    fleet.at(S // 2, lambda fleet: (fleet.send('a', 13.0, 0.0), fleet.send('b', 4.0, 0.0)))
+    fleet.robot('a').send(2.0, 0.0)
+    fleet.at(S // 2, lambda fleet: (fleet.robot('a').send(13.0, 0.0), fleet.robot('b').send(4.0, 0.0)))
     fleet.run()
     text = 'The goal cannot be worked on: OverflowError: cannot convert float infinity to integer'
     assert ends(fleet)[1:] == [(0.5, 'a', 'ABORTED', text), (2.5, 'b', 'SUCCEEDED', 'Goal reached.')]
-    assert (fleet.pose('a').x, fleet.distance('a')) == (1.0, 1.0)
+    assert (fleet.robot('a').pose.x, fleet.robot('a').distance) == (1.0, 1.0)
     assert text in caplog.text and 'Traceback' in caplog.text
-    fleet.send('a', 2.0, 0.0)
+    fleet.robot('a').send(2.0, 0.0)
     fleet.run()
     assert ends(fleet)[-1][2] == 'SUCCEEDED'
 
@@ -153,17 +155,19 @@ def test_a_factor_beyond_all_bounds_is_refused_where_it_is_read(tmp_path):
 
 
 @pytest.mark.parametrize('call, text', [
-    (lambda fleet: fleet.send('a', '1', 2), "x: got '1'; allowed: a number"),
-    (lambda fleet: fleet.send('a', 1, None), 'y: got None; allowed: a number'),
-    (lambda fleet: fleet.send('a', 1, 10 ** 400), 'y: got a whole number of about 401 digits'),
-    (lambda fleet: fleet.send('a', 1, 2, yaw=True), 'yaw: got True'),
-    (lambda fleet: fleet.send('a', 1, 2, goal_id=7), 'goal_id: got 7; allowed: a text'),
-    (lambda fleet: fleet.send('a', 1, 2, frame=b'map'), "frame: got b'map'; allowed: a text"),
-    (lambda fleet: fleet.place('a', (1, 2)), 'pose: got .1, 2.; allowed: Pose2D'),
-    (lambda fleet: fleet.hold('a', 3), 'reason: got 3; allowed: a text'),
-    (lambda fleet: fleet.work('a', 'dock'), "task: got 'dock'; allowed: Task"),
-    (lambda fleet: fleet.work('a', Task('t', 0, 'dock', Pose2D(), 1.5)), 'task: duration_ns: got 1.5; allowed: a'),
-    (lambda fleet: fleet.work('a', Task('t', 0, 'dock', Pose2D(), 0, '3')), "task: power: got '3'; allowed: a number"),
+    (lambda fleet: fleet.robot('a').send('1', 2), "x: got '1'; allowed: a number"),
+    (lambda fleet: fleet.robot('a').send(1, None), 'y: got None; allowed: a number'),
+    (lambda fleet: fleet.robot('a').send(1, 10 ** 400), 'y: got a whole number of about 401 digits'),
+    (lambda fleet: fleet.robot('a').send(1, 2, yaw=True), 'yaw: got True'),
+    (lambda fleet: fleet.robot('a').send(1, 2, goal_id=7), 'goal_id: got 7; allowed: a text'),
+    (lambda fleet: fleet.robot('a').send(1, 2, frame=b'map'), "frame: got b'map'; allowed: a text"),
+    (lambda fleet: fleet.robot('a').place((1, 2)), 'pose: got .1, 2.; allowed: Pose2D'),
+    (lambda fleet: fleet.robot('a').hold(3), 'reason: got 3; allowed: a text'),
+    (lambda fleet: fleet.robot('a').send_task('dock'), "task: got 'dock'; allowed: Task"),
+    (lambda fleet: fleet.robot('a').send_task(Task('t', 0, 'dock', Pose2D(), 1.5)),
+     'task: duration_ns: got 1.5; allowed: a'),
+    (lambda fleet: fleet.robot('a').send_task(Task('t', 0, 'dock', Pose2D(), 0, '3')),
+     "task: power: got '3'; allowed: a number"),
     (lambda fleet: fleet.at(1e9, print), 'time_ns: got 1000000000.0; allowed: a whole number .ns.'),
     (lambda fleet: fleet.run(1e9), 'until_ns: got 1000000000.0; allowed: a whole number .ns.'),
     (lambda fleet: fleet.run_for('1'), "seconds: got '1'; allowed: a number"),

@@ -28,47 +28,67 @@ def endings(fleet):
 
 def test_one_goal_leaves_the_trace_of_a_departure_an_arrival_and_an_ending():
     fleet = make_fleet()
-    goal_id = fleet.send('r_0', 10.0, 0.0)
+    goal_id = fleet.robot('r_0').send(10.0, 0.0)
     assert fleet.run() == 6 * S
     assert fleet.trace == [TraceEntry(S, 'r_0', 'departed', (10.0, 0.0, 0.0)),
                            TraceEntry(6 * S, 'r_0', 'stands', (10.0, 0.0, 0.0)),
                            TraceEntry(6 * S, 'r_0', 'ended', (goal_id, *REACHED))]
-    assert fleet.distance('r_0') == 10.0
+    assert fleet.robot('r_0').distance == 10.0
 
 
 def test_robots_that_arrive_at_one_instant_end_in_the_order_of_their_indices():
     fleet = make_fleet(12)
     for name in reversed(fleet.names):
-        fleet.send(name, 4.0, 0.0)
+        fleet.robot(name).send(4.0, 0.0)
     fleet.run()
     assert [robot for _, robot, *_ in endings(fleet)] == ['r_{}'.format(number) for number in range(12)]
 
 
+def test_old_methods_of_a_fleet_work_and_say_the_new_ones():
+    fleet = make_fleet()
+    with pytest.warns(FutureWarning, match=r'^Fleet.send\(name\) is Fleet.robot\(name\).send now; the old name goes'):
+        assert fleet.send('r_0', 4.0, 0.0) == 'r_0-1'
+    fleet.run()
+    with pytest.warns(FutureWarning, match=r'Fleet.robot\(name\).pose now'):
+        assert fleet.pose('r_0') == Pose2D(4.0, 0.0)
+    with pytest.raises(AttributeError, match='sent'):
+        fleet.sent('r_0', 4.0, 0.0)
+
+
+def test_a_removed_robot_does_nothing_more():
+    fleet = make_fleet()
+    robot = fleet.robot('r_0')
+    fleet.remove('r_0')
+    for use in (lambda: robot.send(1.0, 0.0), robot.cancel, lambda: robot.pose, lambda: robot.hold('x')):
+        with pytest.raises(ConfigurationError, match="robot 'r_0' was removed from its fleet"):
+            use()
+
+
 def test_running_until_a_time_stops_there_with_exact_poses():
     fleet = make_fleet()
-    fleet.send('r_0', 10.0, 0.0)
+    fleet.robot('r_0').send(10.0, 0.0)
     assert fleet.run(3 * S) == 3 * S
-    assert fleet.pose('r_0') == Pose2D(4.0, 0.0)
+    assert fleet.robot('r_0').pose == Pose2D(4.0, 0.0)
     assert fleet.run_for(0.5) == 3_500_000_000
-    assert fleet.pose('r_0') == Pose2D(5.0, 0.0)
+    assert fleet.robot('r_0').pose == Pose2D(5.0, 0.0)
 
 
 def test_a_goal_sent_when_another_ends_starts_at_that_instant():
     def on_end(name, _goal_id, state, _text, now_ns):
         seen.append((now_ns, state))
         if len(seen) < 3:
-            fleet.send(name, 2.0 * len(seen) % 4.0, 0.0)
+            fleet.robot(name).send(2.0 * len(seen) % 4.0, 0.0)
 
     seen = []
     fleet = make_fleet(on_end=on_end)
-    fleet.send('r_0', 4.0, 0.0)
+    fleet.robot('r_0').send(4.0, 0.0)
     fleet.run()
     assert seen == [(3 * S, GoalState.SUCCEEDED), (4 * S, GoalState.SUCCEEDED), (5 * S, GoalState.SUCCEEDED)]
 
 
 def test_what_a_user_schedules_comes_after_the_robots_events_of_that_instant():
     fleet = make_fleet()
-    fleet.send('r_0', 4.0, 0.0)
+    fleet.robot('r_0').send(4.0, 0.0)
     poses = []
     fleet.at(3 * S, lambda there: poses.append((there.now_ns, len(endings(there)))))
     fleet.run()
@@ -89,19 +109,19 @@ def test_simulated_time_has_an_end(go_on):
 
 def test_cancel_and_replacement_end_each_goal_once():
     fleet = make_fleet()
-    fleet.send('r_0', 100.0, 0.0, goal_id='a')
-    fleet.at(2 * S, lambda there: there.send('r_0', 0.0, 50.0, goal_id='b'))
-    fleet.at(4 * S, lambda there: there.cancel('r_0'))
+    fleet.robot('r_0').send(100.0, 0.0, goal_id='a')
+    fleet.at(2 * S, lambda there: there.robot('r_0').send(0.0, 50.0, goal_id='b'))
+    fleet.at(4 * S, lambda there: there.robot('r_0').cancel())
     fleet.run()
     assert endings(fleet) == [(2 * S, 'r_0', 'a', 'PREEMPTED'), (4 * S, 'r_0', 'b', 'PREEMPTED')]
 
 
 def test_reset_brings_home_and_keeps_the_time():
     fleet = make_fleet(2)
-    fleet.send('r_1', 100.0, 0.0, goal_id='a')
+    fleet.robot('r_1').send(100.0, 0.0, goal_id='a')
     fleet.run(5 * S)
     fleet.reset()
-    assert (fleet.now_ns, fleet.pose('r_1'), fleet.distance('r_1')) == (5 * S, Pose2D(), 0.0)
+    assert (fleet.now_ns, fleet.robot('r_1').pose, fleet.robot('r_1').distance) == (5 * S, Pose2D(), 0.0)
     assert endings(fleet) == [(5 * S, 'r_1', 'a', 'ABORTED')]
     assert fleet.run() == 5 * S
 
@@ -109,21 +129,21 @@ def test_reset_brings_home_and_keeps_the_time():
 def test_robots_come_and_go():
     fleet = make_fleet()
     fleet.add('late', max_speed=4.0, start_x=1.0)
-    fleet.send('late', 5.0, 0.0, goal_id='a')
+    fleet.robot('late').send(5.0, 0.0, goal_id='a')
     fleet.run(1_500_000_000)
     fleet.remove('late')
     assert endings(fleet) == [(1_500_000_000, 'late', 'a', 'ABORTED')]
     assert fleet.names == ['r_0']
     with pytest.raises(ConfigurationError, match="robot 'late' is unknown; there are: r_0"):
-        fleet.pose('late')
+        fleet.robot('late')
     with pytest.raises(ConfigurationError, match="robot 'r_0' is there already"):
         fleet.add('r_0')
 
 
 def test_a_goal_out_of_bounds_or_in_a_foreign_frame_is_refused():
     fleet = Fleet(make_scenario({'robots': [{'name': 'r', 'world_bounds': [0, 0, 9, 9]}]}))
-    fleet.send('r', 10.0, 0.0, goal_id='out')
-    fleet.send('r', 1.0, 0.0, goal_id='far', frame='moon')
+    fleet.robot('r').send(10.0, 0.0, goal_id='out')
+    fleet.robot('r').send(1.0, 0.0, goal_id='far', frame='moon')
     assert [values[:2] for _, _, *values in endings(fleet)] == [['out', 'ABORTED'], ['far', 'ABORTED']]
     assert 'without ROS' in fleet.trace[-1].values[2]
 
@@ -134,7 +154,7 @@ def test_one_robot_more_changes_nothing_for_the_others():
         chance = {name: random.Random(name) for name in fleet.names}
 
         def send(name):
-            fleet.send(name, chance[name].uniform(0, 50), chance[name].uniform(0, 50))
+            fleet.robot(name).send(chance[name].uniform(0, 50), chance[name].uniform(0, 50))
 
         for name in fleet.names:
             send(name)
@@ -150,11 +170,11 @@ def calls_for_each_goal(robots, goals):
     """Return how many calls of Python functions a goal takes, from a robot's last goal to its next."""
     def on_end(name, *_ended):
         if next(left) > 0:
-            fleet.send(name, chance.uniform(0.0, 50.0), chance.uniform(0.0, 50.0))
+            fleet.robot(name).send(chance.uniform(0.0, 50.0), chance.uniform(0.0, 50.0))
 
     fleet, chance, left = make_fleet(robots, on_end=on_end), random.Random(1), iter(range(goals, -robots, -1))
     for name in fleet.names:
-        fleet.send(name, 10.0, 0.0)
+        fleet.robot(name).send(10.0, 0.0)
     calls = Counter()
     sys.setprofile(lambda _frame, event, _argument: calls.update([event]))
     try:
@@ -172,7 +192,7 @@ def test_a_goal_takes_few_calls_whatever_the_number_of_robots():
 def test_the_trace_is_one_list_whenever_it_is_read():
     fleet = make_fleet(trace=[TraceEntry(0, 'r_0', 'stands', (0.0, 0.0, 0.0))])
     trace = fleet.trace
-    fleet.send('r_0', 10.0, 0.0)
+    fleet.robot('r_0').send(10.0, 0.0)
     assert [entry.kind for entry in fleet.trace] == ['stands', 'departed']
     fleet.run()
     assert fleet.trace is trace and [entry.kind for entry in trace] == ['stands', 'departed', 'stands', 'ended']
@@ -181,7 +201,7 @@ def test_the_trace_is_one_list_whenever_it_is_read():
 
 def test_without_a_trace_nothing_is_kept():
     fleet = make_fleet(trace=None)
-    fleet.send('r_0', 10.0, 0.0)
+    fleet.robot('r_0').send(10.0, 0.0)
     fleet.run()
     assert fleet.trace is None
 
@@ -192,7 +212,7 @@ def test_more_goals_leave_no_more_objects_for_the_garbage_collector_to_visit():
     def send_next(name, *_ended):
         if left[0]:
             left[0] -= 1
-            fleet.send(name, float(left[0] % 7), 1.0)
+            fleet.robot(name).send(float(left[0] % 7), 1.0)
 
     fleet = make_fleet(3, on_end=send_next)
     for name in fleet.names:

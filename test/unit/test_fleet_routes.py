@@ -56,11 +56,11 @@ def kinds(fleet):
 def test_a_robot_travels_the_route_to_the_nanosecond(law):
     fleet = fleet_on(area(WALL), corners=law.value, xy_goal_tolerance=0.25)
     route = Route(START, GOAL, CORNERS, LIMITS, Tolerances(0.25), 0, law)
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     for share in (0.1, 0.4, 0.5, 0.8):
         fleet.run(int(share * route.arrive_ns))
-        assert fleet.pose('bot') == route.pose_at(fleet.now_ns)
-        assert fleet.distance('bot') == route.distance_at(fleet.now_ns)
+        assert fleet.robot('bot').pose == route.pose_at(fleet.now_ns)
+        assert fleet.robot('bot').distance == route.distance_at(fleet.now_ns)
     fleet.run()
     assert fleet.trace == [
         TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)), TraceEntry(0, 'bot', 'route', (*CORNERS[0], *CORNERS[1])),
@@ -72,7 +72,7 @@ def test_a_goal_in_sight_is_as_without_routes():
     traces = []
     for routes in ('grid', 'none'):
         fleet = fleet_on(area(WALL), routes=routes)
-        fleet.send('bot', 1.25, 9.0, 1.0)
+        fleet.robot('bot').send(1.25, 9.0, 1.0)
         fleet.run()
         traces.append(fleet.trace)
     assert traces[0] == traces[1]
@@ -80,7 +80,7 @@ def test_a_goal_in_sight_is_as_without_routes():
 
 def test_without_routes_a_map_with_walls_stops_nobody():
     fleet = fleet_on(area(CLOSED), routes='none')
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run()
     assert [entry.kind for entry in fleet.trace] == ['departed', 'stands', 'ended']
     assert fleet.trace[-1].time_ns == 5 * S  # 6 m: 6 / 2 + 2 / 1
@@ -88,23 +88,23 @@ def test_without_routes_a_map_with_walls_stops_nobody():
 
 def test_a_newer_goal_counts_from_the_exact_place_on_the_route():
     fleet = fleet_on(area(WALL))
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run(9 * S // 2)
-    here = fleet.pose('bot')
-    fleet.send('bot', START.x, START.y)
-    assert fleet.distance('bot') == pytest.approx(math.dist((2.5, 5.5), CORNERS[0]) + here.x - CORNERS[0][0])
+    here = fleet.robot('bot').pose
+    fleet.robot('bot').send(START.x, START.y)
+    assert fleet.robot('bot').distance == pytest.approx(math.dist((2.5, 5.5), CORNERS[0]) + here.x - CORNERS[0][0])
     fleet.run()
     states = [entry.values[1] for entry in fleet.trace if entry.kind == 'ended']
     assert states == ['PREEMPTED', 'SUCCEEDED'] and here.y == CORNERS[0][1] and CORNERS[0][0] < here.x < CORNERS[1][0]
     assert TraceEntry(9 * S // 2, 'bot', 'stands', (here.x, here.y, here.yaw)) in fleet.trace
-    assert fleet.pose('bot') == START
+    assert fleet.robot('bot').pose == START
 
 
 def test_a_robot_that_is_placed_elsewhere_plans_from_there():
     fleet = fleet_on(area(WALL))
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run(S)
-    fleet.place('bot', Pose2D(8.5, 1.5, math.pi / 2.0))
+    fleet.robot('bot').place(Pose2D(8.5, 1.5, math.pi / 2.0))
     fleet.run()
     assert fleet.trace[-1].time_ns == S + 4 * S + round(math.pi / 2.0 * S)
 
@@ -114,14 +114,14 @@ def test_a_robot_that_is_placed_elsewhere_plans_from_there():
 @pytest.mark.parametrize('goal', [GOAL, Pose2D(5.5, 5.5), Pose2D(20.0, 5.5)])
 def test_what_cannot_be_reached_ends_with_the_text_of_upstream_at_once(goal):
     fleet = fleet_on(area(CLOSED))
-    fleet.send('bot', goal.x, goal.y)
+    fleet.robot('bot').send(goal.x, goal.y)
     fleet.run()
     assert fleet.trace == [TraceEntry(0, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
 
 
 def test_with_the_policy_of_upstream_it_takes_its_time():
     fleet = fleet_on(area(CLOSED), abort_policy='upstream')
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run()
     end_ns = RecoveryPolicy(fast=False).schedule(0)[1]
     assert fleet.trace == [TraceEntry(end_ns, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
@@ -131,7 +131,7 @@ def test_with_the_policy_of_upstream_it_takes_its_time():
 
 def test_a_route_that_a_new_map_cuts_is_planned_again_at_that_instant():
     fleet = fleet_on(area(WALL))
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area((slice(0, 10), 5))))
     fleet.run()
     assert [entry.kind for entry in fleet.trace] == ['departed', 'route', 'stands', 'departed', 'route', 'stands',
@@ -147,7 +147,7 @@ def test_a_route_that_a_new_map_cuts_is_planned_again_at_that_instant():
 def test_a_route_that_a_new_map_does_not_cut_goes_on(wall):
     fleets = [fleet_on(area(WALL)), fleet_on(area(WALL))]
     for fleet in fleets:
-        fleet.send('bot', GOAL.x, GOAL.y)
+        fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleets[0].at(5 * S, lambda fleet: fleet.use_map(area(WALL, wall)))  # the second wall lies behind the robot
     for fleet in fleets:
         fleet.run()
@@ -156,13 +156,13 @@ def test_a_route_that_a_new_map_does_not_cut_goes_on(wall):
 
 def test_a_map_without_a_way_ends_the_goal_and_one_with_a_way_saves_it():
     fleet = fleet_on(area(WALL))
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.run()
     assert kinds(fleet)[2:] == [(3.0, 'stands'), (3.0, 'ended')] and fleet.trace[-1].values[2] == NO_PLAN
 
     fleet = fleet_on(area(CLOSED), abort_policy='upstream')
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(7 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.at(8 * S, lambda fleet: fleet.use_map(area(WALL)))
     fleet.run()
@@ -172,10 +172,10 @@ def test_a_map_without_a_way_ends_the_goal_and_one_with_a_way_saves_it():
 
 def test_without_routes_a_new_map_counts_for_the_next_goal_only():
     fleet = fleet_on(area(), routes='none')
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(S, lambda fleet: fleet.use_map(area((5, 8))))
     fleet.run()
-    fleet.send('bot', GOAL.x, GOAL.y)
+    fleet.robot('bot').send(GOAL.x, GOAL.y)
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == [
         GoalState.SUCCEEDED.name, GoalState.ABORTED.name]
 
@@ -220,7 +220,7 @@ def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypat
             counts.append(len(gc.get_objects()))
         ended[0] += 1
         if ended[0] <= 450:
-            fleet.send(robot, pick.choice((2.5, 8.5)) + pick.random(), 1.5 + 9.0 * pick.random())
+            fleet.robot(robot).send(pick.choice((2.5, 8.5)) + pick.random(), 1.5 + 9.0 * pick.random())
 
     ended = [0]
     robots = [{'name': 'bot', 'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.0,

@@ -37,7 +37,7 @@ def fleet_of(folder, **defaults):
     ({'routes': 'matrix'}, (5, 0), "The travel matrix has no time from 'a' to 'b'.")])
 def test_a_goal_without_a_plan_has_a_reason(tmp_path, defaults, goal, text):
     fleet = fleet_of(tmp_path, **defaults)
-    goal_id = fleet.send('r', *goal)
+    goal_id = fleet.robot('r').send(*goal)
     fleet.run()
     assert fleet.trace[-1].values[1] == 'ABORTED'
     assert fleet.warnings == [FleetWarning(S, 'r', goal_id, text)]
@@ -45,10 +45,10 @@ def test_a_goal_without_a_plan_has_a_reason(tmp_path, defaults, goal, text):
 
 def test_a_goal_with_a_plan_has_none_and_without_a_trace_nothing_is_kept(tmp_path):
     fleet = fleet_of(tmp_path, world_bounds=[-1, -1, 6, 1])
-    fleet.send('r', 5.0, 0.0)
+    fleet.robot('r').send(5.0, 0.0)
     fleet.run()
     assert fleet.warnings == []
     fleet = Fleet(fleet.scenario, trace=None)
-    fleet.send('r', 7.0, 0.0)
+    fleet.robot('r').send(7.0, 0.0)
     fleet.run()
     assert fleet.warnings == []

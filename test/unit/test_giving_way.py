@@ -35,8 +35,8 @@ def row_of_lanes(tmp_path):
 @pytest.mark.parametrize('law', [{}, {'xy_goal_tolerance': 0.2}, {'corners': 'stop'}])
 def test_the_one_drives_back_over_its_lane_and_goes_on_when_the_other_has_passed(row_of_lanes, law):
     fleet = row_of_lanes([('a', 0, {}), ('b', 20, {})], **law)
-    fleet.send('a', 30.0, 0.0)
-    fleet.send('b', 0.0, 0.0)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
     fleet.run()
     assert rows(fleet, 'entered', 'left', 'deadlock', 'gave_way')[:10] == [
         (0.0, 'a', 'entered', 'lane 0 - 1'), (0.0, 'b', 'entered', 'lane 1 - 2'),
@@ -55,7 +55,7 @@ def test_the_one_drives_back_over_its_lane_and_goes_on_when_the_other_has_passed
 def test_the_lowest_priority_gives_way_then_who_asked_last_then_by_name(row_of_lanes, robots, who):
     fleet = row_of_lanes(robots)
     for name, x, _ in robots:
-        fleet.send(name, 30.0 - x if x > 0 else 30.0, 0.0) if x <= 0 else fleet.send(name, 0.0, 0.0)
+        fleet.robot(name).send(30.0 - x if x > 0 else 30.0, 0.0) if x <= 0 else fleet.robot(name).send(0.0, 0.0)
     fleet.run()
     assert [row[1] for row in rows(fleet, 'gave_way')] == [who]
     assert len(rows(fleet, 'ended')) == 2
@@ -74,8 +74,8 @@ CROSSING = {'west': [0, 0, 5, 5], 'east': [5, 0, 10, 5]}
 
 def test_who_came_into_a_zone_from_outside_drives_out_of_it():
     fleet = world({'a': (-1, 1), 'b': (9, 2)}, CROSSING)
-    fleet.send('a', 9.0, 1.0)
-    fleet.send('b', -5.0, 2.0)
+    fleet.robot('a').send(9.0, 1.0)
+    fleet.robot('b').send(-5.0, 2.0)
     fleet.run()
     assert rows(fleet, 'gave_way') == [(3.0, 'a', 'gave_way', 'zone west')]
     assert [row[:4] for row in rows(fleet, 'stands', 'departed') if row[1] == 'a' and 3.0 <= row[0] < 6.0][1:4] == [
@@ -85,8 +85,8 @@ def test_who_came_into_a_zone_from_outside_drives_out_of_it():
 
 def test_where_nobody_has_anywhere_to_go_the_circle_is_named_and_stays():
     fleet = world({'a': (1, 1), 'b': (9, 2)}, CROSSING)  # both have been inside ever since
-    fleet.send('a', 9.0, 1.0)
-    fleet.send('b', 1.0, 2.0)
+    fleet.robot('a').send(9.0, 1.0)
+    fleet.robot('b').send(1.0, 2.0)
     fleet.run(60 * S)
     assert len(rows(fleet, 'deadlock')) == 1 and not rows(fleet, 'gave_way', 'ended')
     assert [one.text for one in fleet.warnings] == [
@@ -95,10 +95,10 @@ def test_where_nobody_has_anywhere_to_go_the_circle_is_named_and_stays():
 
 def test_who_is_held_for_something_else_too_gives_way_when_that_is_over(row_of_lanes):
     fleet = row_of_lanes([('a', 1, {}), ('b', 20, {})])  # a has always been on its lane
-    fleet.send('b', 0.0, 0.0)
-    fleet.at(2 * S, lambda fleet: fleet.send('a', 30.0, 0.0))
-    fleet.at(6 * S, lambda fleet: fleet.hold('b', 'x'))
-    fleet.at(8 * S, lambda fleet: fleet.release('b', 'x'))
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.at(2 * S, lambda fleet: fleet.robot('a').send(30.0, 0.0))
+    fleet.at(6 * S, lambda fleet: fleet.robot('b').hold('x'))
+    fleet.at(8 * S, lambda fleet: fleet.robot('b').release('x'))
     fleet.run()
     assert rows(fleet, 'gave_way') == [(8.0, 'b', 'gave_way', 'lane 1 - 2')]
     assert [row[0] for row in rows(fleet, 'deadlock')] == [6.5, 8.0]
@@ -106,12 +106,12 @@ def test_who_is_held_for_something_else_too_gives_way_when_that_is_over(row_of_l
 
 
 @pytest.mark.parametrize('stop, go_on', [
-    (lambda fleet: fleet.hold('b', 'x'), lambda fleet: fleet.release('b', 'x')),
-    (lambda fleet: fleet.cancel('b'), lambda fleet: fleet.send('b', 0.0, 0.0))])
+    (lambda fleet: fleet.robot('b').hold('x'), lambda fleet: fleet.robot('b').release('x')),
+    (lambda fleet: fleet.robot('b').cancel(), lambda fleet: fleet.robot('b').send(0.0, 0.0))])
 def test_who_is_stopped_on_its_way_back_goes_on_from_there_and_gives_way_again(row_of_lanes, stop, go_on):
     fleet = row_of_lanes([('a', 0, {}), ('b', 20, {})])
-    fleet.send('a', 30.0, 0.0)
-    fleet.send('b', 0.0, 0.0)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
     fleet.at(7 * S, stop)
     fleet.at(8 * S, go_on)
     fleet.run()
@@ -129,10 +129,10 @@ def test_the_way_back_ends_at_the_first_place_outside_of_all_zones(seed):
         boxes['z{}'.format(number)] = [x, y, x + dice.uniform(1.0, 6.0), y + dice.uniform(0.5, 6.0)]
     boxes['last'] = [8.0, -5.0, 12.0, 5.0]
     fleet = world({'a': (-14.0, -1.0), 'b': (10.0, 4.0)}, boxes)
-    fleet.send('a', 10.0, 1.0)
+    fleet.robot('a').send(10.0, 1.0)
     fleet.run()
-    traveller = fleet._members['a']._traveller
-    x, y = fleet.pose('a').x, fleet.pose('a').y
+    traveller = fleet.robot('a')._traveller
+    x, y = fleet.robot('a').pose.x, fleet.robot('a').pose.y
     assert x == pytest.approx(8.0)  # b stands in the last one
     way = traveller.circles.way_back()
     course = math.atan2(2.0, 24.0)
@@ -174,7 +174,7 @@ class Net:
 
         def send(name, *_):
             if left[name]:
-                fleet.send(name, *left[name].pop(0))
+                fleet.robot(name).send(*left[name].pop(0))
         fleet = Fleet(make_scenario({**self.raw, 'robots': robots}), start_ns=0, on_end=send)
         for name, begin_ns in self.begins.items():
             fleet.at(begin_ns, lambda _, name=name: send(name))

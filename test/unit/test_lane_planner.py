@@ -118,7 +118,7 @@ def test_the_times_to_a_node_are_those_of_networkx():
 
 def test_a_robot_drives_the_lanes_and_the_log_says_so(fleet_on):
     fleet = fleet_on(*RING)
-    fleet.send('bot', 10, 10)
+    fleet.robot('bot').send(10, 10)
     fleet.run()
     assert [entry.values for entry in fleet.trace if entry.kind == 'route'] == [(10.0, 0.0)]
     assert ended(fleet) == (10.0, ('SUCCEEDED', 'Goal reached.'))
@@ -129,22 +129,22 @@ def test_a_robot_drives_the_lanes_and_the_log_says_so(fleet_on):
     ('keep', 2.0 + 6.5 / 2.0 + 1.0 + 9.5 + 1.0), ('stop', 7.0 + 11.0)])
 def test_each_piece_has_its_own_speed(fleet_on, law, seconds):
     fleet = fleet_on('ab', ('bc', {'speed': 1.0}), acceleration=1.0, corners=law)
-    fleet.send('bot', 10, 10)
+    fleet.robot('bot').send(10, 10)
     fleet.run()
     assert ended(fleet)[0] == pytest.approx(seconds)
 
 
 def test_a_length_is_how_long_it_takes(fleet_on):
     fleet = fleet_on(('ab', {'length': 25}))
-    fleet.send('bot', 10, 0)
+    fleet.robot('bot').send(10, 0)
     fleet.run()
-    assert (ended(fleet)[0], fleet.distance('bot')) == (12.5, 10.0)
+    assert (ended(fleet)[0], fleet.robot('bot').distance) == (12.5, 10.0)
 
 
 def test_the_scenario_that_ships_drives_on_lanes_and_waits_at_the_crossing():
     fleet = Fleet(read_scenario(LANES.parents[1] / 'lanes_scenario.yaml'))
     for name, place in zip(fleet.names, ((43, 11), (43, 11), (56, 4), (4, 4), (4, 36))):
-        fleet.send(name, *place)
+        fleet.robot(name).send(*place)
     fleet.run()
     assert {entry.values[1] for entry in fleet.trace if entry.kind == 'ended'} == {'SUCCEEDED'}
     assert [entry.values for entry in fleet.trace if entry.kind == 'held']
@@ -152,18 +152,18 @@ def test_the_scenario_that_ships_drives_on_lanes_and_waits_at_the_crossing():
 
 def test_a_goal_without_lanes_ends_with_upstreams_text(fleet_on):
     fleet = fleet_on('ab')
-    fleet.send('bot', 10, 10)
+    fleet.robot('bot').send(10, 10)
     assert ended(fleet) == (0.0, ('ABORTED', NO_PLAN))
 
 
 def test_a_robot_that_was_stopped_on_a_lane_goes_on_along_it(fleet_on):
     fleet = fleet_on(('ab', {'one_way': True}), 'bc', 'cd', 'da')
-    fleet.send('bot', 10, 10)
+    fleet.robot('bot').send(10, 10)
     fleet.run(4 * S)
-    fleet.hold('bot', 'test')
-    fleet.release('bot', 'test')
+    fleet.robot('bot').hold('test')
+    fleet.robot('bot').release('test')
     fleet.run()
-    assert (ended(fleet)[0], fleet.distance('bot')) == (10.0, 20.0)
+    assert (ended(fleet)[0], fleet.robot('bot').distance) == (10.0, 20.0)
 
 
 def test_what_does_not_fit_lanes_is_refused(fleet_on):

@@ -167,19 +167,19 @@ def test_robots_of_a_fleet_see_one_another_and_the_map():
     assert (ahead[0], 3.0 - ahead[1], ahead[2]) == (math.inf, radius, math.inf)
     ahead = fleet.robot('b').scan().ranges
     assert (ahead[0], ahead[1], 3.0 - ahead[2]) == (math.inf, 5.0, radius)
-    fleet.send('b', 5.0, 0.0)
+    fleet.robot('b').send(5.0, 0.0)
     fleet.run_for(0.5)
-    scan = fleet.scan('a')
+    scan = fleet.robot('a').scan()
     assert 3.5 - scan.ranges[1] == radius and scan.stamp_ns == fleet.now_ns
     fleet.remove('b')
-    assert fleet.scan('a').ranges[1] == 8.0
+    assert fleet.robot('a').scan().ranges[1] == 8.0
     fleet.add('d', start_x=3.0, global_frame='elsewhere')
-    assert fleet.scan('a').ranges[1] == 8.0
+    assert fleet.robot('a').scan().ranges[1] == 8.0
 
 
 def test_a_robot_without_a_map_sees_robots_only():
     fleet = Fleet(make_scenario({'defaults': FORWARD, 'robots': ROBOTS}))
-    assert [math.isinf(each) for each in fleet.scan('c').ranges] == [False, True, True]
+    assert [math.isinf(each) for each in fleet.robot('c').scan().ranges] == [False, True, True]
 
 
 @pytest.mark.parametrize('parameters, text', [

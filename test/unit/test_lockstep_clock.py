@@ -95,8 +95,8 @@ def test_the_event_log_is_the_trace_of_the_plain_fleet(clock, participant):
     scenario = make_scenario(SCENARIO)
     fleet = Fleet(scenario)
     for name, place in goals.items():
-        fleet.send(name, *place, goal_id='goal')
-    fleet.at(3 * S, lambda fleet: fleet.cancel('r_1'))
+        fleet.robot(name).send(*place, goal_id='goal')
+    fleet.at(3 * S, lambda fleet: fleet.robot('r_1').cancel())
     fleet.run()
     navigators = {spec.name: make_navigator(clock, index, spec) for index, spec in enumerate(scenario.robots)}
     for name, place in goals.items():

@@ -223,9 +223,9 @@ def held_on(occupancy):
     """Return a Fleet of one robot, 'bot', that goes from (2.5, 5.5) to (8.5, 5.5) at 2 m/s and is held after 0.5 s."""
     fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.0},
                                  'robots': [{'name': 'bot', 'start_x': 2.5, 'start_y': 5.5}]}), 0, occupancy=occupancy)
-    fleet.send('bot', 8.5, 5.5)
+    fleet.robot('bot').send(8.5, 5.5)
     fleet.run(S // 2)
-    fleet.hold('bot', 'door')
+    fleet.robot('bot').hold('door')
     fleet.trace.clear()
     return fleet
 
@@ -240,7 +240,7 @@ def test_another_map_counts_from_the_release_on():
     fleet.use_map(area((slice(2, 12), 5)))
     fleet.run(2 * S)
     assert fleet.trace == []
-    fleet.release('bot', 'door')
+    fleet.robot('bot').release('door')
     assert kinds(fleet) == [(2.0, 'released'), (2.0, 'departed', 8.5), (2.0, 'route', 4.992188)]
     fleet.run()
     assert fleet.trace[-1].values[1] == 'SUCCEEDED'
@@ -249,7 +249,7 @@ def test_another_map_counts_from_the_release_on():
 def test_a_way_that_is_gone_at_the_release_ends_the_goal():
     fleet = held_on(area())
     fleet.use_map(area((slice(0, 12), 5)))
-    fleet.release('bot', 'door')
+    fleet.robot('bot').release('door')
     assert [entry.values for entry in fleet.trace] == [(), ('bot-1', 'ABORTED', NO_PLAN)]
 
 
@@ -258,13 +258,13 @@ def test_a_map_that_opens_a_way_to_who_gives_up_waits_for_the_release():
                                               'abort_policy': 'upstream'},
                                  'robots': [{'name': 'bot', 'start_x': 2.5, 'start_y': 5.5}]}), 0,
                   occupancy=area((slice(0, 12), 5)))
-    fleet.hold('bot', 'door')
-    fleet.send('bot', 8.5, 5.5)
+    fleet.robot('bot').hold('door')
+    fleet.robot('bot').send(8.5, 5.5)
     fleet.run(S)
     fleet.use_map(area())
     fleet.run(100 * S)
     assert kinds(fleet) == [(0.0, 'held', 'door')]
-    fleet.release('bot', 'door')
+    fleet.robot('bot').release('door')
     assert kinds(fleet)[1:] == [(100.0, 'released'), (100.0, 'departed', 8.5)]
 
 
@@ -276,29 +276,29 @@ def fleet_with(**settings):
 
 def test_the_overhead_is_waited_for_once_and_the_factor_stays():
     fleet = fleet_with(goal_overhead=2.0, duration_factor=1.5)
-    fleet.send('bot', 12.0, 0.0)
+    fleet.robot('bot').send(12.0, 0.0)
     fleet.run(S)
-    fleet.hold('bot', 'door')  # of the overhead a second is left, which passes meanwhile
+    fleet.robot('bot').hold('door')  # of the overhead a second is left, which passes meanwhile
     fleet.run(int(1.5 * S))
-    fleet.release('bot', 'door')
+    fleet.robot('bot').release('door')
     fleet.run(5 * S)
-    assert fleet.pose('bot').x == 4.0
-    fleet.hold('bot', 'door')
+    assert fleet.robot('bot').pose.x == 4.0
+    fleet.robot('bot').hold('door')
     fleet.run(7 * S)
-    fleet.release('bot', 'door')
+    fleet.robot('bot').release('door')
     fleet.run()
-    assert (fleet.now_ns, fleet.pose('bot').x) == (13 * S, 12.0)
+    assert (fleet.now_ns, fleet.robot('bot').pose.x) == (13 * S, 12.0)
 
 
 def test_a_drawn_factor_is_that_of_the_goal_before_and_after_a_hold():
     settings = {'duration_distribution': 'lognormal', 'duration_cv': 0.5, 'seed': 3}
     whole, parted = fleet_with(**settings), fleet_with(**settings)
     for fleet in (whole, parted):
-        fleet.send('bot', 40.0, 0.0)
+        fleet.robot('bot').send(40.0, 0.0)
     parted.run(5 * S)
-    parted.hold('bot', 'door')
+    parted.robot('bot').hold('door')
     parted.run(9 * S)
-    parted.release('bot', 'door')
+    parted.robot('bot').release('door')
     assert parted.run() - 4 * S == pytest.approx(whole.run(), abs=10)
 
 
@@ -307,13 +307,13 @@ def test_where_a_robot_is_to_fail_it_fails_however_often_it_is_held_on_the_way(s
     settings = {'failure_by_length': [[0.0, 1.0]], 'acceleration': 1.0, 'seed': seed}
     whole, parted = fleet_with(**settings), fleet_with(**settings)
     for fleet in (whole, parted):
-        fleet.send('bot', 40.0, 0.0)
+        fleet.robot('bot').send(40.0, 0.0)
     whole.run()
     for at in range(2, 60, 2):
         parted.run(at * S)
-        parted.hold('bot', 'door')
+        parted.robot('bot').hold('door')
         parted.run(at * S + S // 3)
-        parted.release('bot', 'door')
+        parted.robot('bot').release('door')
     parted.run()
     assert [entry.values for entry in parted.trace if entry.kind == 'ended'] == [('bot-1', 'ABORTED', NO_CONTROL)]
-    assert parted.pose('bot').x == pytest.approx(whole.pose('bot').x, abs=1e-7)
+    assert parted.robot('bot').pose.x == pytest.approx(whole.robot('bot').pose.x, abs=1e-7)

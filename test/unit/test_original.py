@@ -66,19 +66,19 @@ def test_both_times_are_told_in_words():
 
 def test_a_robot_of_a_fleet_goes_by_it_and_stops_on_its_way_as_ever():
     fleet = make_fleet(MAIN)
-    fleet.send('r', 40.0, 0.0)
+    fleet.robot('r').send(40.0, 0.0)
     fleet.run()
     assert endings(fleet) == [(31 * S, 'SUCCEEDED', 'Goal reached.')]
-    second = fleet.send('r', 0.0, 0.0)
+    second = fleet.robot('r').send(0.0, 0.0)
     fleet.run_for(20.0)
-    fleet.cancel('r', second)
-    assert fleet.pose('r').x == pytest.approx(20.0)
+    fleet.robot('r').cancel(second)
+    assert fleet.robot('r').pose.x == pytest.approx(20.0)
 
 
 def test_a_goal_is_tried_again_after_pauses_and_given_up_at_last():
     fleet = make_fleet(RASBERRY, seed=3)
     for number in range(600):
-        fleet.send('r', float(number % 2), 0.0)
+        fleet.robot('r').send(float(number % 2), 0.0)
         fleet.run()
     waits = [(entry.time_ns, entry.kind) for entry in fleet.trace if entry.kind in ('departed', 'ended')]
     took = [(end - begin) / S for (begin, _), (end, _) in zip(waits[::2], waits[1::2])]

@@ -34,9 +34,9 @@ def told(fleet, kinds=('task_began', 'task_ended')):
 
 def test_at_one_instant_the_lower_index_comes_first_then_who_came_first():
     fleet = fleet_of('a', 'b', 'c')
-    fleet.at(0, lambda fleet: fleet.work('c', at_dock('tc', 3.0)))
-    fleet.at(0, lambda fleet: fleet.work('b', at_dock('tb')))
-    fleet.at(2 * S, lambda fleet: fleet.work('a', at_dock('ta')))
+    fleet.at(0, lambda fleet: fleet.robot('c').send_task(at_dock('tc', 3.0)))
+    fleet.at(0, lambda fleet: fleet.robot('b').send_task(at_dock('tb')))
+    fleet.at(2 * S, lambda fleet: fleet.robot('a').send_task(at_dock('ta')))
     fleet.run()
     assert told(fleet) == [
         (0.0, 'b', 'task_began', 'tb', 10 * S), (10.0, 'b', 'task_ended', 'tb', 'SUCCEEDED', 'Task done.'),
@@ -52,16 +52,16 @@ def test_as_many_work_as_there_is_room_for_and_any_number_where_nothing_is_said(
         place = {key: value for key, value in {**DOCK, 'capacity': capacity}.items() if value}
         fleet = fleet_of('a', 'b', 'c', places=[place])
         for name in 'abc':
-            fleet.work(name, at_dock('t' + name))
+            fleet.robot(name).send_task(at_dock('t' + name))
         assert fleet.run() == last * S
 
 
 def test_who_waits_no_more_is_passed_over():
     fleet = fleet_of('a', 'b', 'c')
     for name in 'abc':
-        fleet.work(name, at_dock('t' + name))
-    fleet.at(4 * S, lambda fleet: fleet.cancel_work('b'))
-    fleet.at(5 * S, lambda fleet: fleet.cancel_work('a'))
+        fleet.robot(name).send_task(at_dock('t' + name))
+    fleet.at(4 * S, lambda fleet: fleet.robot('b').cancel_task())
+    fleet.at(5 * S, lambda fleet: fleet.robot('a').cancel_task())
     fleet.run()
     assert told(fleet)[1:] == [
         (4.0, 'b', 'task_ended', 'tb', 'PREEMPTED', ''), (5.0, 'a', 'task_ended', 'ta', 'PREEMPTED', ''),
@@ -73,9 +73,9 @@ def test_who_waits_no_more_is_passed_over():
 def test_a_robot_that_sets_out_or_is_put_elsewhere_ends_its_task_and_leaves_the_room():
     fleet = fleet_of('a', 'b', 'c')
     for name in 'abc':
-        fleet.work(name, at_dock('t' + name))
-    fleet.at(2 * S, lambda fleet: fleet.place('b', Pose2D(9.0)))
-    fleet.at(4 * S, lambda fleet: fleet.send('a', 5.0, 0.0))
+        fleet.robot(name).send_task(at_dock('t' + name))
+    fleet.at(2 * S, lambda fleet: fleet.robot('b').place(Pose2D(9.0)))
+    fleet.at(4 * S, lambda fleet: fleet.robot('a').send(5.0, 0.0))
     fleet.run()
     left = 'The robot has left the place of its task.'
     assert told(fleet)[1:4] == [
@@ -85,8 +85,8 @@ def test_a_robot_that_sets_out_or_is_put_elsewhere_ends_its_task_and_leaves_the_
 
 def test_a_robot_that_is_put_somewhere_within_reach_goes_on_working():
     fleet = fleet_of('a')
-    fleet.work('a', at_dock('ta'))
-    fleet.at(2 * S, lambda fleet: fleet.place('a', Pose2D(1.3, 0.3)))
+    fleet.robot('a').send_task(at_dock('ta'))
+    fleet.at(2 * S, lambda fleet: fleet.robot('a').place(Pose2D(1.3, 0.3)))
     assert fleet.run() == 10 * S
 
 
@@ -102,8 +102,8 @@ def test_a_robot_that_is_put_somewhere_within_reach_goes_on_working():
 def test_what_cannot_be_done_is_aborted_with_the_reason_and_takes_no_room(task, text):
     ends = []
     fleet = fleet_of('a', 'b', on_worked=lambda *end: ends.append(end))
-    fleet.work('a', task)
-    fleet.work('b', at_dock('tb'))
+    fleet.robot('a').send_task(task)
+    fleet.robot('b').send_task(at_dock('tb'))
     assert fleet.run() == 10 * S
     assert ends[0][2].name == 'ABORTED'
     assert ends[0][3].startswith(text)
@@ -112,11 +112,11 @@ def test_what_cannot_be_done_is_aborted_with_the_reason_and_takes_no_room(task, 
 def test_a_robot_that_fails_ends_its_task_and_takes_none_until_it_is_repaired():
     fleet = Fleet(make_scenario({'places': [DOCK], 'robots': [
         {'name': 'a', 'start_x': 1.0, 'failure_kind': 'stall'}, {'name': 'b', 'start_x': 1.0}]}), start_ns=0)
-    fleet.work('a', at_dock('one'))
-    fleet.work('b', at_dock('two', 2.0))
-    fleet.at(4 * S, lambda fleet: fleet.fail('a', 'stall', 3.0))
-    fleet.at(5 * S, lambda fleet: fleet.work('a', at_dock('three')))
-    fleet.at(8 * S, lambda fleet: fleet.work('a', at_dock('four')))
+    fleet.robot('a').send_task(at_dock('one'))
+    fleet.robot('b').send_task(at_dock('two', 2.0))
+    fleet.at(4 * S, lambda fleet: fleet.robot('a').fail('stall', 3.0))
+    fleet.at(5 * S, lambda fleet: fleet.robot('a').send_task(at_dock('three')))
+    fleet.at(8 * S, lambda fleet: fleet.robot('a').send_task(at_dock('four')))
     fleet.run()
     failed = 'Aborting on the goal because the robot has failed'
     assert [entry[:5] for entry in told(fleet)][1:] == [
@@ -128,16 +128,16 @@ def test_a_robot_that_fails_ends_its_task_and_takes_none_until_it_is_repaired():
 
 def test_a_robot_on_its_way_does_not_work():
     fleet = fleet_of('a')
-    fleet.send('a', 5.0, 0.0)
-    fleet.work('a', at_dock('ta'))
+    fleet.robot('a').send(5.0, 0.0)
+    fleet.robot('a').send_task(at_dock('ta'))
     assert told(fleet)[-1][4:] == ('ABORTED', 'The robot is on its way; it has to stand within 0.5 m of dock.')
 
 
 def test_a_newer_task_ends_the_one_under_way_and_waits_behind_the_others():
     fleet = fleet_of('a', 'b')
-    fleet.work('a', at_dock('one'))
-    fleet.work('b', at_dock('two'))
-    fleet.at(3 * S, lambda fleet: fleet.work('a', at_dock('three')))
+    fleet.robot('a').send_task(at_dock('one'))
+    fleet.robot('b').send_task(at_dock('two'))
+    fleet.at(3 * S, lambda fleet: fleet.robot('a').send_task(at_dock('three')))
     fleet.run()
     assert [entry[3] for entry in told(fleet, ('task_began',))] == ['one', 'two', 'three']
 
@@ -148,10 +148,10 @@ def test_durations_that_a_task_does_not_say_follow_from_seed_robot_and_number():
     def durations(*names):
         def more(name, goal_id, *_):
             if goal_id < '2':
-                fleet.work(name, at_dock(str(int(goal_id) + 1)))
+                fleet.robot(name).send_task(at_dock(str(int(goal_id) + 1)))
         fleet = fleet_of(*names, places=[place], on_worked=more)
         for name in names:
-            fleet.work(name, at_dock('0'))
+            fleet.robot(name).send_task(at_dock('0'))
         fleet.run()
         return [entry.values[1] for entry in fleet.trace if (entry.robot, entry.kind) == ('b', 'task_began')]
     alone, together = durations('b'), durations('a', 'b')
@@ -162,20 +162,20 @@ def test_durations_that_a_task_does_not_say_follow_from_seed_robot_and_number():
 def test_removed_and_reset_robots_leave_the_room():
     for leave in (lambda fleet: fleet.remove('a'), lambda fleet: fleet.reset()):
         fleet = fleet_of('a', 'b')
-        fleet.work('a', at_dock('ta'))
+        fleet.robot('a').send_task(at_dock('ta'))
         fleet.at(S, leave)
-        fleet.at(2 * S, lambda fleet: fleet.work('b', at_dock('tb')))
+        fleet.at(2 * S, lambda fleet: fleet.robot('b').send_task(at_dock('tb')))
         assert fleet.run() == 12 * S
 
 
 def test_without_places_nobody_works_and_nothing_else_is_told():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a'}]}))
     with pytest.raises(ConfigurationError, match='the scenario has no places'):
-        fleet.work('a', at_dock('ta'))
+        fleet.robot('a').send_task(at_dock('ta'))
     traces = []
     for scenario in ({'robots': [{'name': 'a'}]}, {'robots': [{'name': 'a'}], 'places': []}):
         fleet = Fleet(make_scenario(scenario))
-        fleet.send('a', 3.0, 4.0)
+        fleet.robot('a').send(3.0, 4.0)
         fleet.run()
         traces.append(fleet.trace)
     assert traces[0] == traces[1]

@@ -90,7 +90,7 @@ def fleet_log(tmp_path, goals, until=None, **scenario):
     fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, **scenario.pop('defaults', {})}, 'robots': [
         {'name': name, 'start_x': 0.0, 'start_y': y} for name, y in (('a', 0.0), ('b', 1.0))], **scenario}), 0)
     for name, place in goals.items():
-        fleet.send(name, *place)
+        fleet.robot(name).send(*place)
     fleet.run(until=until)
     path = str(tmp_path / 'fleet.jsonl')
     fleet.write_log(path)

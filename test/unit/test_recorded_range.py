@@ -42,7 +42,7 @@ def beyond(fleet):
 
 def go(fleet, *goals, name='bot'):
     for goal in goals:
-        fleet.send(name, *goal)
+        fleet.robot(name).send(*goal)
         fleet.run()
 
 
@@ -69,13 +69,13 @@ def test_the_edge_of_what_was_recorded_is_inside(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         go(fleet, (30.0, 0.0))
-        fleet.place('bot', Pose2D(0.0, 0.0, 2.0 + math.radians(0.9)))
+        fleet.robot('bot').place(Pose2D(0.0, 0.0, 2.0 + math.radians(0.9)))
         go(fleet, (2.0, 0.0))
     assert beyond(fleet) == []
     fleet = a_fleet(tmp_path, RANGES)
     with pytest.warns(UserWarning):
         go(fleet, (30.001, 0.0))
-        fleet.place('bot', Pose2D(0.0, 0.0, 2.0 + math.radians(1.1)))
+        fleet.robot('bot').place(Pose2D(0.0, 0.0, 2.0 + math.radians(1.1)))
         go(fleet, (2.0, 0.0))
     assert [values[0] for values in beyond(fleet)] == ['longer', 'turn']
 
@@ -83,11 +83,11 @@ def test_the_edge_of_what_was_recorded_is_inside(tmp_path):
 def test_a_goal_counts_once_however_often_its_robot_sets_out(tmp_path):
     fleet = a_fleet(tmp_path, RANGES)
     with pytest.warns(UserWarning) as said:
-        fleet.send('bot', 40.0, 0.0)
+        fleet.robot('bot').send(40.0, 0.0)
         fleet.run_for(5.0)
-        fleet.hold('bot', 'because')
+        fleet.robot('bot').hold('because')
         fleet.run_for(1.0)
-        fleet.release('bot', 'because')
+        fleet.robot('bot').release('because')
         fleet.run()
     assert len([entry for entry in fleet.trace if entry.kind == 'departed']) == 2
     assert len(beyond(fleet)) == len(said) == 1

@@ -46,14 +46,14 @@ def make_fleet(**settings):
 
 def test_a_fleet_that_says_its_motion_is_followed_exactly_at_every_instant(read):
     fleet = make_fleet(xy_goal_tolerance=0.25, yaw_goal_tolerance=0.1)
-    fleet.send('r_0', 8.0, 3.0, 1.0)
-    fleet.at(3 * S, lambda fleet: fleet.send('r_0', -4.0, 2.0, -3.0))  # before the first is reached
-    fleet.at(40 * S, lambda fleet: fleet.place('r_0', Pose2D(0.5, 0.5, 0.5)))
-    fleet.at(41 * S, lambda fleet: fleet.send('r_0', 5.0, 0.0))
+    fleet.robot('r_0').send(8.0, 3.0, 1.0)
+    fleet.at(3 * S, lambda fleet: fleet.robot('r_0').send(-4.0, 2.0, -3.0))  # before the first is reached
+    fleet.at(40 * S, lambda fleet: fleet.robot('r_0').place(Pose2D(0.5, 0.5, 0.5)))
+    fleet.at(41 * S, lambda fleet: fleet.robot('r_0').send(5.0, 0.0))
     poses = {}
     for k in range(1, 240):
         time_ns = k * S // 4 + 1
-        fleet.at(max(time_ns, S), lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+        fleet.at(max(time_ns, S), lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
     fleet.run()
     motions = Motions(read(fleet.trace))
     track = motions.tracks['r_0'].motions
@@ -75,11 +75,11 @@ def test_a_way_with_corners_is_followed_piece_by_piece(read, corners):
                                               robot_radius=0.0, corners=corners)]})
     fleet = Fleet(scenario, occupancy=OccupancyMap(cells, 1.0))
     poses = {}
-    fleet.at(S, lambda fleet: fleet.send('r_0', 8.5, 5.5, 1.0))
-    fleet.at(40 * S, lambda fleet: fleet.send('r_0', 2.5, 5.5, 1.0))
-    fleet.at(43 * S, lambda fleet: fleet.cancel('r_0'))  # on the way
+    fleet.at(S, lambda fleet: fleet.robot('r_0').send(8.5, 5.5, 1.0))
+    fleet.at(40 * S, lambda fleet: fleet.robot('r_0').send(2.5, 5.5, 1.0))
+    fleet.at(43 * S, lambda fleet: fleet.robot('r_0').cancel())  # on the way
     for k in range(1, 180):
-        fleet.at(k * S // 4 + S, lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+        fleet.at(k * S // 4 + S, lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
     fleet.run()
     assert sum(entry.kind == 'route' for entry in fleet.trace) == 2
     motions = Motions(read(fleet.trace))
@@ -119,10 +119,10 @@ def test_a_calibrated_robot_is_followed_while_it_spins_and_drives_backwards(read
     poses, places = {}, ((0.0, 0.0, 1.0), (9.0, 3.0, -2.0), (4.0, -6.0, 3.0))
     fleet = Fleet(make_scenario({'robots': [{'name': 'r_0', 'calibration': str(path), 'log_motion': True, 'seed': 5,
                                              'corners': corners}]}),
-                  on_end=lambda *_: fleet.send('r_0', *places[len(poses) % 3]))
-    fleet.send('r_0', *places[1])
+                  on_end=lambda *_: fleet.robot('r_0').send(*places[len(poses) % 3]))
+    fleet.robot('r_0').send(*places[1])
     for number in range(600):
-        fleet.at(S + number * S // 2 + 1, lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+        fleet.at(S + number * S // 2 + 1, lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
     fleet.run(until=301.0)
     motions = Motions(read(fleet.trace))
     assert (motions.even, motions.astray, motions.startless) == (0, 0, 0)

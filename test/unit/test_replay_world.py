@@ -44,11 +44,12 @@ def run(tmp_path):
     draw, seen = random.Random(2), []
     for number in range(12):
         name, x = 'r_{}'.format(number % 4), draw.choice([0.0, 10.0, 20.0, 30.0])
-        fleet.at(S + number * 9 * S, lambda fleet, name=name, x=x: fleet.send(name, x, 0.0, draw.uniform(-3.0, 3.0)))
+        fleet.at(S + number * 9 * S, lambda fleet, name=name, x=x: fleet.robot(name).send(
+            x, 0.0, draw.uniform(-3.0, 3.0)))
     for number, (name, place, x) in enumerate([('r_0', 'bench', 30.0), ('late', 'bench', 30.0), ('r_1', 'yard', 10.0)]):
-        fleet.at(150 * S + number, lambda fleet, name=name, x=x: fleet.place(name, Pose2D(x, 0.0)))
-        fleet.at(151 * S, lambda fleet, name=name, place=place, x=x: fleet.work(
-            name, Task(place + name, 0, place, Pose2D(x, 0.0))))
+        fleet.at(150 * S + number, lambda fleet, name=name, x=x: fleet.robot(name).place(Pose2D(x, 0.0)))
+        fleet.at(151 * S, lambda fleet, name=name, place=place, x=x: fleet.robot(name).send_task(
+            Task(place + name, 0, place, Pose2D(x, 0.0))))
     for _ in range(150):
         fleet.run_for(1.3)
         seen.append((fleet.now_ns, fleet.zones, {name: fleet.robot(name).state_of_charge for name in fleet.names},
@@ -120,7 +121,7 @@ def test_robots_that_have_not_left_stand_where_they_start_and_legs_are_exact_by_
     raw = {'defaults': {'max_speed': 2.0, 'acceleration': 0.5, 'turn_rate': 1.0}, 'robots': [
         {'name': 'a', 'start_x': 1.0}, {'name': 'still', 'start_y': 7.0}]}
     fleet = Fleet(make_scenario(raw))
-    fleet.send('a', 9.0, 4.0)
+    fleet.robot('a').send(9.0, 4.0)
     fleet.run()
     fleet.write_log(tmp_path / 'run.jsonl')
     recording = read_recording(tmp_path / 'run.jsonl')
@@ -165,7 +166,7 @@ def test_a_plain_trace_of_a_warehouse_is_shown_on_its_map_without_being_told_whe
         scenario_program(['make', 'warehouse', '--robots', '50', '--out', str(tmp_path)])
     capsys.readouterr()
     fleet = Fleet(read_scenario(tmp_path / 'scenario.yaml'))
-    fleet.send('robot_0', 4.0, 3.0)
+    fleet.robot('robot_0').send(4.0, 3.0)
     fleet.run()
     fleet.write_log(tmp_path / 'run.jsonl')
     write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html')

@@ -72,6 +72,6 @@ def test_what_has_ended_stays_on_the_list_as_long_as_the_setting_says(answers, t
 def test_the_plain_fleet_knows_a_robots_frames_by_the_names_of_its_settings():
     fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 1.0, 'tf_prefix': 'bot',
                                              'robot_base_frame': 'base'}]}))
-    fleet.send('bot', 2.0, 0.0, frame='bot/base')
+    fleet.robot('bot').send(2.0, 0.0, frame='bot/base')
     fleet.run()
-    assert (fleet.pose('bot').x, fleet.trace[-1].values[1]) == (2.0, 'SUCCEEDED')
+    assert (fleet.robot('bot').pose.x, fleet.trace[-1].values[1]) == (2.0, 'SUCCEEDED')

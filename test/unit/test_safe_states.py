@@ -64,7 +64,7 @@ def run(path, policy, goals):
 
     def send(robot):
         if left[robot]:
-            fleet.send(robot, *left[robot].pop(0))
+            fleet.robot(robot).send(*left[robot].pop(0))
     fleet = Fleet(read_scenario(path), on_end=lambda robot, *_: send(robot))
     for robot in fleet.names:
         send(robot)

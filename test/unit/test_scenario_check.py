@@ -157,9 +157,9 @@ def test_chargers_that_nobody_reaches_with_the_charge_that_there_is(tmp_path):
     assert 'takes 10.5 kJ' in charger.what
     for share, is_empty in ((1.001, False), (0.999, True)):  # and so it comes, by the battery itself
         fleet = Fleet(read_scenario(on_a_line(tmp_path, need * share)))
-        fleet.send('r', 100.0, 0.0)
+        fleet.robot('r').send(100.0, 0.0)
         fleet.run()
-        assert fleet.condition('r').battery.is_empty is is_empty
+        assert fleet.robot('r').condition.battery.is_empty is is_empty
 
 
 def test_a_place_that_is_too_far_from_any_charger(tmp_path):
@@ -184,7 +184,7 @@ def test_a_ring_of_lanes_locks_with_as_many_robots_as_it_has_room_for(tmp_path):
     assert locks(path) == []
     fleet = Fleet(read_scenario(of(1)))  # and it does
     for name, goal in zip('abcd', 'cdab'):
-        fleet.send('r{}_0'.format(name), *map(float, SQUARE[goal]))
+        fleet.robot('r{}_0'.format(name)).send(*map(float, SQUARE[goal]))
     fleet.run()
     assert [entry.kind for entry in fleet.trace].count('deadlock') == 1
 
@@ -205,8 +205,8 @@ def test_zones_lock_with_lanes_and_a_zone_around_all_cures_it(tmp_path):
     path = world_file(tmp_path, (line, [('a', 'b', {'capacity': 1}), ('b', 'c')]), robots=both, zones=[zone])
     assert locks(path) == [('zone z', 2)]
     fleet = Fleet(read_scenario(path))
-    fleet.send('r', 10.0, 0.0)
-    fleet.at(2_000_000_000, lambda fleet: fleet.send('s', 0.0, 0.0))
+    fleet.robot('r').send(10.0, 0.0)
+    fleet.at(2_000_000_000, lambda fleet: fleet.robot('s').send(0.0, 0.0))
     fleet.run()
     assert [entry.kind for entry in fleet.trace].count('deadlock') == 1
     around = {'name': 'all', 'rectangle': [0, -2, 10, 2], 'capacity': 1}

@@ -73,7 +73,7 @@ def test_the_same_sizes_are_the_same_files_and_robots_get_everywhere(tmp_path, k
 
     def send(robot):
         pose = next(goals[robot]).pose
-        fleet.send(robot, pose.x, pose.y)
+        fleet.robot(robot).send(pose.x, pose.y)
 
     def on_end(robot, _goal_id, state, _text, _now_ns):
         ended.append(state)

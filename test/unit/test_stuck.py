@@ -34,26 +34,26 @@ def rows(fleet, *kinds):
 
 def test_each_goal_of_a_robot_that_is_stuck_is_given_up_after_some_seconds():
     fleet = fleet_of(failure_times=[3.0])
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run()
     fleet.run(20 * S)
-    fleet.send('bot', 2.0, 5.0)
+    fleet.robot('bot').send(2.0, 5.0)
     fleet.run()
     assert rows(fleet, 'ended') == [(9.4, 'ended', 'bot-1', 'ABORTED', NO_CONTROL.text),
                                     (26.4, 'ended', 'bot-2', 'ABORTED', NO_CONTROL.text)]
-    assert fleet.pose('bot') == Pose2D(8.0, 5.0)
+    assert fleet.robot('bot').pose == Pose2D(8.0, 5.0)
     assert rows(fleet, 'failed') == [(3.0, 'failed', 'stuck', 'script')]
     assert fleet.robot('bot').activity == 'failed: stuck' and not rows(fleet, 'repaired')
 
 
 def test_a_goal_that_is_replaced_or_cancelled_is_not_given_up():
     fleet = fleet_of(failure_times=[3.0])
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run(8 * S)
-    fleet.send('bot', 2.0, 5.0)
+    fleet.robot('bot').send(2.0, 5.0)
     fleet.run(14 * S)
     assert [row[2:4] for row in rows(fleet, 'ended')] == [('bot-1', 'PREEMPTED')]
-    fleet.cancel('bot')
+    fleet.robot('bot').cancel()
     fleet.run()
     assert [row[2:4] for row in rows(fleet, 'ended')] == [('bot-1', 'PREEMPTED'), ('bot-2', 'PREEMPTED')]
 
@@ -62,9 +62,9 @@ def test_a_goal_that_is_replaced_or_cancelled_is_not_given_up():
 def test_it_comes_free_when_it_is_moved_or_repaired(how):
     repair = {'repair_distribution': 'fixed', 'repair_time': 4.0} if how == 'time' else {}
     fleet = fleet_of(failure_times=[3.0], **repair)
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run(7 * S)
-    {'place': lambda: fleet.place('bot', Pose2D(10.0, 5.0)), 'repair': lambda: fleet.repair('bot'),
+    {'place': lambda: fleet.robot('bot').place(Pose2D(10.0, 5.0)), 'repair': lambda: fleet.robot('bot').repair(),
      'reset': fleet.reset, 'time': lambda: None}[how]()
     assert [row[0] for row in rows(fleet, 'repaired')] == [7.0]
     fleet.run()
@@ -77,9 +77,9 @@ def test_it_comes_free_when_it_is_moved_or_repaired(how):
 
 def test_placed_where_it_is_it_stays_stuck():
     fleet = fleet_of(failure_times=[3.0])
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run(7 * S)
-    fleet.place('bot', Pose2D(8.0, 5.0, 1.0))
+    fleet.robot('bot').place(Pose2D(8.0, 5.0, 1.0))
     fleet.run()
     assert not rows(fleet, 'repaired') and rows(fleet, 'ended')[0][3] == 'ABORTED'
 
@@ -87,21 +87,21 @@ def test_placed_where_it_is_it_stays_stuck():
 def test_it_gets_stuck_where_its_way_is_nearest_to_what_is_occupied():
     own = {'use_map': True, 'stuck_by_clearance': [[0.46, 1.0], [0.5, 0.0]]}
     fleet = fleet_of(wall(), **own)
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run()
     (at, _, *why), = rows(fleet, 'failed')
     assert why == ['stuck', 'clearance'] and at == pytest.approx(4.0, abs=0.06)
-    fleet.repair('bot')
-    fleet.send('bot', 18.0, 4.0)  # further off
+    fleet.robot('bot').repair()
+    fleet.robot('bot').send(18.0, 4.0)  # further off
     fleet.run()
     assert rows(fleet, 'ended')[-1][3] == 'SUCCEEDED'
 
 
 def test_set_free_on_its_way_it_is_not_stuck_there_again():
     fleet = fleet_of(wall(), use_map=True, stuck_by_clearance=[[0.46, 1.0], [0.5, 0.0]])
-    fleet.send('bot', 18.0, 5.0)
+    fleet.robot('bot').send(18.0, 5.0)
     fleet.run(6 * S)
-    fleet.repair('bot')
+    fleet.robot('bot').repair()
     fleet.run()
     assert len(rows(fleet, 'failed')) == 1 and rows(fleet, 'ended')[0][3] == 'SUCCEEDED'
 
@@ -112,10 +112,10 @@ def test_how_often_it_comes_is_the_chance_of_the_clearance():
 
     def send(*_ended):
         if left:
-            fleet.place('bot', Pose2D(2.0, 5.0))
+            fleet.robot('bot').place(Pose2D(2.0, 5.0))
             stuck.append(len(rows(fleet, 'failed')))
             left.pop()
-            fleet.send('bot', 18.0, 5.0)
+            fleet.robot('bot').send(18.0, 5.0)
     fleet = fleet_of(wall(), send, use_map=True, stuck_by_clearance=[[0.0, 0.8], [0.8, 0.0]])  # 0.45 m: 0.35
     send()
     fleet.run()

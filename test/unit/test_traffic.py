@@ -42,11 +42,11 @@ def state(fleet, number=0):
 
 def test_who_comes_second_waits_at_the_border_until_the_first_has_left():
     fleet = fleet_of({'a': (0, 0), 'b': (0, 1)})
-    fleet.send('a', 10, 0)
+    fleet.robot('a').send(10, 0)
     fleet.run(S // 2)
-    fleet.send('b', 10, 1)
+    fleet.robot('b').send(10, 1)
     fleet.run(11 * S // 4)
-    assert (fleet.pose('b').x, state(fleet)) == (pytest.approx(4.0, abs=1e-8), (('a',), ('b',)))
+    assert (fleet.robot('b').pose.x, state(fleet)) == (pytest.approx(4.0, abs=1e-8), (('a',), ('b',)))
     fleet.run()
     assert rows(fleet, 'held', 'released', 'entered', 'left') == [
         (2.0, 'a', 'entered', 'zone gate'), (2.5, 'b', 'held', 'zone gate'), (3.0, 'a', 'left', 'zone gate'),
@@ -57,7 +57,7 @@ def test_who_comes_second_waits_at_the_border_until_the_first_has_left():
 def test_who_finds_a_place_does_not_stop():
     fleet = fleet_of({'a': (0, 0), 'b': (0, 1)}, [dict(GATE, capacity=2)])
     for name, y in (('a', 0), ('b', 1)):
-        fleet.send(name, 10, y)
+        fleet.robot(name).send(10, y)
     fleet.run()
     assert ends(fleet) == {'a': (5.0, 'SUCCEEDED'), 'b': (5.0, 'SUCCEEDED')} and not rows(fleet, 'held')
 
@@ -67,7 +67,7 @@ def test_first_come_is_first_served_and_at_one_instant_by_name():
     for order in itertools.permutations(robots):
         fleet = fleet_of({name: robots[name] for name in order})
         for name in order:
-            fleet.send(name, 10, robots[name][1])
+            fleet.robot(name).send(10, robots[name][1])
         fleet.run()
         assert [row[1] for row in rows(fleet, 'entered')] == ['z', 'a', 'b_2', 'b_10']
 
@@ -75,7 +75,7 @@ def test_first_come_is_first_served_and_at_one_instant_by_name():
 def test_a_place_that_is_given_back_at_an_instant_can_be_taken_in_it():
     fleet = fleet_of({'b': (-2, 1), 'a': (0, 0)})
     for name, y in (('a', 0), ('b', 1)):
-        fleet.send(name, 10, y)
+        fleet.robot(name).send(10, y)
     fleet.run()
     assert not rows(fleet, 'held') and ends(fleet)['b'] == (6.0, 'SUCCEEDED')
 
@@ -83,29 +83,29 @@ def test_a_place_that_is_given_back_at_an_instant_can_be_taken_in_it():
 def test_who_has_its_goal_inside_keeps_the_place_and_who_starts_inside_has_one():
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
     assert state(fleet) == (('a',), ())
-    fleet.send('b', 5, 1)
+    fleet.robot('b').send(5, 1)
     fleet.run(10 * S)
     assert state(fleet) == (('a',), ('b',))
-    fleet.send('a', 10, 0)
+    fleet.robot('a').send(10, 0)
     fleet.run()
     assert state(fleet) == (('b',), ()) and ends(fleet)['b'] == (11.0, 'SUCCEEDED')
 
 
 def test_more_than_there_is_place_for_may_stand_inside_and_none_comes_before_they_have_left():
     fleet = fleet_of({'a': (5, 0), 'b': (5, 1), 'c': (0, 2)})
-    fleet.send('c', 10, 2)
-    fleet.send('a', 10, 0)
+    fleet.robot('c').send(10, 2)
+    fleet.robot('a').send(10, 0)
     fleet.run(5 * S)
     assert state(fleet) == (('b',), ('c',))
-    fleet.place('b', Pose2D(20.0))
+    fleet.robot('b').place(Pose2D(20.0))
     assert state(fleet) == (('c',), ())
-    fleet.place('b', Pose2D(5.0))
+    fleet.robot('b').place(Pose2D(5.0))
     assert state(fleet) == (('b', 'c'), ())
 
 
 def test_a_robot_that_is_taken_away_gives_its_place_back():
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
-    fleet.send('b', 10, 1)
+    fleet.robot('b').send(10, 1)
     fleet.run(3 * S)
     fleet.remove('a')
     assert state(fleet) == (('b',), ())
@@ -121,9 +121,9 @@ def test_who_is_let_in_and_has_no_way_any_more_gives_the_place_back():
     planner.leads = True
     fleet = Fleet(make_scenario({'zones': [GATE], 'robots': [
         {'name': name, 'start_x': x} for name, x in (('a', 5.0), ('b', 0.0))]}), start_ns=0, planner=planner)
-    fleet.send('b', 10, 0)
+    fleet.robot('b').send(10, 0)
     fleet.run(20 * S)
-    fleet.send('a', 10, 0)
+    fleet.robot('a').send(10, 0)
     planner.leads = False
     fleet.run()
     assert ends(fleet)['b'][1] == 'ABORTED' and state(fleet) == ((), ())
@@ -132,42 +132,42 @@ def test_who_is_let_in_and_has_no_way_any_more_gives_the_place_back():
 @pytest.mark.parametrize('how', ['cancel', 'newer goal', 'place', 'remove', 'reset'])
 def test_who_gives_up_waiting_leaves_the_queue(how):
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
-    fleet.send('b', 10, 1)
+    robot = fleet.robot('b')
+    robot.send(10, 1)
     fleet.run(3 * S)
     assert state(fleet) == (('a',), ('b',))
-    {'cancel': lambda: fleet.cancel('b'), 'newer goal': lambda: fleet.send('b', 0, 1), 'remove': lambda: fleet.remove(
-        'b'), 'place': lambda: fleet.place('b', Pose2D(8.0, 1.0)), 'reset': fleet.reset}[how]()
+    {'cancel': robot.cancel, 'newer goal': lambda: robot.send(0, 1), 'remove': lambda: fleet.remove('b'),
+     'place': lambda: robot.place(Pose2D(8.0, 1.0)), 'reset': fleet.reset}[how]()
     fleet.run()
     assert state(fleet) == (('a',), ())
-    if how == 'cancel':
-        assert fleet.pose('b').x == pytest.approx(4.0, abs=1e-8)
+    assert how != 'cancel' or robot.pose.x == pytest.approx(4.0, abs=1e-8)
     if how in ('newer goal', 'place'):
         assert ends(fleet)['b'] == ({'newer goal': 5.0, 'place': 4.0}[how], 'SUCCEEDED')
 
 
-@pytest.mark.parametrize('give_up', [lambda fleet: fleet.cancel('b'), lambda fleet: fleet.send('b', -5, 0)])
+@pytest.mark.parametrize('give_up', [lambda robot: robot.cancel(), lambda robot: robot.send(-5, 0)])
 def test_who_is_let_in_while_something_else_holds_it_and_gives_up_gives_the_place_back(give_up):
     fleet = fleet_of({'a': (5, 0), 'b': (0, 0), 'c': (-20, 0)})
-    fleet.send('b', 5, 0)
+    fleet.robot('b').send(5, 0)
     fleet.run(3 * S)
-    fleet.hold('b', 'pause')
-    fleet.send('a', 10, 0)
+    fleet.robot('b').hold('pause')
+    fleet.robot('a').send(10, 0)
     fleet.run(8 * S)
-    assert state(fleet) == (('b',), ()) and fleet.pose('b').x == 4.0
-    give_up(fleet)
+    assert state(fleet) == (('b',), ()) and fleet.robot('b').pose.x == 4.0
+    give_up(fleet.robot('b'))
     assert state(fleet) == ((), ())
-    fleet.send('c', 5, 0)
+    fleet.robot('c').send(5, 0)
     fleet.run()
     assert ends(fleet)['c'][1] == 'SUCCEEDED'
 
 
 def test_who_is_stopped_inside_keeps_the_place_and_who_turns_round_at_the_border_leaves():
     fleet = fleet_of({'a': (0, 0), 'b': (0, 1)})
-    fleet.send('a', 10, 0)
+    fleet.robot('a').send(10, 0)
     fleet.run(5 * S // 2)
-    fleet.cancel('a')
+    fleet.robot('a').cancel()
     assert state(fleet) == (('a',), ())
-    fleet.send('a', 4, 0)  # to the border
+    fleet.robot('a').send(4, 0)  # to the border
     fleet.run()
     assert state(fleet) == ((), ())
 
@@ -175,8 +175,8 @@ def test_who_is_stopped_inside_keeps_the_place_and_who_turns_round_at_the_border
 def test_a_closed_zone_lets_nobody_in_and_those_inside_out():
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1)}, [dict(GATE, capacity=None)])
     fleet.close_zone('gate')
-    fleet.send('a', 10, 0)
-    fleet.send('b', 10, 1)
+    fleet.robot('a').send(10, 0)
+    fleet.robot('b').send(10, 1)
     fleet.run(10 * S)
     assert (state(fleet), fleet.zones[0].closed) == (((), ('b',)), True)
     fleet.close_zone('gate', closed=False)
@@ -191,12 +191,12 @@ def test_a_robot_that_fails_on_its_way_fails_at_the_same_place_however_often_it_
     for zones in ((), (GATE,)):
         fleet = fleet_of({'a': (5, 0), 'b': (0, 1)}, zones)
         fleet.add('c', start_y=2.0, max_speed=2.0, failure_by_length=[[0.0, 1.0]], seed=5)
-        fleet.send('c', 100, 2)
+        fleet.robot('c').send(100, 2)
         if zones:  # it asks again at once
-            fleet.at(10 * S, lambda fleet: fleet.place('c', Pose2D(4.0, 2.5)))
-        fleet.at(20 * S, lambda fleet: fleet.send('a', 20, 0))
+            fleet.at(10 * S, lambda fleet: fleet.robot('c').place(Pose2D(4.0, 2.5)))
+        fleet.at(20 * S, lambda fleet: fleet.robot('a').send(20, 0))
         fleet.run()
-        driven.append(fleet.distance('c'))
+        driven.append(fleet.robot('c').distance)
         assert ends(fleet)['c'][1] == 'ABORTED'
     assert len(rows(fleet, 'held')) == 2
     assert driven[0] == pytest.approx(driven[1], abs=1e-6) and driven[0] > 8.0
@@ -209,11 +209,11 @@ ROW = [dict(GATE, name=name, rectangle=[x, -50, x + 2, 50]) for name, x in (('on
 
 def test_who_waits_at_the_end_of_a_zone_for_the_next_one_keeps_its_place():
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1), 'c': (-2, 2)}, ROW)
-    fleet.send('b', 10, 1)
-    fleet.send('c', 10, 2)
+    fleet.robot('b').send(10, 1)
+    fleet.robot('c').send(10, 2)
     fleet.run(10 * S)
     assert [state(fleet, number) for number in range(3)] == [(('b',), ('c',)), (('a',), ('b',)), ((), ())]
-    fleet.send('a', 10, 0)
+    fleet.robot('a').send(10, 0)
     fleet.run()
     assert ends(fleet) == {'a': (12.5, 'SUCCEEDED'), 'b': (13.5, 'SUCCEEDED'), 'c': (14.5, 'SUCCEEDED')}
 
@@ -221,7 +221,7 @@ def test_who_waits_at_the_end_of_a_zone_for_the_next_one_keeps_its_place():
 def test_zones_that_begin_at_the_same_place_are_entered_together_or_not_at_all():
     both = [GATE, dict(GATE, name='wide', rectangle=[4, -50, 8, 50])]
     fleet = fleet_of({'a': (7, 0), 'b': (0, 1)}, both)
-    fleet.send('b', 10, 1)
+    fleet.robot('b').send(10, 1)
     fleet.run(10 * S)
     assert rows(fleet, 'held') == [(2.0, 'b', 'held', 'zone gate, zone wide')]
     assert state(fleet, 0) == ((), ('b',)) and state(fleet, 1) == (('a',), ('b',))
@@ -231,15 +231,15 @@ def test_nobody_overtakes_also_where_the_first_one_waits_for_another_zone_as_wel
     zones = [GATE, dict(GATE, name='low', rectangle=[4, -50, 8, 3]), dict(GATE, name='high', rectangle=[4, 5, 8, 50])]
     fleet = fleet_of({'g': (5, 4), 'l': (7, 0), 'h': (7, 10), 'c': (0, 10), 'b': (-2, 0), 'd': (-4, 4)}, zones)
     for name, y in (('c', 10), ('b', 0)):
-        fleet.send(name, 20, y)
+        fleet.robot(name).send(20, y)
     fleet.run(5 * S)
-    fleet.send('g', 20, 4)  # the gate is free, but c, who is first there, waits for h
-    fleet.send('d', 20, 4)
+    fleet.robot('g').send(20, 4)  # the gate is free, but c, who is first there, waits for h
+    fleet.robot('d').send(20, 4)
     fleet.run(10 * S)
-    fleet.send('l', 30, 0)
+    fleet.robot('l').send(30, 0)
     fleet.run(20 * S)
     assert state(fleet) == ((), ('c', 'b', 'd')) and [row[1] for row in rows(fleet, 'held')] == ['c', 'b', 'd']
-    fleet.send('h', 20, 10)
+    fleet.robot('h').send(20, 10)
     fleet.run()
     assert [row[1] for row in rows(fleet, 'entered') if row[3] == 'zone gate'] == ['g', 'c', 'b', 'd']
 
@@ -248,9 +248,9 @@ def test_who_waits_behind_one_that_waits_for_it_is_in_a_circle():
     zones = [CROSSING[0], dict(GATE, name='north', rectangle=[5, 0, 10, 10]),
              dict(GATE, name='south', rectangle=[5, -5, 10, 2.5])]
     fleet = fleet_of({'a': (6, -2), 'b': (1, 2)}, zones)
-    fleet.send('b', 9, 2)
+    fleet.robot('b').send(9, 2)
     fleet.run(5 * S)
-    fleet.send('a', 6, 5)
+    fleet.robot('a').send(6, 5)
     fleet.run(10 * S)
     assert rows(fleet, 'deadlock') == [(6.0, 'a', 'deadlock', 'a', 'zone north', 'b', 'zone south')]
 
@@ -261,16 +261,16 @@ CROSSING = [dict(GATE, name='west', rectangle=[0, 0, 5, 5]), dict(GATE, name='ea
 @pytest.mark.parametrize('policy', ['wait', 'abort'])
 def test_a_circle_of_waiting_is_named_once(policy):
     fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'c': (-3, 3)}, CROSSING, deadlock=policy)
-    fleet.send('a', 9, 1)
-    fleet.send('b', 1, 2)
-    fleet.send('c', 3, 3)
+    fleet.robot('a').send(9, 1)
+    fleet.robot('b').send(1, 2)
+    fleet.robot('c').send(3, 3)
     fleet.run(20 * S)
     assert rows(fleet, 'deadlock') == [(2.0, 'b', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
     if policy == 'wait':
         assert ends(fleet) == {} and state(fleet, 0) == (('a',), ('c', 'b'))
         return
     assert ends(fleet) == {'b': (2.0, 'ABORTED')} and rows(fleet, 'ended')[0][5] == NO_CONTROL
-    fleet.send('b', 20, 2)
+    fleet.robot('b').send(20, 2)
     fleet.run()
     assert ends(fleet)['a'][1] == ends(fleet)['c'][1] == 'SUCCEEDED'
 
@@ -278,11 +278,11 @@ def test_a_circle_of_waiting_is_named_once(policy):
 def test_no_circle_is_seen_where_one_may_go_on():
     room = [CROSSING[0], dict(CROSSING[1], capacity=2)]
     fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'd': (8, 4)}, room)
-    fleet.send('a', 9, 1)
-    fleet.send('b', 1, 2)
+    fleet.robot('a').send(9, 1)
+    fleet.robot('b').send(1, 2)
     fleet.run(10 * S)
     assert not rows(fleet, 'deadlock') and state(fleet, 1) == (('b', 'd'), ('a',))
-    fleet.send('d', 20, 4)
+    fleet.robot('d').send(20, 4)
     fleet.run()
     assert {state for _, state in ends(fleet).values()} == {'SUCCEEDED'}
 
@@ -290,8 +290,8 @@ def test_no_circle_is_seen_where_one_may_go_on():
 def test_a_circle_that_closes_when_a_zone_is_opened_is_named_then():
     fleet = fleet_of({'a': (1, 1), 'b': (9, 2)}, CROSSING)
     fleet.close_zone('east')
-    fleet.send('a', 9, 1)
-    fleet.send('b', 1, 2)
+    fleet.robot('a').send(9, 1)
+    fleet.robot('b').send(1, 2)
     fleet.run(10 * S)
     assert not rows(fleet, 'deadlock')
     for closed in (False, True, False):
@@ -301,11 +301,11 @@ def test_a_circle_that_closes_when_a_zone_is_opened_is_named_then():
 
 def test_a_circle_that_closes_when_a_robot_leaves_is_named_then():
     fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'c': (8, 4)}, CROSSING)  # one more in the east than there is place for
-    fleet.send('a', 9, 1)
-    fleet.send('b', 1, 2)
+    fleet.robot('a').send(9, 1)
+    fleet.robot('b').send(1, 2)
     fleet.run(10 * S)
     assert not rows(fleet, 'deadlock')
-    fleet.send('c', 20, 4)
+    fleet.robot('c').send(20, 4)
     fleet.run(20 * S)
     assert rows(fleet, 'deadlock') == [(11.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
 
@@ -314,10 +314,10 @@ def test_a_long_row_of_robots_goes_on_at_one_instant():
     row = [dict(GATE, name='z{}'.format(k), rectangle=[2 * k, -1, 2 * k + 2, 1]) for k in range(400)]
     fleet = fleet_of({'r{}'.format(k): (2 * k + 1, 0) for k in range(400)}, row)
     for k in range(399):
-        fleet.send('r{}'.format(k), 2 * k + 3, 0)
+        fleet.robot('r{}'.format(k)).send(2 * k + 3, 0)
     fleet.run(10 * S)
     assert not ends(fleet)
-    fleet.send('r399', 900, 0)
+    fleet.robot('r399').send(900, 0)
     fleet.run(12 * S)
     assert len(ends(fleet)) == 399 and set(ends(fleet).values()) == {(11.0, 'SUCCEEDED')}
 
@@ -338,8 +338,8 @@ def lanes_fleet(tmp_path):
 
 def test_a_lane_for_one_is_driven_by_one_in_whichever_direction(lanes_fleet):
     fleet = lanes_fleet({'a': (0, 0), 'b': (10, 0)})
-    fleet.send('a', 10, 0)
-    fleet.send('b', 0, 0)
+    fleet.robot('a').send(10, 0)
+    fleet.robot('b').send(0, 0)
     fleet.run()
     assert rows(fleet, 'entered', 'left', 'held') == [
         (0.0, 'a', 'entered', 'lane 0 - 1'), (0.0, 'b', 'held', 'lane 0 - 1'), (5.0, 'a', 'left', 'lane 0 - 1'),
@@ -349,12 +349,12 @@ def test_a_lane_for_one_is_driven_by_one_in_whichever_direction(lanes_fleet):
 
 def test_who_waits_at_a_node_for_the_next_lane_keeps_the_one_behind(lanes_fleet):
     fleet = lanes_fleet({'a': (10, 0), 'b': (0, 0), 'c': (-1, 0)})
-    fleet.send('a', 15, 0)  # in the middle of a lane, where it stays
-    fleet.send('b', 30, 0)
-    fleet.send('c', 10, 0)
+    fleet.robot('a').send(15, 0)  # in the middle of a lane, where it stays
+    fleet.robot('b').send(30, 0)
+    fleet.robot('c').send(10, 0)
     fleet.run(20 * S)
     assert [state(fleet, number) for number in range(3)] == [(('b',), ('c',)), (('a',), ('b',)), ((), ())]
-    fleet.place('a', Pose2D(50.0))
+    fleet.robot('a').place(Pose2D(50.0))
     fleet.run()
     assert ends(fleet) == {'a': (2.5, 'SUCCEEDED'), 'b': (30.0, 'SUCCEEDED'), 'c': (25.0, 'SUCCEEDED')}
 
@@ -362,15 +362,15 @@ def test_who_waits_at_a_node_for_the_next_lane_keeps_the_one_behind(lanes_fleet)
 def test_who_turns_where_it_stands_on_a_lane_keeps_its_place(lanes_fleet):
     fleet = lanes_fleet({'a': (0, 0)})
     for yaw in (0.0, 1.0):
-        fleet.send('a', 5, 0, yaw)
+        fleet.robot('a').send(5, 0, yaw)
         fleet.run()
     assert state(fleet) == (('a',), ())
 
 
 def test_head_on_in_a_row_of_lanes_is_a_circle(lanes_fleet):
     fleet = lanes_fleet({'a': (0, 0), 'b': (20, 0)})
-    fleet.send('a', 20, 0)
-    fleet.send('b', 0, 0)
+    fleet.robot('a').send(20, 0)
+    fleet.robot('b').send(0, 0)
     fleet.run()
     assert rows(fleet, 'deadlock') == [(5.0, 'b', 'deadlock', 'a', 'lane 1 - 2', 'b', 'lane 0 - 1')]
 
@@ -381,7 +381,7 @@ def test_without_zones_the_log_is_the_same_to_the_byte():
     def log(**more):
         fleet = fleet_of({'a': (0, 0), 'b': (10, 0)}, **more)
         for number in range(20):
-            fleet.at(number * S, lambda fleet, number=number: fleet.send('ab'[number % 2], number, number % 3))
+            fleet.at(number * S, lambda fleet, number=number: fleet.robot('ab'[number % 2]).send(number, number % 3))
         fleet.run()
         return fleet.trace
     assert log(zones=()) == log(zones=[dict(GATE, rectangle=[100, 100, 101, 101])])

@@ -31,9 +31,9 @@ class Chaos:
 
     def _step(self, fleet):
         name = self._random.choice(fleet.names)
-        acts = [lambda: fleet.send(name, *self._place())] * 6 + [
-            lambda: fleet.cancel(name), lambda: fleet.place(name, Pose2D(*self._place())),
-            lambda: fleet.hold(name, 'x'), lambda: fleet.release(name, 'x'),
+        acts = [lambda: fleet.robot(name).send(*self._place())] * 6 + [
+            lambda: fleet.robot(name).cancel(), lambda: fleet.robot(name).place(Pose2D(*self._place())),
+            lambda: fleet.robot(name).hold('x'), lambda: fleet.robot(name).release('x'),
             lambda: fleet.close_zone('z0', self._random.random() < 0.5)]
         self._random.choice(acts)()
         self._check()
@@ -42,15 +42,15 @@ class Chaos:
         fleet = self.fleet
         for zone, area in zip(fleet.scenario.zones, fleet.zones):
             for name in fleet.names:
-                x, y = fleet.pose(name).x, fleet.pose(name).y
+                x, y = fleet.robot(name).pose.x, fleet.robot(name).pose.y
                 inside = all(zone.contains(x + dx, y + dy) for dx in (-1e-5, 1e-5) for dy in (-1e-5, 1e-5))
                 assert not inside or name in area.robots
                 assert name not in area.robots or name not in area.waiting
         for name in fleet.names:
             waits = [area.name for area in fleet.zones if name in area.waiting]
-            held = [reason for reason in fleet._members[name].navigator.travel.held_for if reason != 'x']
+            held = [reason for reason in fleet.robot(name).navigator.travel.held_for if reason != 'x']
             assert held == ([', '.join('zone ' + zone for zone in waits)] if waits else [])
-            assert not waits or fleet._members[name].navigator.is_active
+            assert not waits or fleet.robot(name).navigator.is_active
 
 
 def test_whatever_is_asked_of_robots_who_is_inside_has_a_place_and_who_waits_has_none():
@@ -63,8 +63,8 @@ def test_who_waits_and_is_put_into_the_full_zone_goes_on_from_inside():
     fleet = Fleet(make_scenario({
         'defaults': {'max_speed': 2.0}, 'zones': [{'name': 'gate', 'rectangle': [4, -1, 6, 1], 'capacity': 1}],
         'robots': [{'name': 'a', 'start_x': 5.0}, {'name': 'b'}]}))
-    fleet.send('b', 10.0, 0.0)
-    fleet.at(9 * S, lambda fleet: fleet.place('b', Pose2D(5.5, 0.0)))
+    fleet.robot('b').send(10.0, 0.0)
+    fleet.at(9 * S, lambda fleet: fleet.robot('b').place(Pose2D(5.5, 0.0)))
     fleet.run()
     assert [entry.kind for entry in fleet.trace if entry.robot == 'b' and entry.time_ns == 9 * S] == [
         'stands', 'entered', 'released', 'departed']

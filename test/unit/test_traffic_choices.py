@@ -60,7 +60,7 @@ def test_the_higher_priority_comes_first_in_a_queue(seed):
                'priority': priority} for index, (instant, priority) in enumerate(arrivals)]
     fleet = fleet_of(robots, zones=[{'name': 'gate', 'rectangle': [4, -50, 10, 50], 'capacity': 1}])
     for index, robot in enumerate(robots):
-        fleet.send(robot['name'], 20.0, 0.1 * index)
+        fleet.robot(robot['name']).send(20.0, 0.1 * index)
     fleet.run()
     came = {int(row[1][1:]): round(row[0], 6) for row in rows(fleet, 'entered')}
     assert came == oracle_of_priorities(arrivals, 3)
@@ -76,7 +76,7 @@ def test_who_finds_one_place_at_one_instant_gets_it_by_name():
         fleet = fleet_of([{'name': name, 'start_y': float('ab'.index(name))} for name in order], zones=[
             {'name': 'gate', 'rectangle': [4, -50, 6, 50], 'capacity': 1}])
         for name in order:
-            fleet.send(name, 10.0, 'ab'.index(name))
+            fleet.robot(name).send(10.0, 'ab'.index(name))
         fleet.run()
         assert [row[1] for row in rows(fleet, 'entered')] == ['a', 'b']
 
@@ -90,10 +90,10 @@ ROW = [{'name': name, 'rectangle': [x, -5, x + 4, 5], 'capacity': 1} for name, x
 @pytest.mark.parametrize('blocks, stands_at', [(1, 8.0), (2, 4.0), (3, 4.0)])
 def test_a_robot_goes_on_only_where_so_many_zones_have_room(blocks, stands_at):
     fleet = fleet_of([{'name': 'a', 'start_x': 10.0}, {'name': 'b', 'start_y': 1.0}], zones=ROW, blocks=blocks)
-    fleet.send('b', 30.0, 1.0)
+    fleet.robot('b').send(30.0, 1.0)
     fleet.run(10 * S)
-    assert fleet.pose('b').x == pytest.approx(stands_at, abs=1e-6)
-    fleet.send('a', 30.0, 0.0)  # it frees the one, and is for a while in the next
+    assert fleet.robot('b').pose.x == pytest.approx(stands_at, abs=1e-6)
+    fleet.robot('a').send(30.0, 0.0)  # it frees the one, and is for a while in the next
     fleet.run()
     assert [row[1] for row in rows(fleet, 'ended')] == ['a', 'b']
 
@@ -101,9 +101,9 @@ def test_a_robot_goes_on_only_where_so_many_zones_have_room(blocks, stands_at):
 def test_who_looks_ahead_keeps_nobody_out_there():
     fleet = fleet_of([{'name': 'a', 'start_x': 5.0}, {'name': 'b', 'start_y': 1.0}, {'name': 'c', 'start_x': 10.0,
                       'start_y': 9.0}], zones=ROW, blocks=2)
-    fleet.send('b', 30.0, 1.0)  # it waits for room in one, where a stands
+    fleet.robot('b').send(30.0, 1.0)  # it waits for room in one, where a stands
     fleet.run(10 * S)
-    fleet.send('c', 10.0, 0.0)
+    fleet.robot('c').send(10.0, 0.0)
     fleet.run(20 * S)
     assert fleet.zones[1].robots == ('c',)
 
@@ -120,7 +120,7 @@ def test_a_group_of_lanes_and_zones_holds_as_many_as_it_says(tmp_path):
     for room in (1, 3):
         fleet = fleet_of(robots, zones=zones, groups={'g': room}, **{**world, 'defaults': dict(world['defaults'])})
         for name, y in (('r', 0.0), ('s', 5.0), ('t', 20.0)):
-            fleet.send(name, 10.0, y)
+            fleet.robot(name).send(10.0, y)
         fleet.run()
         came[room] = {row[1]: row[0] for row in rows(fleet, 'entered') if row[3] == 'group g'}
     assert came == {1: {'r': 0.0, 's': 5.0, 't': 10.0}, 3: {'r': 0.0, 's': 0.0, 't': 2.0}}
@@ -131,7 +131,7 @@ def test_a_group_is_not_left_between_two_of_its_lanes(tmp_path):
         ('a', 'b', {'group': 'g'}), ('b', 'c', {'group': 'g'})])
     fleet = fleet_of([{'name': 'r'}, {'name': 's'}], **world)
     for name in 'rs':
-        fleet.send(name, 20.0, 0.0)
+        fleet.robot(name).send(20.0, 0.0)
     fleet.run()
     assert [row for row in rows(fleet, 'entered', 'left') if row[3] == 'group g'] == [
         (0.0, 'r', 'entered', 'group g'), (10.0, 'r', 'left', 'group g'),
@@ -176,9 +176,9 @@ EDGES = [('x', 'a', {}), *((one, other, {'capacity': 1}) for one, other in ('ab'
 def test_who_departs_goes_round_a_full_lane_where_that_is_cheaper(tmp_path, price, by):
     fleet = fleet_of([{'name': 'r', 'start_x': 5.0, 'start_y': 1.5}, {'name': 's'}], lane_price=price,
                      **net_of(tmp_path, DIAMOND, EDGES))
-    fleet.send('r', 6.0, 1.8)  # on the lane, where it stays
+    fleet.robot('r').send(6.0, 1.8)  # on the lane, where it stays
     fleet.run()
-    fleet.send('s', 20.0, 0.0)
+    fleet.robot('s').send(20.0, 0.0)
     fleet.run(until=100.0)
     assert [row[4] for row in rows(fleet, 'route') if row[1] == 's'][0] == by
     assert any(row[1] == 's' for row in rows(fleet, 'ended')) == (by == -4.0)
@@ -187,8 +187,8 @@ def test_who_departs_goes_round_a_full_lane_where_that_is_cheaper(tmp_path, pric
 def test_who_would_have_to_wait_at_a_node_looks_for_another_way(tmp_path):
     fleet = fleet_of([{'name': 'r', 'start_x': -1.0, 'start_y': 1.5}, {'name': 's', 'start_x': -10.0}], lane_price=1.0,
                      **net_of(tmp_path, DIAMOND, EDGES))
-    fleet.send('s', 20.0, 0.0)
-    fleet.at(2 * S, lambda fleet: fleet.send('r', 5.0, 1.5))
+    fleet.robot('s').send(20.0, 0.0)
+    fleet.at(2 * S, lambda fleet: fleet.robot('r').send(5.0, 1.5))
     fleet.run(until=100.0)
     assert [row[1] for row in rows(fleet, 'ended') if row[4] == 'SUCCEEDED'] == ['r', 's']
     assert not [row for row in rows(fleet, 'held') if row[1] == 's']
@@ -216,7 +216,7 @@ def test_with_avoid_blocks_groups_and_priorities_no_circle_closes_and_all_come_t
 
     def send(robot):
         if left[robot]:
-            fleet.send(robot, *left[robot].pop(0))
+            fleet.robot(robot).send(*left[robot].pop(0))
     fleet = Fleet(make_scenario({**net_of(tmp_path, nodes, edges), 'robots': robots, 'deadlock': 'avoid', 'blocks': 2,
                                  'groups': {'g': 1, 'h': 2}}), on_end=lambda robot, *_: send(robot))
     for robot in fleet.names:
@@ -235,9 +235,9 @@ def queue_of(order='abcd', at=None, priority=5, **more):
                       for name in order], zones=[
                           {'name': 'gate', 'rectangle': [4, -50, 20, 50], 'capacity': 1}], **more)
     for name in order:
-        fleet.send(name, 30.0, float('abcd'.index(name)))
+        fleet.robot(name).send(30.0, float('abcd'.index(name)))
     if at is not None:
-        fleet.at(at, lambda fleet: fleet.set_priority('d', priority))
+        fleet.at(at, lambda fleet: fleet.robot('d').set_priority(priority))
     fleet.run()
     assert len(rows(fleet, 'ended')) == 4
     return fleet
@@ -258,7 +258,7 @@ def test_a_priority_holds_from_the_instant_on_at_which_it_is_set_also_where_the_
 def test_what_a_priority_may_be_while_it_runs():
     fleet = queue_of()
     with pytest.raises(ConfigurationError, match="robot 'a'/priority: got 0.5; allowed: a whole number of 32 bits"):
-        fleet.set_priority('a', 0.5)
+        fleet.robot('a').set_priority(0.5)
 
 
 def test_a_robot_has_the_priority_of_its_order_where_that_is_higher():
@@ -279,8 +279,8 @@ def test_who_lacks_room_ahead_is_overtaken(tmp_path):
     world = net_of(tmp_path, {'a': (0, 0), 'b': (10, 0), 'c': (20, 0)}, [
         ('a', 'b', {'capacity': 1}), ('b', 'c', {'capacity': 1})])
     fleet = fleet_of([{'name': 'r'}, {'name': 's', 'start_x': 20.0}], blocks=2, **world)
-    fleet.send('r', 20.0, 0.0)
-    fleet.at(1 * S, lambda fleet: fleet.send('s', 0.0, 0.0))
+    fleet.robot('r').send(20.0, 0.0)
+    fleet.at(1 * S, lambda fleet: fleet.robot('s').send(0.0, 0.0))
     fleet.run()
     assert not rows(fleet, 'deadlock')
     assert [row[:2] for row in rows(fleet, 'ended')] == [(10.0, 'r'), (20.0, 's')]
@@ -290,8 +290,8 @@ def test_who_is_in_a_group_waits_in_it_for_nobody_that_still_asks_for_a_place_th
     world = net_of(tmp_path, {'a': (0, 0), 'b': (10, 0), 'c': (20, 0)}, [
         ('a', 'b', {'group': 'g'}), ('b', 'c', {'group': 'g', 'capacity': 1})])
     fleet = fleet_of([{'name': 'r'}, {'name': 's', 'start_x': 20.0}], **world)
-    fleet.send('r', 20.0, 0.0)
-    fleet.at(1 * S, lambda fleet: fleet.send('s', 0.0, 0.0))  # it asks for the second lane, and for the group, first
+    fleet.robot('r').send(20.0, 0.0)
+    fleet.at(1 * S, lambda fleet: fleet.robot('s').send(0.0, 0.0))  # asks for the second lane, and the group, first
     fleet.run()
     assert not rows(fleet, 'deadlock')
     assert [row[:2] for row in rows(fleet, 'ended')] == [(10.0, 'r'), (20.0, 's')]

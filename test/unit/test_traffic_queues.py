@@ -32,12 +32,12 @@ def served(capacity, rate, draw, seed, late=0.0):
     def come(fleet, service):
         robot = idle.popleft()
         inside[robot] = services[robot, fleet.now_ns] = service
-        fleet.send(robot, 1.0, 0.0)
+        fleet.robot(robot).send(1.0, 0.0)
 
     def ended(robot, _goal, _state, _text, now_ns):
         if robot in inside:
             leave_ns = now_ns + round((inside.pop(robot) + late) * NS_PER_S)
-            fleet.at(leave_ns, lambda fleet: fleet.send(robot, -1.0, 0.0))
+            fleet.at(leave_ns, lambda fleet: fleet.robot(robot).send(-1.0, 0.0))
         else:
             idle.append(robot)
     fleet = Fleet(make_scenario({
@@ -122,9 +122,9 @@ def driven_through(rate, seed, customers_count=400):
 
     def come(fleet):
         robot = idle.popleft()
-        fleet.place(robot, Pose2D(-1.0))
+        fleet.robot(robot).place(Pose2D(-1.0))
         arrivals.append((fleet.now_ns + NS_PER_S, robot))  # at the border
-        fleet.send(robot, 102.0, 0.0)
+        fleet.robot(robot).send(102.0, 0.0)
     fleet = Fleet(make_scenario({
         'defaults': {'max_speed': 1.0, 'start_x': -9.0}, 'robots': [{'name': 'r', 'count': 60}],
         'zones': [{'name': 'bridge', 'rectangle': [0, -5, 100, 5], 'capacity': 1}]}), start_ns=0,

@@ -31,20 +31,20 @@ def fleet_on(tmp_path):
 def go(fleet, x):
     """Return how long [s] the robot takes to ``x`` [m], and the text of the ending."""
     begin_ns = fleet.now_ns
-    fleet.send('bot', x, 0.0)
+    fleet.robot('bot').send(x, 0.0)
     fleet.run()
     return (fleet.now_ns - begin_ns) / S, fleet.trace[-1].values[2]
 
 
 def test_legs_take_what_the_matrix_says_and_the_robot_is_on_the_straight_line(fleet_on):
     fleet = fleet_on(turn_rate=0.1)
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run(3 * S)
-    assert (fleet.pose('bot').x, fleet.pose('bot').y) == pytest.approx((4.0, 0.0))
+    assert (fleet.robot('bot').pose.x, fleet.robot('bot').pose.y) == pytest.approx((4.0, 0.0))
     fleet.run()
-    assert fleet.now_ns == 7.5 * S and fleet.pose('bot') == Pose2D(10.0)
+    assert fleet.now_ns == 7.5 * S and fleet.robot('bot').pose == Pose2D(10.0)
     assert [go(fleet, x)[0] for x in (40.0, 40.0)] == [3.0, 2.0]
-    fleet.place('bot', Pose2D(10.0, 0.05))  # near enough to b
+    fleet.robot('bot').place(Pose2D(10.0, 0.05))  # near enough to b
     assert [go(fleet, x)[0] for x in (10.0, 0.0, 40.0)] == [0.0, 20.0, 8.0]
 
 
@@ -56,16 +56,16 @@ def test_a_pair_that_is_missing_and_a_goal_at_no_place_have_no_way(fleet_on):
 
 def test_who_was_stopped_between_two_places_has_the_rest_left(fleet_on):
     fleet = fleet_on()
-    fleet.send('bot', 10.0, 0.0)
+    fleet.robot('bot').send(10.0, 0.0)
     fleet.run(3 * S)
-    fleet.hold('bot', 'test')
+    fleet.robot('bot').hold('test')
     fleet.run(10 * S)
-    fleet.release('bot', 'test')
+    fleet.robot('bot').release('test')
     fleet.run()
     assert fleet.now_ns == pytest.approx(14.5 * S, abs=2)
-    fleet.place('bot', Pose2D(8.0, 5.0))  # off all lines: as from the nearest place, b
+    fleet.robot('bot').place(Pose2D(8.0, 5.0))  # off all lines: as from the nearest place, b
     assert go(fleet, 40.0)[0] == 3.0
-    fleet.place('bot', Pose2D(8.0, 5.0))
+    fleet.robot('bot').place(Pose2D(8.0, 5.0))
     assert go(fleet, 10.0)[0] == 7.5  # b is where it goes
 
 

@@ -25,7 +25,7 @@ def rows(fleet, *kinds):
 @pytest.mark.parametrize('corners', ['keep', 'stop'])
 def test_robots_drive_at_most_as_fast_as_the_zone_says_and_do_not_stop_at_its_border(corners):
     fleet = fleet_of([SLOW], corners=corners)
-    fleet.send('a', 10.0, 0.0)
+    fleet.robot('a').send(10.0, 0.0)
     fleet.run()
     assert rows(fleet, 'entered', 'left', 'ended', 'stands') == [
         (2.0, 'a', 'entered', 'zone slow'), (10.0, 'a', 'left', 'zone slow'), (11.0, 'a', 'stands', 10.0, 0.0, 0.0),
@@ -36,7 +36,7 @@ def test_with_an_acceleration_nobody_stops_at_a_border_whatever_happens_at_corne
     ended = []
     for corners in ('keep', 'stop'):
         fleet = fleet_of([SLOW], corners=corners, acceleration=1.0)
-        fleet.send('a', 10.0, 0.0)
+        fleet.robot('a').send(10.0, 0.0)
         fleet.run()
         ended.append(rows(fleet, 'ended')[0][0])
     assert ended[0] == ended[1] == pytest.approx(oracle([SLOW], 10.0, 2.0, 1.0), abs=0.01)
@@ -71,7 +71,7 @@ def test_a_drive_takes_as_long_as_two_passes_over_a_fine_grid_say(seed):
                       'max_speed': round(dice.uniform(0.2, 2.5), 2)})
     rate = dice.choice([0.5, 1.0, 3.0])
     fleet = fleet_of(zones, acceleration=rate)
-    fleet.send('a', 20.0, 0.0)
+    fleet.robot('a').send(20.0, 0.0)
     fleet.run()
     assert rows(fleet, 'ended')[0][0] == pytest.approx(oracle(zones, 20.0, 2.0, rate), abs=0.01)
 
@@ -82,7 +82,7 @@ def test_the_least_of_all_limits_counts_that_of_a_lane_included(tmp_path):
                                 'edges': [{'from': 'a', 'to': 'b', 'speed': 1.0, 'length': 20.0, 'capacity': 1}]}))
     zones = [dict(SLOW, max_speed=0.4), dict(SLOW, name='wide', rectangle=[2, -5, 8, 5], max_speed=0.8)]
     fleet = fleet_of(zones, more={'lanes': str(path)}, routes='lanes')
-    fleet.send('a', 10.0, 0.0)
+    fleet.robot('a').send(10.0, 0.0)
     fleet.run()
     assert rows(fleet, 'ended')[0][0] == pytest.approx(2 / 0.5 + 2 / 0.5 + 4 / 0.4 + 2 / 0.5)
     assert [row[3] for row in rows(fleet, 'left')] == ['zone slow', 'zone wide', 'lane a - b']
@@ -91,8 +91,8 @@ def test_the_least_of_all_limits_counts_that_of_a_lane_included(tmp_path):
 def test_who_is_in_a_zone_or_will_be_goes_on_by_its_new_limit_at_once():
     fleet = fleet_of([SLOW, dict(SLOW, name='off', rectangle=[0, 50, 1, 51])], 'abc')
     for number, name in enumerate('ab'):
-        fleet.send(name, 10.0, float(number))
-    fleet.at(1 * S, lambda fleet: fleet.send('c', 3.0, 2.0))  # which never comes there
+        fleet.robot(name).send(10.0, float(number))
+    fleet.at(1 * S, lambda fleet: fleet.robot('c').send(3.0, 2.0))  # which never comes there
     fleet.at(4 * S, lambda fleet: fleet.set_zone_limit('slow', 0.25))  # at 5.0 m
     fleet.at(8 * S, lambda fleet: fleet.set_zone_limit('slow'))  # at 6.0 m
     fleet.at(9 * S + S // 2, lambda fleet: fleet.set_zone_limit('slow', 1.0))  # they have left it
@@ -110,7 +110,7 @@ def test_a_change_does_the_same_whatever_the_order_of_robots():
         fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, 'acceleration': 1.0}, 'zones': [SLOW], 'robots': [
             {'name': name, 'start_y': 0.5 * 'abc'.index(name)} for name in order]}), start_ns=0)
         for name in 'abc':
-            fleet.send(name, 10.0, 0.0)
+            fleet.robot(name).send(10.0, 0.0)
         fleet.at(5 * S, lambda fleet: fleet.set_zone_limit('slow', 0.2))
         fleet.run()
         runs.append(rows(fleet, 'zone_limit', 'paced', 'entered', 'left'))

@@ -2,4 +2,4 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'dispatch': 'Dispatch', 'fleet': 'Fleet FleetWarning TraceEntry', 'robot_view': 'RobotView'})
+    'dispatch': 'Dispatch', 'fleet': 'Fleet FleetWarning TraceEntry', 'member': 'Member'})

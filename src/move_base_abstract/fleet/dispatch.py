@@ -94,7 +94,7 @@ class Dispatch:
             self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
 
     def _what_holds(self, robot):
-        held_for = self.fleet._members[robot].navigator.travel.held_for
+        held_for = self.fleet.robot(robot).navigator.travel.held_for
         return 'held for ' + ', '.join(held_for) if held_for else 'which waits'
 
     def metrics(self):
@@ -156,15 +156,16 @@ class Dispatch:
         self._decide_soon()
 
     def _do(self, command):
+        robot = self.fleet.robot(command.robot)
         if isinstance(command, Drive):
             pose = command.pose
             if command.priority is not None:
-                self.fleet.set_priority(command.robot, command.priority)
-            self.fleet.send(command.robot, pose.x, pose.y, pose.yaw, command.goal_id)
+                robot.set_priority(command.priority)
+            robot.send(pose.x, pose.y, pose.yaw, command.goal_id)
         elif isinstance(command, GiveUp):
-            (self.fleet.cancel_work if command.is_work else self.fleet.cancel)(command.robot, command.goal_id)
+            (robot.cancel_task if command.is_work else robot.cancel)(command.goal_id)
         else:
-            self.fleet.work(command.robot, command.task, command.goal_id)
+            robot.send_task(command.task, command.goal_id)
 
     def _tell(self, row):
         if row[1] == 'policy_failed' and self._failure is None:
