@@ -14,9 +14,12 @@ from geometry_msgs.msg import PoseArray, PoseStamped  # noqa: E402
 from std_msgs.msg import Float64, String  # noqa: E402
 
 from move_base_abstract.runs.event_log import EventLog  # noqa: E402
-from move_base_abstract_ros.launching import bag_difference, bags  # noqa: E402
+from move_base_abstract_ros.launching import (  # noqa: E402
+    bag_difference,
+    bags,
+    message_fields,  # noqa: E402
+)
 from move_base_abstract_ros.lockstep.programs import recorders  # noqa: E402
-from move_base_abstract_ros.messages import message_fields  # noqa: E402
 from move_base_abstract_ros.nodes import compare  # noqa: E402
 
 PAST = '/clock|/rosout|/rosout_agg|/time_master/.*'

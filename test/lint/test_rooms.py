@@ -57,7 +57,7 @@ MAY_IMPORT = {
         'nodes': 'environment ros study'}}
 OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
     'replacing': 'common', 'loopback': 'common', 'time_master_client': 'srv msg',
-    'process': 'common', 'lockstep': 'common lockstep properties'}
+    'process': 'common', 'lockstep': 'common lockstep properties runs'}
 
 
 def imports_of(path):

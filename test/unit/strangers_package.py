@@ -3,6 +3,7 @@ import os
 
 import pytest
 
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract_ros.launching import adoption, look_ups, plan  # noqa: TID251 - they read, and start nothing
 
 WORLD = """# a world
@@ -50,7 +51,7 @@ def package_fixture(tmp_path, monkeypatch):
 def adopt(path, *arguments, **others):
     """Return the Adopted of a launch file."""
     config = plan.read([(path, list(arguments))], True)
-    return adoption.adopt(config, plan.LaunchOptions(parameters={}, **others))
+    return adoption.adopt(config, plan.LaunchOptions(parameters={}, **others), read_settings)
 
 
 def write_map(package, origin='[0.0, 0.0, 0.0]', columns=40, rows=30):

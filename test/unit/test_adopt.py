@@ -5,6 +5,7 @@ import shlex
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract_ros.launching import adoption, plan  # noqa: TID251 - they read, and start nothing
 from move_base_abstract_ros.nodes import lockstep_launch  # noqa: TID251
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
@@ -261,7 +262,7 @@ def test_the_command_line_says_the_same(package):
     path = write_stage(package, '10.0 20.0 0 0')
     _parser, options = lockstep_launch.read_words(['--adopt', '--until', '9', path])
     before = lockstep_launch.wishes_of(options, {})
-    made = adoption.adopt(plan.read([(path, [])], True), before)
+    made = adoption.adopt(plan.read([(path, [])], True), before, read_settings)
     words = shlex.split(' '.join(map(shlex.quote, ['--until', '9', *adoption.words_of(before, made.wishes), path])))
     _parser, options = lockstep_launch.read_words(words)
     assert lockstep_launch.wishes_of(options, {}) == made.wishes

@@ -2,8 +2,9 @@
 import numpy as np
 import pytest
 
+from move_base_abstract.common.map_images import OCCUPIED
 from move_base_abstract.fleet import Fleet, FleetWarning
-from move_base_abstract.maps.occupancy import OCCUPIED, OccupancyMap
+from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.map_images import ImageRule, MapMode
 from move_base_abstract.maps.map_check import Ground
 from move_base_abstract.maps.map_files import (  # noqa: TID251 (reads files, knows no ROS)
     MapDescription,
@@ -14,7 +15,6 @@ from move_base_abstract.maps.map_files import (  # noqa: TID251 (reads files, kn
     read_description,
     read_pixels,
 )
-from move_base_abstract.maps.occupancy import ImageRule, MapMode
 from move_base_abstract.motion.geometry import Pose2D
 
 GOOD = {'image': 'm.pgm', 'resolution': '0.05', 'origin': '[1, -2.5, 0.5]', 'negate': '0', 'occupied_thresh': '0.65',

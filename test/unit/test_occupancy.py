@@ -8,8 +8,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.map_images import ImageRule, MapMode, cells_of_image
 from move_base_abstract.maps.map_check import TEXT_OFF_MAP, Ground, MapCheck, square_rings
-from move_base_abstract.maps.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
+from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds, straight_path
 from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
+from move_base_abstract.common.map_images import MapMode
 from move_base_abstract.maps.map_check import Ground
 from move_base_abstract.maps.map_files import load_map, read_description, read_pixels  # noqa: TID251 (knows no ROS)
-from move_base_abstract.maps.occupancy import MapMode
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Dict, MutableMapping, Sequence, Tuple
 
 import numpy as np
 
-from .occupancy import OCCUPIED, OccupancyMap
+from ..common.map_images import OCCUPIED
+from .occupancy import OccupancyMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

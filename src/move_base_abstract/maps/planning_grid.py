@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
-from .occupancy import OCCUPIED, UNKNOWN
+from ..common.map_images import OCCUPIED, UNKNOWN
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -264,7 +264,7 @@ def files_of(given: str, folder: str) -> List[str]:
         whole = document.get('network', document)
         if isinstance(whole, dict) and isinstance(whole.get('map'), str):
             found.append(os.path.join(os.path.dirname(found[0]), whole['map']))
-            from ..maps.map_files import read_description
+            from ..common.map_files import read_description
             found.append(read_description(found[1]).image)
     except (ConfigurationError, AttributeError):
         pass  # the error is reported when the network is read for a run

@@ -15,9 +15,9 @@ import re
 import signal
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Pattern, Sequence, Tuple
 
-from ..lockstep.failures import ASKED, UNASKED, UNCAUGHT
 from . import event_log
 from .event_log import Event, EventLog, EventLogError
+from .failures import ASKED, UNASKED, UNCAUGHT
 
 TIME_MASTER = '/time_master'
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # the kinds of events by which runs are judged

@@ -12,8 +12,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ..common.map_images import OCCUPIED, UNKNOWN
 from ..engine.chance import Chance, Purpose
-from ..maps.occupancy import OCCUPIED, UNKNOWN, OccupancyMap
+from ..maps.occupancy import OccupancyMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

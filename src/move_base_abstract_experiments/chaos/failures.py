@@ -8,9 +8,9 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 
 from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.faults.lapse import JUMP, MUTE
-from move_base_abstract.lockstep.failures import UNCAUGHT
 from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs.event_log import Event, EventLog
+from move_base_abstract.runs.failures import UNCAUGHT
 
 from ..records import Result
 

@@ -70,8 +70,10 @@ def adopted(config: Any, wishes: Any) -> Any:
 
     :raises ConfigurationError: if something in the configuration cannot work.
     """
+    from move_base_abstract.config.settings import read_settings
     from move_base_abstract_ros.launching import adoption
-    found = adoption.adopt(config, wishes._replace(kept_out=()))  # kept_out may be all nodes that are not named
+    # kept_out may be all nodes that are not named
+    found = adoption.adopt(config, wishes._replace(kept_out=()), read_settings)
     if found.problems:
         raise ConfigurationError('adopt: ' + '; '.join(found.problems))
     return found.wishes._replace(kept_out=wishes.kept_out, is_told=True)

@@ -27,8 +27,8 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
-from move_base_abstract.lockstep.failures import words_of
 from move_base_abstract.runs import ends
+from move_base_abstract.runs.failures import words_of
 
 from ..description.experiment import OWN_COLUMNS, Experiment
 from ..description.job import Job

@@ -4,8 +4,8 @@ import os
 import numpy as np
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.maps.map_files import read_description, read_pixels
-from move_base_abstract.motion import Pose2D
+from move_base_abstract.common.geometry import Pose2D
+from move_base_abstract.common.map_files import read_description, read_pixels
 
 from .worlds import Unknown, turned
 

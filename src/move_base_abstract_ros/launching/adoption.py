@@ -4,7 +4,6 @@ import shlex
 from typing import NamedTuple
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.config.settings import read_settings
 
 from ..adopting import kinds, options, poses, reading, robots
 from ..loopback import PACKAGE
@@ -29,12 +28,13 @@ class Adopted(NamedTuple):
     problems: tuple
 
 
-def adopt(config, wishes):
+def adopt(config, wishes, read_settings):
     """Return an Adopted for a roslaunch configuration that a tolerant loader has read.
 
-    ``wishes``: what the user asks for, which takes precedence over the rules.
+    ``wishes``: what the user asks for, which takes precedence over the rules. ``read_settings``: gets the parameters
+    and the name of each of our robots, and raises ConfigurationError if such a robot would end with an error.
     """
-    return _Adoption(config, wishes).adopted()
+    return _Adoption(config, wishes, read_settings).adopted()
 
 
 def words_of(before, after):
@@ -52,9 +52,10 @@ def words_of(before, after):
 
 
 class _Adoption:
-    def __init__(self, config, wishes):
+    def __init__(self, config, wishes, read_settings):
         self.config = config
         self.wishes = wishes
+        self._read_settings = read_settings
         self.done, self.remarks, self.problems = [], [], []
         self.left_out, self.added, self.arguments, self.set = [], [], [], []
         self.hints, self.stages = poses.hints(config)
@@ -284,7 +285,7 @@ class _Adoption:
                 self.set.append((name + '/backend', 'builtin'))
                 self.done.append('{} has no simulator in this run: its backend is builtin'.format(name))
             try:
-                read_settings(self._below(name), name)
+                self._read_settings(self._below(name), name)
             except ConfigurationError as error:
                 self.problems.append('{} would end with an error: {}; --param NAME=VALUE sets another ({})'.format(
                     name, error, _place(node)))

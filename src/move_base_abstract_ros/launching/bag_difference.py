@@ -4,7 +4,7 @@ import os
 
 from move_base_abstract.common.errors import SimulatorError
 
-from ..messages import message_fields
+from . import message_fields
 
 _MOST_BYTES = 1 << 31  # of a bag that is read in the search
 

@@ -4,8 +4,7 @@ import re
 
 from move_base_abstract.runs import run_difference
 
-from ..messages import message_fields
-from . import bag_difference
+from . import bag_difference, message_fields
 
 _COLOUR = re.compile('\x1b\\[[0-9;]*m')
 _REORDERED = 'the events of this instant are the same in both runs, in another order: nodes registered with the ROS ' \

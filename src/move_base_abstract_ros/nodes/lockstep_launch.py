@@ -219,8 +219,10 @@ def _adopted(config, wishes, options):
 
     :raises ConfigurationError: if something in the file cannot work.
     """
+    from move_base_abstract.config.settings import read_settings
+
     from ..launching import adoption
-    found = adoption.adopt(config, wishes)
+    found = adoption.adopt(config, wishes, read_settings)
     for line in found.done:
         _say(_printable(line))
     for line in found.remarks:

@@ -16,11 +16,11 @@ from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.map_images import ImageRule
 from move_base_abstract.common.parameter_table import number, read_table
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.config.node_tables import MAP_FRAME, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description
-from move_base_abstract.maps.occupancy import ImageRule
 from move_base_abstract_ros.clocks.timing import make_timing
 from move_base_abstract_ros.messages import conversions
 from move_base_abstract_ros.process.node_process import run_node

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import rospy
 
-from move_base_abstract.lockstep.failures import ASKED, UNASKED
+from move_base_abstract.runs.failures import ASKED, UNASKED
 
 from ...replacing.replaced import replace
 from ..code.imports import when_imported

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import rospy
 
-from move_base_abstract.lockstep.failures import UNCAUGHT, words_of
 from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.runs.failures import UNCAUGHT, words_of
 
 from ...replacing.replaced import replace
 from ..code.own_code import is_library

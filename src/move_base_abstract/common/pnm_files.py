@@ -10,10 +10,10 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.errors import ConfigurationError
+from .errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from ..common.type_names import StrPath
+    from .type_names import StrPath
 
 CHANNELS = {b'P2': 1, b'P3': 3, b'P5': 1, b'P6': 3}
 PIXELS_MAX = 2 ** 27  # 134 million: 11.6 km x 11.6 km in cells of 1 m

@@ -1,0 +1,160 @@
+"""Reads maps from files: the YAML description and its image, in the format of map_server.
+
+There are no nodes and topics here: the input is a file, and the result is a description or pixels, or a
+ConfigurationError that names the file.
+"""
+from __future__ import annotations
+
+import difflib
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Tuple, TypeVar
+
+import numpy as np
+from PIL import Image
+
+from .bounded_yaml import load_yaml_file
+from .errors import ConfigurationError
+from .geometry import Pose2D
+from .input_files import open_input
+from .map_images import ImageRule, MapMode
+from .pnm_files import BYTES_MAX, is_pnm, read_pnm
+from .shown import shown, shown_text
+
+if TYPE_CHECKING:
+    from .type_names import StrPath
+
+_REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
+_KEYS = _REQUIRED + ('mode',)
+_FLAGS = {0: False, 1: True}  # this allows false and true, too, which are equal to 0 and 1
+_CONVERSIONS = {'1': 'L', 'L': 'L', 'LA': 'RGBA', 'La': 'RGBA', 'P': 'RGB', 'PA': 'RGBA', 'RGB': 'RGB',
+                'RGBA': 'RGBA', 'RGBX': 'RGB', 'CMYK': 'RGB', 'YCbCr': 'RGB'}
+_GREY_16 = ('I', 'I;16', 'I;16B', 'I;16L')
+_Chosen = TypeVar('_Chosen')
+
+
+@dataclass(frozen=True)
+class MapDescription:
+    """The content of a map's YAML file.
+
+    ``image``: the path of the image, absolute or relative to the working directory; ``resolution``: the side of a cell
+    [m]; ``origin``: the pose of the south-west corner; ``rule``: how the image is read; ``warnings``: texts about
+    strange keys and values.
+    """
+
+    image: str
+    resolution: float
+    origin: Pose2D = Pose2D()
+    rule: ImageRule = ImageRule()
+    warnings: Tuple[str, ...] = ()
+
+
+def read_description(path: StrPath) -> MapDescription:
+    """Return the :class:`MapDescription` in the YAML file ``path``.
+
+    :raises ConfigurationError: if it cannot be used; the text names the file, the key, what was got and what is
+        allowed.
+    """
+    document = _parse(path)
+    for key in _REQUIRED:
+        if key not in document:
+            raise ConfigurationError('{}: {}: missing; a map needs the keys {}'.format(path, key, ', '.join(_REQUIRED)))
+    resolution = _number(document['resolution'], path, 'resolution', above=0.0, unit=' [m/cell]')
+    rule = ImageRule(_mode(document.get('mode', MapMode.TRINARY.value), path),
+                     _choice(document['negate'], path, 'negate', _FLAGS, '0 or 1'),
+                     _number(document['occupied_thresh'], path, 'occupied_thresh'),
+                     _number(document['free_thresh'], path, 'free_thresh'))
+    return MapDescription(_image_path(document['image'], path), resolution, _origin(document['origin'], path), rule,
+                          tuple(_warnings(document, rule, path)))
+
+
+def _parse(path: StrPath) -> Dict[Any, Any]:
+    document = load_yaml_file(path)
+    if not isinstance(document, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
+            path, type(document).__name__, ', '.join(_REQUIRED)))
+    return document
+
+
+def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, unit: str = '') -> float:
+    """Return ``raw`` as a finite float. A text is allowed, since YAML 1.1 reads 5e-2 as one, unlike other readers."""
+    try:
+        if isinstance(raw, bool):
+            raise ValueError
+        value = float(raw)
+        if not math.isfinite(value) or (above is not None and not value > above):
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise ConfigurationError('{}: {}: got {}; allowed: a finite number{}{}'.format(
+            path, key, shown(raw), '' if above is None else ' > {:g}'.format(above), unit)) from None
+    return value
+
+
+def _choice(raw: Any, path: StrPath, key: str, choices: Mapping[Any, _Chosen], allowed: str) -> _Chosen:
+    if not isinstance(raw, (bool, int, str)) or raw not in choices:
+        raise ConfigurationError('{}: {}: got {}; allowed: {}'.format(path, key, shown(raw), allowed))
+    return choices[raw]
+
+
+def _mode(raw: Any, path: StrPath) -> MapMode:
+    return _choice(raw, path, 'mode', {mode.value: mode for mode in MapMode}, ', '.join(mode.value for mode in MapMode))
+
+
+def _origin(raw: Any, path: StrPath) -> Pose2D:
+    if not isinstance(raw, list) or len(raw) != 3:
+        raise ConfigurationError('{}: origin: got {}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
+                                 'corner'.format(path, shown(raw)))
+    return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
+
+
+def _image_path(raw: Any, path: StrPath) -> str:
+    if not isinstance(raw, str) or not raw:
+        raise ConfigurationError('{}: image: got {}; allowed: the path of an image, relative to this file or '
+                                 'absolute'.format(path, shown(raw)))
+    return os.path.join(os.path.dirname(path), raw)
+
+
+def _warnings(document: Dict[Any, Any], rule: ImageRule, path: StrPath) -> Iterator[str]:
+    for key in document:
+        if key not in _KEYS:
+            close = difflib.get_close_matches(shown_text(key), _KEYS, n=1)
+            yield '{}: {}: unknown key, not used{}'.format(
+                path, shown_text(key), "; did you mean '{}'?".format(close[0]) if close else '')
+    if rule.free_thresh > rule.occupied_thresh:
+        yield '{}: free_thresh {:g} is above occupied_thresh {:g}: all cells above the latter are occupied'.format(
+            path, rule.free_thresh, rule.occupied_thresh)
+
+
+def read_pixels(path: StrPath) -> Any:
+    """Return the pixels of the image file ``path``: uint8 (rows from the top, columns, channels).
+
+    Channels: 1 = grey, 3 = colour, 4 = colour and alpha.
+
+    :raises ConfigurationError: if there is no such file, if it is damaged, or if its pixels have another format.
+    """
+    try:
+        with open_input(path, BYTES_MAX, what='file of an image') as stream:
+            if is_pnm(stream):
+                return read_pnm(path, stream)
+            with Image.open(stream) as image:
+                image.load()
+                return _to_channels(path, image)
+    except Image.UnidentifiedImageError:
+        raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
+                                 'other common formats'.format(path)) from None
+    except ConfigurationError:
+        raise
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+        raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
+
+
+def _to_channels(path: StrPath, image: Any) -> Any:
+    if image.mode in _GREY_16:
+        return (np.asarray(image).astype(np.uint16) >> 8).astype(np.uint8)[:, :, np.newaxis]
+    if image.mode not in _CONVERSIONS:
+        raise ConfigurationError("{}: got an image with the mode '{}'; allowed: grey, colour or palette images with 8 "
+                                 'bits a value, with or without alpha'.format(path, image.mode))
+    mode = 'RGBA' if 'transparency' in image.info else _CONVERSIONS[image.mode]
+    pixels = np.asarray(image.convert(mode))
+    return pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
