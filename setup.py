@@ -5,8 +5,10 @@ import xml.etree.ElementTree as ElementTree
 from setuptools import find_packages, setup
 
 DATA = {'move_base_abstract': ['py.typed'],
+        'move_base_abstract_testing': ['py.typed'],
+        'move_base_abstract_mapf': ['py.typed'],
         'move_base_abstract_calibration': ['templates/*'],
-        'move_base_abstract_experiments': ['report/templates/*.j2'],
+        'move_base_abstract_experiments': ['py.typed', 'report/templates/*.j2'],
         'move_base_abstract_replay': ['templates/*'],
         'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
         'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}

@@ -36,13 +36,6 @@ def bound_names(tree):
     return names | {'__name__', '__file__', '__doc__'}
 
 
-def handed_on(tree):
-    """Return the names of its modules that a package exports by move_base_abstract.common.handed_on."""
-    return {name for node in tree.body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-            and getattr(node.value.func, 'id', '') == 'handed_on'
-            for names in node.value.args[1].values for name in names.value.split()}
-
-
 def our_modules():
     """Return {dotted name: names} of our modules and packages: their top-level names, and the modules of a package."""
     modules = {}
@@ -50,7 +43,7 @@ def our_modules():
         parts = path.relative_to(SOURCE).with_suffix('').parts
         parts = parts[:-1] if parts[-1] == '__init__' else parts
         tree = ast.parse(path.read_text())
-        modules.setdefault('.'.join(parts), set()).update(bound_names(tree), handed_on(tree))
+        modules.setdefault('.'.join(parts), set()).update(bound_names(tree))
         if len(parts) > 1:
             modules.setdefault('.'.join(parts[:-1]), set()).add(parts[-1])
     return modules

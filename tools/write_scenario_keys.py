@@ -18,8 +18,11 @@ from output_file import output_file  # noqa: E402
 from move_base_abstract import scenario  # noqa: E402
 from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
 from move_base_abstract.config import robot_table  # noqa: E402
-from move_base_abstract.orders import order, order_arrivals  # noqa: E402
-from move_base_abstract.orders import settings as dispatch_settings  # noqa: E402
+from move_base_abstract.orders import (  # noqa: E402
+    order,
+    order_arrivals,
+    settings as dispatch_settings,  # noqa: E402
+)
 from move_base_abstract.tasks import arrivals, places  # noqa: E402
 from move_base_abstract.traffic import rules, zones  # noqa: E402
 

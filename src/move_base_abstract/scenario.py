@@ -34,8 +34,7 @@ from .orders import order_arrivals
 from .orders.settings import DispatchSettings, read_dispatcher, with_levels
 from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
-from .traffic.rules import KEYS as RULES
-from .traffic.rules import TrafficRules, read_rules
+from .traffic.rules import KEYS as RULES, TrafficRules, read_rules
 from .traffic.zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # settings that describe the world, so they are keys of the scenario itself

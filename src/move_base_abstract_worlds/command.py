@@ -17,8 +17,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown
 
 from .findings import KINDS
-from .sites import KINDS as KINDS_OF_SITES
-from .sites import make_site
+from .sites import KINDS as KINDS_OF_SITES, make_site
 
 _FORMAT = '{"format": "move_base_abstract scenario check 1",\n'
 _MOST_OF_A_KIND = 20  # in the terminal; the JSON has all

@@ -12,8 +12,7 @@ sys.path.insert(0, str(ROOT / 'src'))
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped  # noqa: E402
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult  # noqa: E402
-from nav_msgs.msg import Odometry  # noqa: E402
-from nav_msgs.msg import Path as PathMessage  # noqa: E402
+from nav_msgs.msg import Odometry, Path as PathMessage  # noqa: E402
 
 from move_base_abstract.common.errors import ConfigurationError  # noqa: E402
 from move_base_abstract.fleet import Fleet  # noqa: E402

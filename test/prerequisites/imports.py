@@ -4,6 +4,8 @@ import re
 from functools import lru_cache
 from pathlib import Path
 
+from move_base_abstract.common.lazy_exports import exports_of
+
 ROOT = Path(__file__).resolve().parents[2]
 SRC, SCRIPTS = ROOT / 'src', ROOT / 'scripts'
 NODES = 'move_base_abstract_ros.nodes'  # start(NAME) of its package runs the module NAME in it
@@ -36,7 +38,11 @@ def of_text(text, module=''):
     """Return the dotted names that a module's text imports: for ``from a import b`` both ``a`` and ``a.b``."""
     is_package = bool(module) and _file(module).name == '__init__.py'
     names = set()
-    for node in ast.walk(ast.parse(text)):
+    waiting = [ast.parse(text)]
+    while waiting:
+        node = waiting.pop()
+        is_for_types = isinstance(node, ast.If) and getattr(node.test, 'id', '') == 'TYPE_CHECKING'
+        waiting += node.orelse if is_for_types else ast.iter_child_nodes(node)
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -66,13 +72,5 @@ def _ours(name):
     parts = name.split('.')
     found = [module for module in ('.'.join(parts[:count]) for count in range(1, len(parts) + 1)) if _file(module)]
     package, handed = found[-1], name[len(found[-1]) + 1:]
-    return [*found, *(f'{package}.{module}' for module, names in _handed_on(package).items()
-                      if handed in names.split())]
-
-
-@lru_cache(maxsize=None)
-def _handed_on(package):
-    for node in ast.walk(ast.parse(_file(package).read_text(encoding='utf-8'))):
-        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'handed_on':
-            return ast.literal_eval(node.args[1])
-    return {}
+    home = exports_of(_file(package).read_text(encoding='utf-8')).get(handed)
+    return [*found, package + home] if home else found

@@ -1,8 +1,7 @@
 """What becomes of goals and cancel requests: each row of move_base's contract that concerns states and texts."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.goals.ledger import GoalLedger

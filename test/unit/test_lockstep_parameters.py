@@ -2,8 +2,7 @@
 import copy
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from move_base_abstract.lockstep.parameters import MISSING, PendingParameters, in_order, search
 

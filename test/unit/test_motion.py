@@ -4,8 +4,7 @@ import math
 import sys
 
 import pytest
-from hypothesis import assume, example, given
-from hypothesis import strategies as st
+from hypothesis import assume, example, given, strategies as st
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle

@@ -3,8 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from move_base_abstract.common.errors import FrameError
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns

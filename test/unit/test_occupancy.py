@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.map_images import ImageRule, MapMode, cells_of_image

@@ -3,8 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds, straight_path
 from move_base_abstract.motion.geometry import Pose2D

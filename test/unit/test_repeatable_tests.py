@@ -1,7 +1,6 @@
 """Property tests take the same examples each time: a test is not green or red by chance."""
 
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 
 def test_examples_follow_from_the_tests_alone():

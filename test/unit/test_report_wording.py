@@ -16,8 +16,8 @@ from move_base_abstract_experiments.report.wording import (
     probability,
     scale_of,
     shortened,
+    with_interval as text_of,
 )
-from move_base_abstract_experiments.report.wording import with_interval as text_of
 
 
 def plain(text):

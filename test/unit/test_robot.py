@@ -1,8 +1,7 @@
 """One robot: its pose at any instant of the present and of some of the past, and the way it has driven."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from move_base_abstract.common.errors import TimeError
 from move_base_abstract.common.units import NS_PER_S

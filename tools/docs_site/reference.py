@@ -3,6 +3,8 @@ import ast
 import importlib
 from pathlib import Path
 
+from move_base_abstract.common.lazy_exports import exports_of
+
 ROOT = Path(__file__).resolve().parents[2]
 CORE = 'move_base_abstract'
 #: other modules that users' nodes and tests import, {module: its names; empty: all of them}
@@ -64,14 +66,6 @@ def _rooms(package):
     for path in [folder / '__init__.py', *sorted(folder.glob('*/__init__.py'))]:
         room = '' if path.parent == folder else path.parent.name
         here = '.'.join(part for part in (package, room) if part)
-        names = [(name, here + '.' + module) for module, own in _handed_on(path).items() for name in own.split()]
+        names = [(name, here + module) for name, module in exports_of(path.read_text(encoding='utf-8')).items()]
         if names:
             yield room, names
-
-
-def _handed_on(path):
-    """Return the table of names that a package exports, {module: names}, from its source."""
-    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
-        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'handed_on':
-            return ast.literal_eval(node.args[1])
-    return {}

@@ -1,5 +1,11 @@
 """The parameters of robots and nodes, their checks, and the parameter names of existing move_base set-ups."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'rates': 'Rates', 'settings': 'RobotSettings read_settings', 'upstream': 'LocalPlanner'})
+if TYPE_CHECKING:
+    from .rates import Rates as Rates
+    from .settings import RobotSettings as RobotSettings, read_settings as read_settings
+    from .upstream import LocalPlanner as LocalPlanner
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -27,18 +27,21 @@ from ..maps.travel_matrix import TravelMatrix, read_travel_matrix
 from ..motion.approach import MotionPhases
 from ..motion.attempts import Attempts
 from ..motion.calibration import CalibratedDurations, read_calibration
-from ..motion.durations import TABLE as DURATIONS
-from ..motion.durations import Durations, read_durations
+from ..motion.durations import TABLE as DURATIONS, Durations, read_durations
 from ..motion.encounter_law import EncounterLaw
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
 from ..motion.original import POSE_RATES, RASBERRY, OriginalLaw
 from ..sensing.laser import LaserSettings, read_laser
 from . import upstream
-from .local_planner import ACCELERATION as ACCELERATION_LIMIT
-from .local_planner import XY_TOLERANCE as XY_LIMIT
-from .local_planner import YAW_TOLERANCE as YAW_LIMIT
-from .local_planner import Found, PlannerGroup, leaves
+from .local_planner import (
+    ACCELERATION as ACCELERATION_LIMIT,
+    XY_TOLERANCE as XY_LIMIT,
+    YAW_TOLERANCE as YAW_LIMIT,
+    Found,
+    PlannerGroup,
+    leaves,
+)
 from .robot_table import ACCELERATION, LIMITS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
 
 _ODOM = 'odom'

@@ -1,5 +1,11 @@
 """Robots that come near each other on their ways: when and how they do, and what it costs them."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'control': 'Encounters', 'nearness': 'closest first_beyond first_within', 'track': 'Track'})
+if TYPE_CHECKING:
+    from .control import Encounters as Encounters
+    from .nearness import closest as closest, first_beyond as first_beyond, first_within as first_within
+    from .track import Track as Track
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,5 +1,10 @@
 """Batteries: the state of charge as a formula, and the energy that a leg takes."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'battery': 'Battery BatterySettings read_battery', 'consumption': 'LegEnergy Mechanics'})
+if TYPE_CHECKING:
+    from .battery import Battery as Battery, BatterySettings as BatterySettings, read_battery as read_battery
+    from .consumption import LegEnergy as LegEnergy, Mechanics as Mechanics
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,6 +1,13 @@
 """The engine of discrete events: the queue of events, the present time, and draws that follow from a seed."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'alarm': 'Alarm', 'chance': 'Chance Purpose', 'event_queue': 'EventQueue Series',
-    'factors': 'Constant Gamma Lognormal Quantiles', 'simulation': 'Simulation'})
+if TYPE_CHECKING:
+    from .alarm import Alarm as Alarm
+    from .chance import Chance as Chance, Purpose as Purpose
+    from .event_queue import EventQueue as EventQueue, Series as Series
+    from .factors import Constant as Constant, Gamma as Gamma, Lognormal as Lognormal, Quantiles as Quantiles
+    from .simulation import Simulation as Simulation
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,5 +1,11 @@
 """Many robots in plain Python, without ROS."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'dispatch': 'Dispatch', 'fleet': 'Fleet FleetWarning TraceEntry', 'member': 'Member'})
+if TYPE_CHECKING:
+    from .dispatch import Dispatch as Dispatch
+    from .fleet import Fleet as Fleet, FleetWarning as FleetWarning, TraceEntry as TraceEntry
+    from .member import Member as Member
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,6 +1,13 @@
 """The life of a goal: the ledger of goals, the navigator that works on them, recovery and endings."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'goal_pose': 'BadFramePolicy GoalPose', 'ledger': 'GoalLedger GoalRecord',
-    'navigator': 'Navigator', 'outcome': 'GoalState Outcome', 'recovery': 'RecoveryBehavior RecoveryPolicy'})
+if TYPE_CHECKING:
+    from .goal_pose import BadFramePolicy as BadFramePolicy, GoalPose as GoalPose
+    from .ledger import GoalLedger as GoalLedger, GoalRecord as GoalRecord
+    from .navigator import Navigator as Navigator
+    from .outcome import GoalState as GoalState, Outcome as Outcome
+    from .recovery import RecoveryBehavior as RecoveryBehavior, RecoveryPolicy as RecoveryPolicy
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

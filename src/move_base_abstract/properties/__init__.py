@@ -2,8 +2,21 @@
 
 For nodes: ``from move_base_abstract.properties import always, never_again, sometimes``.
 """
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'stating': 'always never_again sometimes', 'statements': 'Statements',
-    'judgement': 'Broken Judgement Run judge judge_log judgement_on', 'gathering': 'Gathering'})
+if TYPE_CHECKING:
+    from .gathering import Gathering as Gathering
+    from .judgement import (
+        Broken as Broken,
+        Judgement as Judgement,
+        Run as Run,
+        judge as judge,
+        judge_log as judge_log,
+        judgement_on as judgement_on,
+    )
+    from .statements import Statements as Statements
+    from .stating import always as always, never_again as never_again, sometimes as sometimes
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,4 +1,10 @@
 """Laser scans of a robot: rays that end in the map, or at the outlines of other robots."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {'laser': 'Laser LaserSettings Scan read_laser', 'surroundings': 'Surroundings'})
+if TYPE_CHECKING:
+    from .laser import Laser as Laser, LaserSettings as LaserSettings, Scan as Scan, read_laser as read_laser
+    from .surroundings import Surroundings as Surroundings
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,6 +1,13 @@
 """Checks whether clocks and other simulators follow the run, and whether they still run."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'clock_source': 'ClockSource', 'follow_check': 'FollowCheck', 'rate_cap': 'RateCap',
-    'silence_watch': 'SilenceWatch', 'stamp_check': 'StampCheck'})
+if TYPE_CHECKING:
+    from .clock_source import ClockSource as ClockSource
+    from .follow_check import FollowCheck as FollowCheck
+    from .rate_cap import RateCap as RateCap
+    from .silence_watch import SilenceWatch as SilenceWatch
+    from .stamp_check import StampCheck as StampCheck
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -1,6 +1,13 @@
 """Places where robots work, tasks that arrive, and which robot works where."""
-from ..common.handed_on import handed_on
+from typing import TYPE_CHECKING
 
-__getattr__ = handed_on(__name__, {
-    'arrivals': 'Listed Poisson Task read_arrivals', 'place_tasks': 'PlaceTaskRunner', 'room': 'Guest Room Rooms',
-    'places': 'Place Work read_places', 'timed_task': 'TimedTaskRunner'})
+if TYPE_CHECKING:
+    from .arrivals import Listed as Listed, Poisson as Poisson, Task as Task, read_arrivals as read_arrivals
+    from .place_tasks import PlaceTaskRunner as PlaceTaskRunner
+    from .places import Place as Place, Work as Work, read_places as read_places
+    from .room import Guest as Guest, Room as Room, Rooms as Rooms
+    from .timed_task import TimedTaskRunner as TimedTaskRunner
+else:
+    from ..common.lazy_exports import lazy_exports
+
+    __getattr__ = lazy_exports(__name__)

@@ -109,8 +109,8 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
         found = _first_failing(runs.each(seeds), gathered)
         passed = time.monotonic() - begin
         _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
-        for (node, text), (made, held) in gathered.sometimes.items():
-            _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(made, 'run')} that say it")
+        for (node, text), (said, held) in gathered.sometimes.items():
+            _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(said, 'run')} that say it")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             return GOOD

@@ -4,18 +4,19 @@ From then on ``rospy.sleep``, ``Rate``, ``Timer``, ``spin``, topics, services, `
 ``wait_for_service`` and actionlib's clients are exact in simulated time, and the node's threads run one at a time.
 docs/lockstep.md says what is part of a run and what is not.
 """
-import importlib
+from typing import TYPE_CHECKING
 
-_PLACES = {'Participant': 'participation.taking_part', 'is_lockstep': 'exchange.access', 'repetition': 'exchange.links',
-           'sender': 'exchange.links', **dict.fromkeys(('join', 'node_is_there', 'participant', 'take_part'),
-                                                       'participation.joining')}
-__all__ = ['Participant', 'is_lockstep', 'join', 'node_is_there', 'participant', 'repetition', 'sender', 'take_part']
+if TYPE_CHECKING:
+    from .exchange.access import is_lockstep as is_lockstep
+    from .exchange.links import repetition as repetition, sender as sender
+    from .participation.joining import (
+        join as join,
+        node_is_there as node_is_there,
+        participant as participant,
+        take_part as take_part,
+    )
+    from .participation.taking_part import Participant as Participant
+else:
+    from move_base_abstract.common.lazy_exports import lazy_exports
 
-
-def __getattr__(name):
-    """Import a name, and rospy with it, when it is first used: the launcher of a binary needs neither."""
-    if name not in _PLACES:
-        raise AttributeError('module {!r} has no attribute {!r}'.format(__name__, name))
-    # Kept in the module, so that this function is called once per name.
-    found = globals()[name] = getattr(importlib.import_module('.' + _PLACES[name], __name__), name)
-    return found
+    __getattr__ = lazy_exports(__name__)  # rospy comes with the first name: the launcher of a binary needs neither

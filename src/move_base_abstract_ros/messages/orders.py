@@ -1,8 +1,7 @@
 """Orders and tasks as messages. The core's times are integer nanoseconds."""
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import Order, OrderStop, Task
-from move_base_abstract.orders.order import WORK, Stop
-from move_base_abstract.orders.order import Order as OrderValue
+from move_base_abstract.orders.order import WORK, Order as OrderValue, Stop
 
 from . import conversions
 

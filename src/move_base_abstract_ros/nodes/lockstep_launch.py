@@ -28,8 +28,7 @@ from move_base_abstract.lockstep.run_options import FAIL, RunOptions
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
-from ..adopting import next_step
-from ..adopting import options as adopting_options
+from ..adopting import next_step, options as adopting_options
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 

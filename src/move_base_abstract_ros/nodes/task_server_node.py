@@ -19,8 +19,7 @@ from ..process.own_parameters import own_values
 from ..replacing.bulk_registration import bulk_registration
 from ..robot.host import Host
 from ..robot.task_server import TaskServer
-from ..robot.work_server import ACTION as WORK
-from ..robot.work_server import WorkServer
+from ..robot.work_server import ACTION as WORK, WorkServer
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1

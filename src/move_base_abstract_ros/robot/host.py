@@ -5,8 +5,7 @@ import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table
-from move_base_abstract.config.node_tables import ACTIONLIB
-from move_base_abstract.config.node_tables import STATUS_FREQUENCY as _FREQUENCY
+from move_base_abstract.config.node_tables import ACTIONLIB, STATUS_FREQUENCY as _FREQUENCY
 from move_base_abstract.config.rates import Rates
 from move_base_abstract.motion.recorded_range import WARNING
 from move_base_abstract.sensing.surroundings import Surroundings

@@ -24,8 +24,7 @@ from .reconfigure import Reconfigure
 from .robot_publisher import RobotPublisher
 from .simple_goals import SimpleGoals
 from .teleport import Teleport
-from .work_server import ACTION as WORK
-from .work_server import WorkServer
+from .work_server import ACTION as WORK, WorkServer
 
 _REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 

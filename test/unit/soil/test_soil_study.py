@@ -14,8 +14,7 @@ import yaml
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import plan, spec
-from move_base_abstract_experiments.report import command as report
-from move_base_abstract_experiments.report import extension, outcome
+from move_base_abstract_experiments.report import command as report, extension, outcome
 from move_base_abstract_experiments.results import tables as tables_of_trials
 from soil_mapping.config import TrialConfig
 from soil_mapping.ground_truth.field import load_field
