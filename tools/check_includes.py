@@ -48,8 +48,8 @@ ROOMS = {
                          'roscpp_shim/machine/glibc_fields.h', 'roscpp_shim/machine/instants.h'), False),
     'src/time_master': (('cores/', 'parameters/', 'clock/', 'lockstep/', 'participant/local_address.h',
                          'participant/run_secret.h', 'participant/shared_channel.h'), False),
-    'src/time_master/cores': (('clock/', 'lockstep/core_choice.h', 'time_master/descriptor.h',
-                               'time_master/wall_now.h', 'time_master/whole_file.h'), False),
+    'src/time_master/cores': (('clock/', 'time_master/descriptor.h', 'time_master/wall_now.h',
+                               'time_master/whole_file.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

@@ -95,7 +95,7 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
                                             parameters.master.repeat_rate);
   server_ = std::make_unique<LockstepServer>(
       settings, ros::network::getHost(), parameters.lockstep_port,
-      LockstepServer::Local{parameters.cores, parameters.shared_memory}, listeners());
+      LockstepServer::Local{parameters.uses_all_cores, parameters.shared_memory}, listeners());
   ros_master_ = std::make_unique<RosMasterWatch>();
   try {
     parameters_of_ros_.listen([this](const std::string& name) {

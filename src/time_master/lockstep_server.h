@@ -43,8 +43,8 @@ class LockstepServer {
 
   /** @brief How participants on this computer are treated. */
   struct Local {
-    CoresWish cores = CoresWish::kAuto;  // on which they run
-    bool shares_memory = true;           // whether they may report through shared memory
+    bool uses_all_cores = false;  // or they are kept on one core, with a lookahead on one each
+    bool shares_memory = true;    // whether they may report through shared memory
   };
 
   /**

@@ -18,7 +18,8 @@ from move_base_abstract_ros.lockstep.exchange.connection import Connection
 from move_base_abstract_ros.loopback import find_executable
 
 OWN = os.sched_getaffinity(0)
-ROUNDS = 60  # `alternate` changes every 10 rounds
+ROUNDS = 60
+SLOW_ROUNDS = 10
 STEP_NS = 10 ** 6
 COORDINATOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes', 'coordinator.py')
 ROBOTS, GOALS = 4, 60
@@ -29,6 +30,7 @@ class LocalClient(RawClient):
 
     def __init__(self, address):
         super().__init__(address)
+        self.address = address
         self.socket.close()
         self.socket = socket.socket(socket.AF_UNIX)
         self.socket.connect('\0move_base_abstract/' + address)
@@ -88,39 +90,66 @@ class CoresTest(unittest.TestCase):
         self.addCleanup(thread.join)
         self.addCleanup(go_on.set)
         asked.wait()
-        _ros, _child, client = self.join('alternate')
+        _ros, _child, client = self.join('one')
         for _turn, _number in zip(client.turns(), range(ROUNDS)):
             pass
         go_on.set()
         thread.join()
         self.assertEqual(masks, [{min(OWN)}])
 
-    def test_it_changes_while_the_run_goes_on_and_who_chooses_himself_is_left_alone(self):
-        _ros, _child, client = self.join('alternate')
-        turns, seen = client.turns(), []
-        for _turn, _number in zip(turns, range(ROUNDS)):
-            seen.append(frozenset(os.sched_getaffinity(0)))
-        self.assertEqual({len(cores) for cores in seen}, {1, len(OWN)})
-        other = {next(iter(OWN - min(seen, key=len)))}
+    def test_a_long_round_has_all_cores_for_its_rest_and_who_chooses_himself_is_left_alone(self):
+        _ros, _child, client = self.join('one')
+        turns = client.turns()
+        for _ in range(2):
+            next(turns)
+            one = os.sched_getaffinity(0)
+            self.assertEqual(len(one), 1)
+            wait_for('all cores', lambda: os.sched_getaffinity(0) == OWN)
+        other = {min(OWN - one)}
         os.sched_setaffinity(0, other)
         for _turn, _number in zip(turns, range(ROUNDS)):
             self.assertEqual(os.sched_getaffinity(0), other)
 
+    def test_two_runs_have_a_core_each(self):
+        masks = []
+        for _ in range(2):
+            _ros, _child, client = self.join('one')
+            next(client.turns())
+            masks.append(os.sched_getaffinity(0))
+            wait_for('all cores for a long round', lambda: os.sched_getaffinity(0) == OWN)
+        self.assertEqual([len(mask) for mask in masks], [1, 1])
+        self.assertTrue(masks[0].isdisjoint(masks[1]), masks)
+
     def test_with_a_lookahead_each_participant_has_one_of_several_cores(self):
-        ros, _child, client = self.join('alternate', ['/fleet'], lookahead=STEP_NS / 1e9)
+        ros, _child, client = self.join('one', ['/fleet'], lookahead=STEP_NS / 1e9)
         fleet = ros.run('fleet', 'fleet', parameters={'robots': [{'name': 'robot_0'}]}).process.pid
         turns = client.turns()
-        seen = [[os.sched_getaffinity(process) for process in (0, fleet)] for _, _ in zip(turns, range(ROUNDS))]
-        self.assertIn([OWN, OWN], seen)
-        bound = [both for both in seen if {len(cores) for cores in both} == {1}]
-        self.assertGreater(len(bound), ROUNDS / 6)  # not each second one: a long round is given all cores
-        self.assertTrue(all(one.isdisjoint(other) for one, other in bound), bound)
-        while os.sched_getaffinity(0) == OWN:
-            next(turns)
+        wait_for('each has one core', lambda: next(turns) or all(
+            len(os.sched_getaffinity(process)) == 1 for process in (0, fleet)))
+        self.assertTrue(os.sched_getaffinity(0).isdisjoint(os.sched_getaffinity(fleet)))
         wait_for('the state says so', lambda: 'cores of this computer: one each (cores ' in self.why(ros))
         client.leave()
         client.close()
         wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+
+    def test_why_says_that_all_cores_would_help_nodes_that_compute_at_once(self):
+        for at_once in (False, True):
+            with self.subTest(at_once):
+                ros, _child, client = self.join('one', ['/other'])
+                other = LocalClient(client.address).hello('/other')
+                self.addCleanup(other.close)
+                first, second = client.grant(), other.grant()
+                client.report(first, next_ns=first.time_ns + STEP_NS)
+                other.report(second, next_ns=second.time_ns + (STEP_NS if at_once else STEP_NS + STEP_NS // 2))
+                for _ in range(SLOW_ROUNDS):
+                    first, second = client.grant(), other.grant() if at_once else None
+                    said = self.why(ros)  # this takes long enough to be work
+                    client.report(first, next_ns=first.time_ns + STEP_NS)
+                    second = second or other.grant()
+                    other.report(second, next_ns=second.time_ns + STEP_NS)
+                self.assertEqual('`cores: all` may be faster' in said, at_once, said)
+                client.close()
+                other.close()
 
     def test_at_the_end_of_the_run_all_is_given_back_before_it_is_told(self):
         _ros, child, client = self.join('one')
@@ -140,10 +169,10 @@ class CoresTest(unittest.TestCase):
         connection.close()
         self.assertEqual(os.sched_getaffinity(0), OWN)
 
-    def test_the_log_is_the_same_on_one_core_on_all_and_while_that_changes(self):
+    def test_the_log_is_the_same_on_one_core_and_on_all(self):
         for lookahead in (0.0, 0.05):
             with self.subTest(lookahead):
-                logs = [self.log(cores, lookahead) for cores in ('one', 'all', 'alternate', 'auto')]
+                logs = [self.log(cores, lookahead) for cores in ('one', 'all', 'auto')]
                 self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
                 self.assertEqual(set(logs), {logs[0]})
 

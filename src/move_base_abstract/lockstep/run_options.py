@@ -58,9 +58,9 @@ class RunOptions:
         'the names, as `chaos` prints them, of the decisions of `chaos_seed` that apply; `none`: none, `[]`: all',
         systems=OF_NODES, is_part=True, parameter='chaos_only')
     cores: str = option(
-        one_of('auto', 'one', 'all'), None, 'the [cores](time_master.md#cores) on which nodes run. `auto` (also the '
-        'default if the launch file sets nothing): one or all, whichever the time master measures to be faster. The '
-        'events are the same in each case', systems=OF_NODES, parameter='cores')
+        one_of('one', 'all', 'auto'), None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
+        'default if the launch file sets nothing), with a lookahead one for each node, or `all`; `auto` is an old word '
+        'for `one`. The events are the same in each case', systems=OF_NODES, parameter='cores')
     crashes: str = option(
         one_of(FAIL, ALLOW), FAIL, 'what happens if a node [crashes](lockstep_launch.md#crashes): the run fails '
         '(`fail`), or the crash is reported and the run counts if it comes to its end (`allow`)')

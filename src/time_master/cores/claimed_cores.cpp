@@ -9,22 +9,24 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace move_base_abstract {
 namespace {
 
 constexpr double kFewestTicks = 5.0;  // fewer do not tell how busy a core is
-constexpr int kAvoided = 5;           // tenths of the time that a core counts as busier
+constexpr int kMostRuns = 64;         // with claims on one core
 
 /**
- * @return a claim that keeps other runs off a core until it is closed; none if another run has the
- * core.
+ * @return a claim that is held until it is closed; none if another run has the same: the first
+ * (@p place 0), the second, ... claim on the core.
  */
-Descriptor claimCore(int core) {
+Descriptor claimCore(int core, int place) {
   Descriptor claim(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  const std::string name = "move_base_abstract/core/" + std::to_string(core);
+  const std::string name = "move_base_abstract/core/" + std::to_string(core) +
+                           (place == 0 ? "" : "/" + std::to_string(place));
   std::copy(name.begin(), name.end(), address.sun_path + 1);
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   return bind(claim.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0
@@ -34,61 +36,61 @@ Descriptor claimCore(int core) {
 
 }  // namespace
 
+ClaimedCores::ClaimedCores() : ticks_at_start_(ticks()) {}
+
 bool ClaimedCores::areIn(const cpu_set_t& cores) const {
   return std::all_of(numbers_.begin(), numbers_.end(),
                      [&cores](int core) { return CPU_ISSET(core, &cores) != 0; });
 }
 
-bool ClaimedCores::choose(const cpu_set_t& allowed, std::size_t fewest, std::size_t most,
-                          bool is_wished) {
-  const std::vector<std::pair<int, int>> order = byWork(allowed);
-  for (auto entry = order.begin(); entry != order.end() && numbers_.size() < most; ++entry) {
-    Descriptor claim = claimCore(entry->second);
-    if (claim.get() >= 0) {
-      numbers_.push_back(entry->second);
+void ClaimedCores::choose(const cpu_set_t& allowed, std::size_t fewest, std::size_t most) {
+  leave();
+  std::vector<int> left = idlestFirst(allowed);
+  for (int place = 0; place < kMostRuns && numbers_.size() < (place == 0 ? most : fewest);
+       ++place) {
+    for (const int core : std::exchange(left, {})) {
+      Descriptor claim = numbers_.size() < most ? claimCore(core, place) : Descriptor();
+      if (claim.get() < 0) {
+        left.push_back(core);
+        continue;
+      }
+      numbers_.push_back(core);
       claims_.push_back(std::move(claim));
-    }
-  }
-  if (numbers_.size() < fewest) {
-    numbers_.clear();
-    claims_.clear();
-    for (std::size_t k = 0; is_wished && order.size() >= fewest && k < fewest; ++k) {
-      numbers_.push_back(order[k].second);
+      are_shared_ = are_shared_ || place > 0;
     }
   }
   std::sort(numbers_.begin(), numbers_.end());
-  return !numbers_.empty();
 }
 
 void ClaimedCores::leave() {
-  if (!numbers_.empty()) {
-    avoided_ = std::exchange(numbers_, {});
-    claims_.clear();
-  }
+  numbers_.clear();
+  claims_.clear();
+  are_shared_ = false;
 }
 
-/** @return how busy each of @p cores is, in tenths of the time, and its number; the idlest first.
- */
-std::vector<std::pair<int, int>> ClaimedCores::byWork(const cpu_set_t& cores) {
-  std::map<int, Work> work = takeWork();
-  std::vector<std::pair<int, int>> order;
-  for (int core = 0; core < CPU_SETSIZE; ++core) {
-    if (CPU_ISSET(core, &cores) != 0) {
-      const Work& done = work[core];
-      const double busy = done.all < kFewestTicks ? 0.0 : 1.0 - done.idle / done.all;
-      const bool is_avoided = std::count(avoided_.begin(), avoided_.end(), core) > 0;
-      order.emplace_back(static_cast<int>(std::lround(10.0 * busy)) + (is_avoided ? kAvoided : 0),
-                         core);
+std::vector<int> ClaimedCores::idlestFirst(const cpu_set_t& cores) const {
+  std::vector<std::pair<int, int>> order;  // tenths of the time that it was busy, and its number
+  for (const auto& [core, now] : ticks()) {
+    if (core < CPU_SETSIZE && CPU_ISSET(core, &cores) != 0) {
+      const auto found = ticks_at_start_.find(core);
+      const Ticks begin = found == ticks_at_start_.end() ? Ticks() : found->second;
+      const double all = now.all - begin.all;
+      const double busy = all < kFewestTicks ? 0.0 : 1.0 - (now.idle - begin.idle) / all;
+      order.emplace_back(static_cast<int>(std::lround(10.0 * busy)), core);
     }
   }
   std::sort(order.begin(), order.end());
-  return order;
+  std::vector<int> numbers;
+  for (const auto& entry : order) {
+    numbers.push_back(entry.second);
+  }
+  return numbers;
 }
 
-/** @return the work of each core since the last call, or since the computer was started. */
-std::map<int, ClaimedCores::Work> ClaimedCores::takeWork() {
+/** @return the time of each core since the computer was started. */
+std::map<int, ClaimedCores::Ticks> ClaimedCores::ticks() {
   std::ifstream file("/proc/stat");
-  std::map<int, Work> latest;
+  std::map<int, Ticks> found;
   for (std::string line; std::getline(file, line) && line.rfind("cpu", 0) == 0;) {
     std::istringstream fields(line.substr(3));
     int core = -1;
@@ -97,17 +99,11 @@ std::map<int, ClaimedCores::Work> ClaimedCores::takeWork() {
     }
     double ticks = 0.0;
     for (int k = 0; k < 8 && fields >> ticks; ++k) {  // user nice system idle iowait irq ... steal
-      latest[core].idle += k == 3 || k == 4 ? ticks : 0.0;
-      latest[core].all += ticks;
+      found[core].idle += k == 3 || k == 4 ? ticks : 0.0;
+      found[core].all += ticks;
     }
   }
-  std::map<int, Work> since = latest;
-  for (auto& [core, work] : since) {
-    work.idle -= work_[core].idle;
-    work.all -= work_[core].all;
-  }
-  work_ = std::move(latest);
-  return since;
+  return found;
 }
 
 }  // namespace move_base_abstract

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include "time_master/descriptor.h"
@@ -14,40 +13,41 @@
 namespace move_base_abstract {
 
 /**
- * @brief Chooses cores that are idle most of the time, and claims them, so that other runs on this
- * computer take others. A claim ends with this process. Not thread-safe.
+ * @brief Chooses cores that no other run has, the idlest first, and claims them, so that other runs
+ * on this computer take others. A claim ends with this process. Not thread-safe.
  */
 class ClaimedCores {
  public:
-  ClaimedCores() { takeWork(); }
+  ClaimedCores();
 
   /**
-   * @brief Choose from @p fewest up to @p most of the cores @p allowed that no other run has.
-   * @param is_wished whether cores of other runs may be taken, if there are no others.
-   * @return false if there are not enough. Then none is chosen.
+   * @brief Choose up to @p most of the cores @p allowed that no other run has; if these are fewer
+   * than @p fewest, also those that the fewest other runs have.
    */
-  bool choose(const cpu_set_t& allowed, std::size_t fewest, std::size_t most, bool is_wished);
-  /** @brief Give the cores up, and choose others the next time, if there are any. */
+  void choose(const cpu_set_t& allowed, std::size_t fewest, std::size_t most);
+  /** @brief Give the cores up. */
   void leave();
 
   /** @return the chosen cores, in the order of their numbers. */
   const std::vector<int>& numbers() const { return numbers_; }
+  /** @return whether another run had one of the cores when they were chosen. */
+  bool areShared() const { return are_shared_; }
   /** @return whether all of them are among @p cores. */
   bool areIn(const cpu_set_t& cores) const;
 
  private:
-  struct Work {
-    double idle = 0.0;  // ticks
+  struct Ticks {
+    double idle = 0.0;
     double all = 0.0;
   };
 
-  std::map<int, Work> takeWork();
-  std::vector<std::pair<int, int>> byWork(const cpu_set_t& cores);
+  static std::map<int, Ticks> ticks();
+  std::vector<int> idlestFirst(const cpu_set_t& cores) const;
 
+  const std::map<int, Ticks> ticks_at_start_;  // of each core
   std::vector<int> numbers_;
-  std::vector<int> avoided_;
   std::vector<Descriptor> claims_;
-  std::map<int, Work> work_;  // of each core, at the latest takeWork()
+  bool are_shared_ = false;
 };
 
 }  // namespace move_base_abstract

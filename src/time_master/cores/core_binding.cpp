@@ -124,66 +124,55 @@ cpu_set_t CoreBinding::allowed() const {
 }
 
 bool CoreBinding::hasChoice() const {
-  return own_thread_id_ != 0 && !own_thread_.is_left_alone &&
+  if (own_thread_id_ == 0 || own_thread_.is_left_alone) {
+    return false;
+  }
+  const cpu_set_t common = allowed();
+  return CPU_COUNT(&common) >= (layout_ == CoreLayout::kApart ? 2 : 1) &&
          std::any_of(processes_.begin(), processes_.end(), [](const auto& entry) {
            return !entry.second.is_left_alone && CPU_COUNT(&entry.second.own) > 1;
          });
 }
 
-bool CoreBinding::bind(bool is_wished) {
-  if (!claimed_.areIn(allowed())) {
-    leaveCores();
-  }
-  if (cores().empty() && !choose(is_wished)) {
-    return false;
+void CoreBinding::bind() {
+  if (claimed_.numbers().empty() || !claimed_.areIn(allowed())) {
+    release();
+    const std::size_t most = layout_ == CoreLayout::kTogether ? 1 : processes_.size();
+    claimed_.choose(allowed(), std::min<std::size_t>(most, 2), most);
+    if (claimed_.numbers().empty()) {
+      return;
+    }
   }
   share();
   is_bound_ = true;
   if (layout_ == CoreLayout::kTogether) {
-    own_thread_.core = cores().front();
+    own_thread_.core = claimed_.numbers().front();
     applyTo(own_thread_id_, own_thread_, true);
   }
   for (auto& [id, process] : processes_) {
     apply(id, process, true);
   }
-  return true;
-}
-
-void CoreBinding::measureWork() {
-  for (auto& [id, process] : processes_) {
-    process.worked = workOf(id);
-  }
-}
-
-bool CoreBinding::choose(bool is_wished) {
-  const auto processes = static_cast<std::size_t>(
-      std::count_if(processes_.begin(), processes_.end(),
-                    [](const auto& entry) { return !entry.second.is_left_alone; }));
-  return layout_ == CoreLayout::kTogether ? claimed_.choose(allowed(), 1, 1, is_wished)
-                                          : claimed_.choose(allowed(), 2, processes, is_wished);
 }
 
 /**
- * @brief Share the cores out: from the process that has worked most since the last time, each gets
- * the core with the least work so far. One that is bound already stays where it is.
+ * @brief Share the cores out: from the process that has worked most, each gets the core with the
+ * least work so far. One that is bound already stays where it is.
  */
 void CoreBinding::share() {
   std::map<int, Nanoseconds> loads;
   std::vector<std::pair<Nanoseconds, Process*>> order;
-  for (const int core : cores()) {
+  for (const int core : claimed_.numbers()) {
     loads[core] = 0;
   }
   for (auto& [id, process] : processes_) {
+    const Nanoseconds worked = workOf(id) - process.worked;
     if (process.is_left_alone) {
       continue;
     }
-    const Nanoseconds worked = workOf(id);
-    const Nanoseconds lately = worked - process.worked;
     if (is_bound_ && process.core >= 0) {
-      loads[process.core] += lately;
+      loads[process.core] += worked;
     } else {
-      order.emplace_back(lately, &process);
-      process.worked = worked;
+      order.emplace_back(worked, &process);
     }
   }
   std::stable_sort(order.begin(), order.end(),

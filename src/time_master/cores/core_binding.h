@@ -24,8 +24,7 @@ enum class CoreLayout { kTogether, kApart };
  * one of several cores, by the work that it has done, so that each core has as much to do.
  *
  * They are cores that each process may use anyway. A process that changes its own cores is left
- * alone from then on, and so is a process that may not be changed. Each run on this computer has
- * cores of its own, by claims that end with its process. Not thread-safe.
+ * alone from then on, and so is a process that may not be changed. Not thread-safe.
  */
 class CoreBinding {
  public:
@@ -40,26 +39,19 @@ class CoreBinding {
   /** @brief Give @p process, which may have ended, its cores back. */
   void remove(pid_t process);
 
-  /** @return whether there are several cores to choose from. */
+  /** @return whether there are several cores, and such that all processes may use. */
   bool hasChoice() const;
-  /** @brief Let the cores be shared out by what the processes do from now on. */
-  void measureWork();
-  /**
-   * @brief Bind each process to its core. Call this again for new threads and processes.
-   * @param is_wished whether cores of another run may be taken, if there are no others.
-   * @return false if there are not enough cores. Then nothing is bound.
-   */
-  bool bind(bool is_wished);
-  /** @brief Give all processes their cores back. This run keeps the claims on its own. */
+  /** @brief Bind each process to its core. Call this again for new threads and processes. */
+  void bind();
+  /** @brief Give all processes their cores back. This run keeps its claims. */
   void release();
-  /** @brief Release, and choose other cores the next time, if there are any. */
+  /** @brief Release, and give the claims up. */
   void leaveCores();
   /** @brief Give the child processes, which do not take part, the cores that their parents had. */
   void freeChildren();
 
   bool isBound() const { return is_bound_; }
-  /** @return the numbers of the chosen cores. */
-  const std::vector<int>& cores() const { return claimed_.numbers(); }
+  const ClaimedCores& claimed() const { return claimed_; }
 
  private:
   struct Thread {
@@ -70,7 +62,7 @@ class CoreBinding {
     std::string began;       // as /proc says, since another process may get its number
     cpu_set_t own;           // of its first thread
     int core = -1;           // the one that it has when it is bound; -1: none yet
-    Nanoseconds worked = 0;  // CPU time, at the latest measureWork() or share()
+    Nanoseconds worked = 0;  // CPU time, when it was added
     int uses = 0;
     bool is_left_alone = false;
     std::map<pid_t, Thread> threads;
@@ -81,7 +73,6 @@ class CoreBinding {
   void leaveAlone(pid_t id, Process& process);
   void freeChildrenOf(pid_t parent, const Process& of, int depth);
   cpu_set_t allowed() const;
-  bool choose(bool is_wished);
   void share();
 
   Process own_thread_;

@@ -1,5 +1,7 @@
 #include "core_keeper.h"
 
+#include <cmath>
+
 #include "time_master/wall_now.h"
 
 namespace move_base_abstract {
@@ -9,20 +11,23 @@ constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
 // A participant that works for so long may need a core for itself, or have several threads: a round
 // that only handles messages takes less. With a lookahead a core may have several to work off.
 constexpr Nanoseconds kLongRound = 20 * kMillisecond;
-constexpr Nanoseconds kCoreGap = kNanosecondsPerSecond;
+constexpr Nanoseconds kFreeCoreGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kChildrenGap = 500 * kMillisecond;  // a look takes about 1 ms
+constexpr std::uint64_t kRoundsBefore = 100;              // that show which participants work most
+constexpr Nanoseconds kWork =
+    2 * kMillisecond;  // of one participant in a round; messages take less
+constexpr Nanoseconds kTellingTime = kNanosecondsPerSecond;
+constexpr double kMuchWork = 0.5;
 
 }  // namespace
 
-CoreKeeper::CoreKeeper(CoresWish wish, bool has_lookahead)
-    : wish_(wish),
-      layout_(has_lookahead && wish != CoresWish::kOne ? CoreLayout::kApart
-                                                       : CoreLayout::kTogether),
-      choice_(wish),
-      binding_(layout_) {}
+CoreKeeper::CoreKeeper(bool uses_all, bool has_lookahead)
+    : layout_(has_lookahead ? CoreLayout::kApart : CoreLayout::kTogether),
+      binding_(layout_),
+      is_over_(uses_all) {}
 
 void CoreKeeper::join(pid_t process) {
-  if (isWatched() && process > 0) {
+  if (!is_over_ && process > 0) {
     binding_.add(process);
     is_new_ = true;
   }
@@ -35,7 +40,7 @@ void CoreKeeper::leave(pid_t process) {
 }
 
 void CoreKeeper::follow(std::uint64_t rounds, std::size_t owing, Nanoseconds wall) {
-  if (!isWatched()) {
+  if (is_over_) {
     return;
   }
   const bool is_next = rounds != round_;
@@ -45,57 +50,51 @@ void CoreKeeper::follow(std::uint64_t rounds, std::size_t owing, Nanoseconds wal
   if (is_next) {
     round_ = rounds;
     grants_ = owing;
-    const bool was_bound = binding_.isBound();
-    apply();
-    begun_ = binding_.isBound() == was_bound ? wall : wallNow();
+    begun_ = beginRound(wall);
   } else if (grants_ > 0 && wall >= due()) {
     binding_.release();  // for the rest of this round
   }
 }
 
 void CoreKeeper::finishRound(Nanoseconds wall) {
-  const std::size_t grants = grants_;
+  const Nanoseconds duration = wall - begun_;
+  if (!binding_.claimed().numbers().empty()) {
+    in_rounds_ += duration;
+    const bool is_common_work =
+        grants_ > 1 && duration >= static_cast<Nanoseconds>(grants_) * kWork;
+    in_common_work_ += is_common_work ? duration : 0;
+  }
   grants_ = 0;
-  if (!binding_.hasChoice()) {
-    return;
-  }
-  const bool was_looking = choice_.isLooking();
-  choice_.add(grants, wall - begun_, wall);
-  if (choice_.isLooking() && !was_looking) {
-    binding_.measureWork();
-    if (choice_.isDearer()) {
-      binding_.leaveCores();  // another program may work there now
-    }
-  }
   if (binding_.isBound() && wall >= children_due_) {
     binding_.freeChildren();
     children_due_ = wall + kChildrenGap;
   }
 }
 
-/** @brief Bind or release the processes as the choice says. */
-void CoreKeeper::apply() {
-  const bool is_wanted = choice_.isOne() && binding_.hasChoice();
-  if (is_wanted == binding_.isBound() && !(is_wanted && is_new_)) {
-    return;
+/**
+ * @brief Bind the processes that are not bound.
+ * @return the wall instant at which the round begins.
+ */
+Nanoseconds CoreKeeper::beginRound(Nanoseconds wall) {
+  const bool looks = binding_.claimed().areShared() && wall >= free_core_due_;
+  const bool is_early = layout_ == CoreLayout::kApart && round_ < kRoundsBefore;
+  if (is_early || (binding_.isBound() && !is_new_ && !looks)) {
+    return wall;
   }
-  const Nanoseconds begin = wallNow();
-  if (!is_wanted) {
-    binding_.release();
-  } else if (begin >= core_due_) {
-    core_due_ = binding_.bind(wish_ != CoresWish::kAuto) ? 0 : begin + kCoreGap;
-    is_new_ = false;
+  if (looks || !binding_.hasChoice()) {
+    binding_.leaveCores();
   }
-  if (wish_ == CoresWish::kAuto && !choice_.isLooking() && !choice_.isOne()) {
-    binding_.leaveCores();  // for other runs
+  if (binding_.hasChoice()) {
+    binding_.bind();
+    free_core_due_ = wallNow() + kFreeCoreGap;
   }
-  choice_.addChange(wallNow() - begin);
+  is_new_ = false;
+  return wallNow();
 }
 
 Nanoseconds CoreKeeper::due() const {
-  const bool may_free = wish_ != CoresWish::kOne && binding_.isBound() && grants_ > 0;
-  const auto at_once = static_cast<Nanoseconds>(isApart() ? grants_ : 1);
-  return may_free ? begun_ + at_once * kLongRound : kNever;
+  const auto at_once = static_cast<Nanoseconds>(layout_ == CoreLayout::kApart ? grants_ : 1);
+  return binding_.isBound() && grants_ > 0 ? begun_ + at_once * kLongRound : kNever;
 }
 
 void CoreKeeper::end() {
@@ -104,15 +103,23 @@ void CoreKeeper::end() {
 }
 
 std::string CoreKeeper::text() const {
-  const bool is_one = wish_ == CoresWish::kAuto ? choice_.keepsOne() : choice_.isOne();
-  if (!is_one || is_over_ || binding_.cores().empty()) {
-    return "all";
-  }
   std::string numbers;
-  for (const int core : binding_.cores()) {
+  for (const int core : binding_.claimed().numbers()) {
     numbers += (numbers.empty() ? "" : ", ") + std::to_string(core);
   }
-  return isApart() ? "one each (cores " + numbers + ")" : "one (core " + numbers + ")";
+  if (numbers.empty()) {
+    return "all";
+  }
+  if (layout_ == CoreLayout::kApart) {
+    return "one each (cores " + numbers + ")";
+  }
+  const double share = static_cast<double>(in_common_work_) / static_cast<double>(in_rounds_ + 1);
+  const bool is_much = in_rounds_ >= kTellingTime && share >= kMuchWork;
+  return "one (core " + numbers + ")" +
+         (is_much ? "; for " + std::to_string(std::lround(100.0 * share)) +
+                        " % of the time several nodes compute for milliseconds at one instant: "
+                        "`cores: all` may be faster"
+                  : "");
 }
 
 }  // namespace move_base_abstract

@@ -1,4 +1,4 @@
-// Keeps a run on the cores that are chosen: measures its rounds, and binds its processes. No ROS.
+// Keeps a run on few cores: binds its processes, and says when that makes it slow. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
 
@@ -10,7 +10,6 @@
 
 #include "clock/scaled_clock.h"
 #include "core_binding.h"
-#include "lockstep/core_choice.h"
 
 namespace move_base_abstract {
 
@@ -18,10 +17,11 @@ namespace move_base_abstract {
 class CoreKeeper {
  public:
   /**
+   * @param uses_all whether nothing is bound.
    * @param has_lookahead whether the run has one: then all participants work at once, so each is
    * kept on a core of its own, as far as there are enough. Otherwise all are kept on the same one.
    */
-  CoreKeeper(CoresWish wish, bool has_lookahead);
+  CoreKeeper(bool uses_all, bool has_lookahead);
 
   void begin() { binding_.useThisThread(); }
   /** @brief Add the process of a participant on this computer. */
@@ -30,8 +30,8 @@ class CoreKeeper {
   void leave(pid_t process);
 
   /**
-   * @brief Measure a round, and change the cores if that is due. Call this after each decision of
-   * the session, before its output is sent.
+   * @brief Change the cores if that is due. Call this after each decision of the session, before
+   * its output is sent.
    * @param rounds the number of rounds so far.
    * @param owing the number of participants that work in the latest round.
    * @param wall the wall instant [ns] at which the decision began.
@@ -44,26 +44,27 @@ class CoreKeeper {
   /** @brief Give all processes their cores back, because the run is over. */
   void end();
 
-  /** @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)". */
+  /**
+   * @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)"; and a hint if
+   * participants often compute for long at once, which all cores would do sooner.
+   */
   std::string text() const;
 
  private:
-  bool isWatched() const { return wish_ != CoresWish::kAll && !is_over_; }
-  bool isApart() const { return layout_ == CoreLayout::kApart; }
   void finishRound(Nanoseconds wall);
-  void apply();
+  Nanoseconds beginRound(Nanoseconds wall);
 
-  const CoresWish wish_;
   const CoreLayout layout_;
-  CoreChoice choice_;
   CoreBinding binding_;
-  bool is_over_ = false;
+  bool is_over_;         // or never begins
   bool is_new_ = false;  // a process was added that is not bound yet
   std::uint64_t round_ = 0;
-  std::size_t grants_ = 0;  // of the round under way; 0: there is none
-  Nanoseconds begun_ = 0;   // wall, of this round
+  std::size_t grants_ = 0;          // of the round under way; 0: there is none
+  Nanoseconds begun_ = 0;           // wall, of this round
+  Nanoseconds in_rounds_ = 0;       // wall, while one core is kept
+  Nanoseconds in_common_work_ = 0;  // ... in rounds in which several compute
   Nanoseconds children_due_ = 0;
-  Nanoseconds core_due_ = 0;  // wall; when to try again, after there was no core
+  Nanoseconds free_core_due_ = 0;  // wall; when to look for a core that no other run has
 };
 
 }  // namespace move_base_abstract

@@ -115,8 +115,9 @@ constexpr ParameterRow kParameterTable[] = {
     {"end_with", "list of texts", "", "[]", "list of node names",
      "The run ends with the round in which the first of these nodes leaves (exit code 0) or dies "
      "(1)."},
-    {"cores", "text", "", "auto", "auto, one, all, alternate",
-     "Cores of their computer on which participants run; events do not depend on them."},
+    {"cores", "text", "", "one", "one, all, auto",
+     "Cores of their computer on which participants run: `one`, with a lookahead one each, or "
+     "`all`; `auto` is an old word for `one`; events do not depend on them."},
     {"shared_memory", "true or false", "", "true", "true, false",
      "Whether participants in C++ on this computer may report through memory that they share with "
      "the time master; events do not depend on it."},

@@ -15,7 +15,6 @@
 #include "chaos_parameters.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
-#include "lockstep/core_choice.h"
 #include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
@@ -50,8 +49,8 @@ struct NodeParameters {
   bool in_lockstep = false;  // mode at the start
   bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
-  int lockstep_port = 0;  // 0: any free one
-  CoresWish cores = CoresWish::kAuto;
+  int lockstep_port = 0;           // 0: any free one
+  bool uses_all_cores = false;     // whether the run is kept on no few cores
   bool shared_memory = true;       // whether participants may offer it
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // it has only its end and uncaught exceptions
@@ -134,12 +133,15 @@ inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
 }
 
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
-  reader.choose("cores",
-                {{"auto", CoresWish::kAuto},
-                 {"one", CoresWish::kOne},
-                 {"all", CoresWish::kAll},
-                 {"alternate", CoresWish::kAlternate}},
-                parameters.cores);
+  const std::map<std::string, std::string> words{{"all", "all"}, {"auto", "auto"}, {"one", "one"}};
+  std::string cores = "one";
+  reader.choose("cores", words, cores);
+  if (cores == "auto") {
+    ROS_WARN(
+        "parameter cores: auto measures no more and means one (with a lookahead one core each); "
+        "set one, or all for nodes that compute for milliseconds; the next release refuses auto");
+  }
+  parameters.uses_all_cores = cores == "all";
   reader.read("shared_memory", parameters.shared_memory);
 }
 
