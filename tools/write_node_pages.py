@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Write docs/nodes/*.md, one page for each node, and the tables of parameters within other pages.
+"""Write docs/nodes/*.md, one page for each node, and the tables of parameters and of states within other pages.
 
 usage: python3 tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
 docs/nodes/interfaces.yaml, which a test compares with the nodes. A table within a page is between
-`<!-- parameters: NAME -->` and `<!-- end -->`. `make lint` compares the pages with the output of this program.
+`<!-- parameters: NAME -->`, or `<!-- states: robots -->`, and `<!-- end -->`. `make lint` compares the pages with
+the output of this program.
 """
 import ast
 import re
@@ -25,6 +26,7 @@ from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
 from move_base_abstract.lockstep import node_parameters  # noqa: E402
 from move_base_abstract.motion import durations  # noqa: E402
+from move_base_abstract.runs.states import STATES  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
 
 UNIT = re.compile(r' \[([^\[\]_]*)\]')
@@ -143,10 +145,21 @@ def page(node, described):
 
 
 def filled(text):
-    """Return a page's text with new tables of parameters."""
+    """Return a page's text with new tables of parameters, and of the states of robots."""
     def fill(match):
-        return '\n'.join([match.group(1), *table(WITHIN[match.group(2)]), match.group(3)])
-    return re.sub(r'(<!-- parameters: (\w+) -->)\n.*?(<!-- end -->)', fill, text, flags=re.DOTALL)
+        lines = states() if match.group(2) == 'states' else table(WITHIN[match.group(3)])
+        return '\n'.join([match.group(1), *lines, match.group(4)])
+    return re.sub(r'(<!-- (parameters|states): (\w+) -->)\n.*?(<!-- end -->)', fill, text, flags=re.DOTALL)
+
+
+def states():
+    """Return the lines of the table of the states of robots, first those that come before others."""
+    lines = ['| state | a robot is in it | from a row | to a row |', '|---|---|---|---|']
+    for state in sorted(STATES, key=lambda state: state.precedence):
+        begin, end = (', '.join(f'`{kind}`' for cause in state.causes for kind in kinds(cause))
+                      for kinds in (lambda cause: cause.begin, lambda cause: cause.end))
+        lines.append(f'| {state.name} | {state.words} | {begin} | {end} |')
+    return lines
 
 
 def pages():
@@ -155,7 +168,7 @@ def pages():
     made = {NODES / (node + '.md'): page(node, described) for node, described in interfaces.items()}
     for path in sorted(DOCS.glob('*.md')):
         text = path.read_text(encoding='utf-8')
-        if '<!-- parameters: ' in text:
+        if '<!-- parameters: ' in text or '<!-- states: ' in text:
             made[path] = filled(text)
     return made
 

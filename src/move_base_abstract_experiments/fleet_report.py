@@ -9,12 +9,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+from move_base_abstract.runs.fleet_metrics import fleet_metrics
+from move_base_abstract.runs.states import NAMES
+from move_base_abstract.runs.story import Story
 
 _FORMAT = '{"format": "move_base_abstract fleet report 1",\n'
 _MOST_PLACES, _MOST_ROBOTS = 20, 60  # rows in the terminal; the JSON has all
@@ -32,60 +34,58 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]
     try:
-        account, labels = account_of(options.log)
+        story, labels = story_of(options.log)
         if options.json == '-':
-            print(json_text(account, labels), end='')
+            print(json_text(story, labels), end='')
         else:
-            print('\n'.join(lines_of(account, labels, options.log)))
+            print('\n'.join(lines_of(story, labels, options.log)))
         if options.json not in (None, '-'):
             own_files.check_file(options.json, lambda line: line == _FORMAT.encode())
             with own_files.whole_file(options.json, 'w', encoding='utf-8') as stream:
-                stream.write(json_text(account, labels))
+                stream.write(json_text(story, labels))
     except SimulatorError as error:
         print(f'fleet_report: {error}', file=sys.stderr)
         sys.exit(2)
 
 
-def account_of(path: str) -> Any:
-    """Return the FleetAccount of the event log ``path``, and the log's remarks that a reader must know, [text, ...].
+def story_of(path: str) -> Tuple[Story, List[str]]:
+    """Return the Story of the event log ``path``, and the log's remarks that a reader must know, [text, ...].
 
     :raises EventLogError: if it cannot be read.
     """
-    with event_log.open_text(path) as stream:
-        log = event_log.EventLog(stream, path)
-        account, last_ns = FleetAccount(log.start_ns), log.start_ns
-        for event in log:
-            last_ns = max(last_ns, event.time_ns)
-            account.take(event.time_ns, event.robot, event.kind, json.loads(event.values))
-    account.close(max(last_ns, (log.end or {}).get('at_ns', 0)))
-    return account, log.remarks()
+    with event_log.opened(path) as log:
+        story = Story(log.start_ns)
+        for row in log.rows():
+            story.take(*row)
+    story.close((log.end or {}).get('at_ns'))
+    return story, log.remarks()
 
 
-def lines_of(account: FleetAccount, labels: List[str], path: str) -> List[str]:
+def lines_of(story: Story, labels: List[str], path: str) -> List[str]:
     """Return the lines for a terminal."""
-    robots = account.robots
-    lines = [f'{path}: {len(robots)} robots, {account.seconds:.1f} s', *(f'  {label}' for label in labels)]
+    robots = story.figures
+    lines = [f'{path}: {len(robots)} robots, {story.seconds:.1f} s', *(f'  {label}' for label in labels)]
     if not robots:
         return lines
     lines += ['', 'share of time, mean of the robots', '  ' + ', '.join(
         f'{state} {100.0 * sum(one[state] for one in robots.values()) / max(_time(robots), 1e-9):.1f} %'
-        for state in STATES)]
-    return [*lines, *_orders(account), *_waits(account), *_charging(account), *_robots(account)]
+        for state in NAMES)]
+    return [*lines, *_orders(story), *_waits(story), *_charging(story), *_robots(story)]
 
 
 def _time(robots: Dict[str, Dict[str, float]]) -> float:
-    return sum(one[state] for one in robots.values() for state in STATES)
+    return sum(one[state] for one in robots.values() for state in NAMES)
 
 
-def _orders(account: FleetAccount) -> List[str]:
-    orders = account.orders.times
+def _orders(story: Story) -> List[str]:
+    orders = story.orders.times
     if not orders.arrived and not orders.refused:
         return []
     lines = ['', f'orders: {orders.arrived} arrived, {orders.done} done ({orders.late} of them late), {orders.failed} '
              f'given up, {orders.open} open; came back {orders.returned} times']
     if orders.refused:
         lines.append(f'  {orders.refused} more were refused: rows order_refused say why')
-    undone = list(account.orders.undone.items())
+    undone = list(story.orders.undone.items())
     lines += [f'  open: {name}, {where}' for name, where in undone[:_MOST_PLACES]]
     if len(undone) > _MOST_PLACES:
         lines.append(f'  ... and {len(undone) - _MOST_PLACES} more open: --json has all')
@@ -98,8 +98,8 @@ def _orders(account: FleetAccount) -> List[str]:
     return lines
 
 
-def _waits(account: FleetAccount) -> List[str]:
-    waits = account.waits
+def _waits(story: Story) -> List[str]:
+    waits = story.waits
     if not waits:
         return []
     width = max(len('waiting'), *(len(where) for where in waits))
@@ -110,45 +110,45 @@ def _waits(account: FleetAccount) -> List[str]:
     return lines + ([f'... and {len(waits) - _MOST_PLACES} more: --json has all'] if len(waits) > _MOST_PLACES else [])
 
 
-def _charging(account: FleetAccount) -> List[str]:
-    robots = account.robots.values()
+def _charging(story: Story) -> List[str]:
+    robots = story.figures.values()
     lines = []
     charges = int(sum(one['charges'] for one in robots))
-    if charges or account.has_energy:
+    if charges or story.has_energy:
         lines.append(f'charging: {charges} times, {sum(one["charging"] for one in robots):.1f} s')
-        if account.has_energy:
-            lines[-1] += f'; {_sum(account, "energy_charged"):.3f} kWh charged, ' \
-                         f'{_sum(account, "energy_used"):.3f} kWh used before it'
+        if story.has_energy:
+            lines[-1] += f'; {_sum(story, "energy_charged"):.3f} kWh charged, ' \
+                         f'{_sum(story, "energy_used"):.3f} kWh used before it'
     failures = int(sum(one['failures'] for one in robots))
     if failures:
         lines.append(f'failures: {failures}, {sum(one["failed"] for one in robots):.1f} s')
     return ['', *lines] if lines else []
 
 
-def _sum(account: FleetAccount, what: str) -> float:
-    return sum(one[what] for one in account.robots.values())
+def _sum(story: Story, what: str) -> float:
+    return sum(one[what] for one in story.figures.values())
 
 
-def _robots(account: FleetAccount) -> List[str]:
-    robots = account.robots
+def _robots(story: Story) -> List[str]:
+    robots = story.figures
     width = max(len('robot'), *(len(name) for name in robots))
-    lines = ['', f'{"robot":<{width}}  ' + '  '.join(f'{state + " %":>10}' for state in STATES) + '  orders  failures']
+    lines = ['', f'{"robot":<{width}}  ' + '  '.join(f'{state + " %":>10}' for state in NAMES) + '  orders  failures']
     for name, one in list(robots.items())[:_MOST_ROBOTS]:
-        time = max(sum(one[state] for state in STATES), 1e-9)
-        lines.append(f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / time:>10.1f}' for state in STATES)
+        time = max(sum(one[state] for state in NAMES), 1e-9)
+        lines.append(f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / time:>10.1f}' for state in NAMES)
                      + f'  {one["orders"]:>6.0f}  {one["failures"]:>8.0f}')
     if len(robots) > _MOST_ROBOTS:
         lines.append(f'... and {len(robots) - _MOST_ROBOTS} more: --json has all')
     return lines
 
 
-def json_text(account: FleetAccount, labels: List[str]) -> str:
+def json_text(story: Story, labels: List[str]) -> str:
     """Return all figures as JSON text. Its first line names the format."""
     waits = {where: {'times': one.count, 'seconds': one.total_ns / 1e9, 'longest': one.longest_ns / 1e9}
-             for where, one in account.waits.items()}
-    content = {'seconds': account.seconds, 'remarks': labels, 'metrics': account.metrics(), 'robots': account.robots,
-               'waits': waits, 'orders': account.orders.times._asdict(),
-               'undone': account.orders.undone}
+             for where, one in story.waits.items()}
+    content = {'seconds': story.seconds, 'remarks': labels, 'metrics': fleet_metrics(story), 'robots': story.figures,
+               'waits': waits, 'orders': story.orders.times._asdict(),
+               'undone': story.orders.undone}
     return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'
 
 

@@ -11,7 +11,6 @@ from typing import List, NamedTuple, Optional, TextIO, Tuple
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log, run_difference
-from move_base_abstract.runs.event_log import EventLog
 
 from . import records
 from .carrying import jobs, temporary
@@ -165,9 +164,9 @@ def _difference(before: str, path: str, is_part: bool) -> Tuple[Optional[str], i
 
     is_part: whether the second log need only be the beginning of the first.
     """
-    with event_log.open_text(before) as one, event_log.open_text(path) as other:
-        old, count = iter(EventLog(one, before)), 0
-        for event in EventLog(other, path):
+    with event_log.opened(before) as one, event_log.opened(path) as other:
+        old, count = iter(one), 0
+        for event in other:
             was = next(old, None)
             if was is None or was.compared != event.compared:
                 return ' / '.join(run_difference.told_lines(each) if each else 'no more events'

@@ -7,12 +7,12 @@ import jinja2
 from move_base_abstract.common import own_files
 from move_base_abstract.runs import run_difference
 from move_base_abstract.runs.run_difference import told_lines
+from move_base_abstract.runs.states import IDLE, NAMES, STATES
 
 from .map_data import packed_map
 from .packed import Packer
 from .page_data import Run
 from .recording import ReplayError, read_recording
-from .states import IDLE, NAMES
 from .world import World, find_world
 
 _TEMPLATES = Path(__file__).with_name('templates')
@@ -20,7 +20,6 @@ _SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'w
             'timeline', 'event_list', 'player')
 _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2
-_LEGEND = ('moving', 'waiting', 'task', 'charging', 'failed', IDLE)
 
 
 def write_page(logs, output, map_file=None, scenario=None):
@@ -77,15 +76,15 @@ def render(recordings, ground=None, difference=None, world=World()):
         notes=notes, box=box, states=_legend(runs), difference=first and _told(first),
         marked=any(line.failures for run in runs for line in run.timelines),
         packed_map=ground and ground[0], world=_packed_world(world),
-        signs=_signs(runs, world), about=json.dumps(about), style=_file('replay.css'),
-        script='\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
+        signs=_signs(runs, world), about=json.dumps(about), style=_state_colours() + _file('replay.css'),
+        script=_states_of_script() + '\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
 
 
 def _signs(runs, world):
     """Return {sign: whether it is on the map and needs an explanation}."""
     return {'counts': any(thing['capacity'] is not None for thing in world.things),
             'charge': any(start.battery is not None for start in world.starts.values()),
-            'orders': any(run.orders.phases for run in runs)}
+            'orders': any(run.phases for run in runs)}
 
 
 def _packed_world(world):
@@ -97,9 +96,23 @@ def _file(name):
 
 
 def _legend(runs):
-    """Return the names of the states that the timelines show, idle last."""
-    seen = {NAMES[span.state] for run in runs for line in run.timelines for span in line.spans}
-    return [name for name in _LEGEND if name in seen or name == IDLE]
+    """Return the names of the states that the timelines show."""
+    seen = {IDLE, *(span.state for run in runs for line in run.timelines for span in line.spans)}
+    return [name for number, name in enumerate(NAMES) if number in seen]
+
+
+def _state_colours():
+    """Return the style sheet that has the colours of states, on light and dark screens and on paper."""
+    light, dark, paper = (':root{} {{ {} }}\n'.format(where, ' '.join(
+        '--{}: {};'.format(state.name, state.colours[number]) for state in STATES))
+        for number, where in enumerate(('', '', '.print')))
+    return light + '@media (prefers-color-scheme: dark) { ' + dark + '}\n' + paper
+
+
+def _states_of_script():
+    """Return the table of states for the script."""
+    return 'const STATES = {}, IDLE = {};\n'.format(json.dumps(
+        [{'name': state.name, 'standsOut': state.stands_out} for state in STATES]), IDLE)
 
 
 def _told(difference):

@@ -2,14 +2,14 @@
 import os
 
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.runs.story import Story
 
 from .charges import Charges
 from .links import find_links
 from .motions import Motions
-from .orders import Orders
 from .packed import Packer
-from .states import NAMES, find_timelines
-from .stays import find_stays
+from .stays import count_orders, find_phases, find_stays
+from .timelines import find_timelines
 from .world import World
 
 NOBODY = 2 ** 32 - 1  # stands for a robot's number where there is no robot
@@ -25,9 +25,10 @@ class Run:
         self.world = world
         self._charges = Charges(world, recording.begin_ns)
         self.motions = Motions(recording, world, self._charges)
-        self.stays = find_stays(recording, world)
-        self.orders = Orders(recording)
-        self.timelines = find_timelines(recording, list(self.motions.tracks))
+        story = story_of(recording, world)
+        self.stays = find_stays(story, world)
+        self.phases, self.counts = find_phases(story.orders), count_orders(story.orders)
+        self.timelines = find_timelines(recording, story, list(self.motions.tracks))
         self.links = find_links(recording, [line.name for line in self.timelines if line.is_robot])
         self.box = _box(self.motions, self.links, world)
 
@@ -80,8 +81,8 @@ class Run:
         self._pack_orders(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
-            'links': self.links, 'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
-            'orders': list({phase.order: None for phase in self.orders.phases}),
+            'links': self.links, 'kinds': recording.kind_of, 'limits': self.motions.limits,
+            'orders': list({phase.order: None for phase in self.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
     def _pack_motions(self, packer):
@@ -106,7 +107,6 @@ class Run:
             packer.add(name + '_first', 'u4', _firsts(values))
             packer.add(name + '_time', 'f8', (time_ns for times in values for time_ns in times))
 
-
     def _pack_stays(self, packer):
         numbers = self._numbers
         stays = [stay for stay in self.stays if stay.robot in numbers]
@@ -122,7 +122,7 @@ class Run:
         packer.add('charge_share', 'f8', (share for own in knots for _, share in own))
 
     def _pack_orders(self, packer):
-        phases, numbers = self.orders.phases, self._numbers
+        phases, numbers = self.phases, self._numbers
         names = {name: number for number, name in enumerate({phase.order: None for phase in phases})}
         _pack_spans(packer, 'phase', phases)
         packer.add('phase_order', 'u4', (names[phase.order] for phase in phases))
@@ -131,13 +131,22 @@ class Run:
             packer.add('phase_' + name, 'u4', (getattr(phase, name) for phase in phases))
         for name in ('x', 'y'):
             packer.add('phase_' + name, 'f8', (getattr(phase, name) for phase in phases))
-        packer.add('count_time', 'f8', (row[0] for row in self.orders.counts))
-        packer.add('count', 'u4', (value for row in self.orders.counts for value in row[1:]))
+        packer.add('count_time', 'f8', (row[0] for row in self.counts))
+        packer.add('count', 'u4', (value for row in self.counts for value in row[1:]))
 
     @property
     def _numbers(self):
         """{robot: its number in the page}."""
         return {timeline.name: number for number, timeline in enumerate(self.timelines) if timeline.is_robot}
+
+
+def story_of(recording, world=World()):
+    """Return the Story of a Recording in a World, with spans and stays."""
+    story = Story(recording.begin_ns, list(world.starts), keeps_spans=True)
+    for row in recording.rows():
+        story.take(*row)
+    story.close(recording.end_ns)
+    return story
 
 
 def _pack_spans(packer, name, spans):

@@ -1,4 +1,5 @@
 """An event log in memory, as columns: the page lists it, and legs and states are found in it."""
+import json
 from array import array
 
 from move_base_abstract.common.errors import SimulatorError
@@ -43,6 +44,11 @@ class Recording:
         name_of, kind_of = self.name_of, self.kind_of
         return ((time_ns, name_of[name], kind_of[kind], values)
                 for time_ns, name, kind, values in zip(self.times, self.names, self.kinds, self.values))
+
+    def rows(self):
+        """Iterate over the kept events, but for messages, as (time [ns], name, kind, list of values)."""
+        return ((time_ns, name, kind, json.loads(values)) for time_ns, name, kind, values in self
+                if kind not in MESSAGES)
 
 
 def read_recording(path, most=MOST_EVENTS):

@@ -1,15 +1,19 @@
-"""Find the stays of robots in zones, on lanes and at places, and their waits for these, from the rows of a log."""
-import json
+"""The stays of robots in zones, on lanes and at places, and the phases of orders, as the page shows them."""
 import math
 from typing import NamedTuple
 
+from move_base_abstract.runs.orders_of_run import FAILED, LATE
+from move_base_abstract.runs.story import CHARGES, WAITS, WORKS
+
 from .recording import is_number
 
-INSIDE, WAITS = 0, 1
+#: kinds of Stays on the page, and of Phases
+IS_THERE, IS_WAITING = 0, 1
+OPEN, ASSIGNED = 0, 1
 
 
-class Stay(NamedTuple):
-    """``robot`` (its name) is INSIDE the thing with this number, or WAITS for it, from ``begin_ns`` to ``end_ns``."""
+class ThingStay(NamedTuple):
+    """``robot`` (its name) is at the thing with this number, or waits for it, from ``begin_ns`` to ``end_ns``."""
 
     begin_ns: int
     end_ns: int
@@ -18,125 +22,85 @@ class Stay(NamedTuple):
     kind: int
 
 
-def find_stays(recording, world):
-    """Return the Stays of a Recording in a World, in the order in which they began.
+def find_stays(story, world):
+    """Return the ThingStays of a Story in a World, in the order in which they began.
 
-    Any program may write rows; those that name nothing of the world are ignored. Rows about work at a place without a
-    capacity do not name the place, so it is found from where the robot stands.
+    Any program may write rows; those that name nothing of the world are ignored.
     """
-    if not world.things:
-        return []
-    reader = _Reader(world)
-    handlers = {'entered': reader.entered, 'left': reader.left, 'held': reader.held, 'released': reader.held,
-                'works_at': reader.works_at, 'task_began': reader.task_began, 'task_ended': reader.task_ended,
-                'waiting_began': reader.waits_at, 'waiting_ended': reader.waited_at, 'stands': reader.stands,
-                'charging_began': reader.charging_began, 'charging_ended': reader.charging_ended}
-    for time_ns, name, kind, text in recording:
-        handler = handlers.get(kind)
-        if handler is not None:
-            reader.now_ns = time_ns
-            handler(name, json.loads(text))
-    reader.now_ns = recording.end_ns + 1  # a stay that has not ended lasts through the last instant, too
-    for robot in list(reader.robots):
-        reader.keep(robot, lambda _thing, _kind: False)
-    return [stay for _, stay in sorted(reader.found)]
+    numbers = world.numbers
+    found = []
+    for stay in story.stays:
+        thing = _thing_of(stay, world.things, numbers)
+        if thing is not None:
+            kind = IS_WAITING if stay.what == WAITS else IS_THERE
+            found.append(ThingStay(stay.begin_ns, _shown_until(stay), stay.robot, thing, kind))
+    return found
 
 
-class _Reader:
-    """Takes rows one after the other; ``found``: the stays that have ended, each with the number of its begin."""
-
-    def __init__(self, world):
-        self.now_ns = 0
-        self.robots = {}  # {robot: {(thing, kind): (number, since [ns])}}
-        self.found = []
-        self._things = world.things
-        self._numbers = world.numbers
-        self._positions = {}
-        self._begun = 0
-
-    def _begin(self, robot, name, kind):
-        thing = self._numbers.get(name) if isinstance(name, str) else name
-        own = self.robots.setdefault(robot, {})
-        if thing is not None and (thing, kind) not in own:
-            own[thing, kind] = self._begun, self.now_ns
-            self._begun += 1
-
-    def keep(self, robot, is_kept):
-        """End the stays of a robot, except those for which ``is_kept(thing, kind)`` is true."""
-        own = self.robots.get(robot, {})
-        for thing, kind in [key for key in own if not is_kept(*key)]:
-            number, since_ns = own.pop((thing, kind))
-            if self.now_ns > since_ns:
-                self.found.append((number, Stay(since_ns, self.now_ns, robot, thing, kind)))
-
-    def _end(self, robot, name, kind):
-        wanted = self._numbers.get(name), kind
-        self.keep(robot, lambda thing, kind: (thing, kind) != wanted)
-
-    def _is_place(self, thing):
-        return self._things[thing]['kind'] == 'place'
-
-    def entered(self, robot, values):
-        """Take a row: the robot got room in a zone or on a lane."""
-        self._begin(robot, _text(values, 0), INSIDE)
-
-    def left(self, robot, values):
-        """Take a row: the robot left the zone or lane."""
-        self._end(robot, _text(values, 0), INSIDE)
-
-    def held(self, robot, values):
-        """Take a row: the robot is held for these reasons only. A reason names zones and lanes, separated by commas."""
-        wanted = {}
-        for value in values:
-            names = [value] if str(value) in self._numbers else str(value).split(', ')
-            wanted.update((self._numbers[name], name) for name in names if name in self._numbers)
-        self.keep(robot, lambda thing, kind: kind == INSIDE or self._is_place(thing) or thing in wanted)
-        for name in wanted.values():
-            self._begin(robot, name, WAITS)
-
-    def works_at(self, robot, values):
-        """Take a row: the robot works at a place with a capacity."""
-        self._begin(robot, 'place ' + _text(values, 1), INSIDE)
-
-    def task_began(self, robot, _values):
-        """Take a row: the robot works, perhaps at a place that the log has not named."""
-        x, y = self._positions.get(robot, (math.inf, math.inf))
-        if any(self._is_place(thing) and kind == INSIDE for thing, kind in self.robots.get(robot, ())):
-            return
-        for number, thing in enumerate(self._things):
-            if thing['kind'] == 'place' and math.dist((x, y), thing['points'][0]) <= thing['reach']:
-                self._begin(robot, number, INSIDE)
-                return
-
-    def task_ended(self, robot, _values):
-        """Take a row: the robot neither works any more nor waits for a place."""
-        self.keep(robot, lambda thing, _kind: not self._is_place(thing))
-
-    def waits_at(self, robot, values):
-        """Take a row: the robot waits for a place to work at."""
-        self._begin(robot, 'place ' + _text(values, 1), WAITS)
-
-    def waited_at(self, robot, values):
-        """Take a row: the robot does not wait for the place any more."""
-        self._end(robot, 'place ' + _text(values, 1), WAITS)
-
-    def charging_began(self, robot, values):
-        """Take a row: the robot is charged. In a zone with a capacity, `entered` has said so already."""
-        number = self._numbers.get('zone ' + _text(values, 0))
-        if number is not None and self._things[number]['capacity'] is None:
-            self._begin(robot, number, INSIDE)
-
-    def charging_ended(self, robot, values):
-        """Take a row: the robot is not charged any more."""
-        number = self._numbers.get('zone ' + _text(values, 0))
-        if number is not None and self._things[number]['capacity'] is None:
-            self._end(robot, 'zone ' + _text(values, 0), INSIDE)
-
-    def stands(self, robot, values):
-        """Take a row: the robot stands at (x, y, yaw)."""
-        if len(values) == 3 and all(map(is_number, values)):
-            self._positions[robot] = tuple(values[:2])
+def _thing_of(stay, things, numbers):
+    """Return the number of the thing at which a Stay is, or None."""
+    if stay.what == CHARGES:  # in a zone with a capacity, `entered` has said so already
+        number = numbers.get('zone ' + stay.where)
+        return None if number is None or things[number]['capacity'] is not None else number
+    if stay.what == WORKS and not stay.where:  # the rows about work at a place without a capacity do not name it
+        return next((number for number, thing in enumerate(things) if thing['kind'] == 'place'
+                     and math.dist(stay.at or (math.inf, math.inf), thing['points'][0]) <= thing['reach']), None)
+    return numbers.get(stay.where)
 
 
-def _text(values, place):
-    return str(values[place]) if len(values) > place else ''
+def _shown_until(span):
+    """Return when a Stay or Phase ends; one that is open at the end of the run lasts through the last instant, too."""
+    return span.end_ns + span.is_open
+
+
+class OrderPhase(NamedTuple):
+    """A time in which ``order`` (its name) is OPEN (``robot`` is ''), or ASSIGNED to ``robot``.
+
+    Its next stop is at (x, y) [m].
+    """
+
+    begin_ns: int
+    end_ns: int
+    order: str
+    kind: int
+    robot: str
+    x: float
+    y: float
+    stop: int  # the number of the next stop, from 1 on
+    stops: int  # the number of all stops
+
+
+def find_phases(orders):
+    """Return the OrderPhases of the Orders of a Story in the order of their begins."""
+    found = [OrderPhase(phase.begin_ns, _shown_until(phase), order.name, ASSIGNED if phase.robot else OPEN, phase.robot,
+                        *order.stops[phase.stop - 1], phase.stop, len(order.stops))
+             for order in _drawn(orders) for phase in order.phases]
+    return sorted(found, key=lambda phase: phase.begin_ns)
+
+
+def count_orders(orders):
+    """Return [(time [ns], open, assigned, done, late, failed, refused)] whenever a number of orders changes."""
+    changes = {}
+
+    def change(time_ns, column, by):
+        changes.setdefault(time_ns, [0] * 6)[column] += by
+    for order in _drawn(orders):
+        for phase in order.phases:
+            change(phase.begin_ns, ASSIGNED if phase.robot else OPEN, 1)
+            if not phase.is_open:
+                change(phase.end_ns, ASSIGNED if phase.robot else OPEN, -1)
+        if order.ended_ns is not None:
+            change(order.ended_ns, {LATE: 3, FAILED: 4}.get(order.code, 2), 1)
+    for time_ns in orders.refused:
+        change(time_ns, 5, 1)
+    counts, now = [], [0] * 6
+    for time_ns, by in sorted(changes.items()):
+        now = [count + more for count, more in zip(now, by)]
+        counts.append((time_ns, *now))
+    return counts
+
+
+def _drawn(orders):
+    """Return the orders whose stops have places. Any program may write rows."""
+    return [order for order in orders.all.values()
+            if order.stops and all(is_number(one) for stop in order.stops for one in stop)]

@@ -11,7 +11,6 @@ import time
 
 from move_base_abstract.common import processes
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLog
 
 WALL_LIMIT_S = 120.0
 _GRACE_S = 1.0  # wall, from the fork's reports to its end
@@ -125,8 +124,8 @@ def _reports(item, text, wall_limit):
 
 def _difference(first, second):
     """Return a text that says where the event logs of two runs differ, or '' if they are equal and repeatable."""
-    with event_log.open_text(first) as one, event_log.open_text(second) as other:
-        logs = EventLog(one, first), EventLog(other, second)
+    with event_log.opened(first) as one, event_log.opened(second) as other:
+        logs = one, other
         found = event_log.compare(*logs)
     if not found.identical:
         return 'a second run is different:\n  first:  {}\n  second: {}'.format(

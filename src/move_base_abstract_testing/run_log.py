@@ -1,9 +1,7 @@
 """The event log of a run as objects."""
-import json
 from typing import Any, Dict, List, NamedTuple, Optional
 
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLog
 
 
 class LogEvent(NamedTuple):
@@ -29,9 +27,8 @@ class RunLog:
         :raises EventLogError: if it is not an event log.
         """
         self.path = path
-        with event_log.open_text(path) as stream:
-            log = EventLog(stream, path)
-            self.events = [LogEvent(one.time_ns, one.robot, one.kind, json.loads(one.values)) for one in log]
+        with event_log.opened(path) as log:
+            self.events = [LogEvent(*row) for row in log.rows()]
         self.end: Dict[str, Any] = log.end or {}
 
     def of(self, kind: Optional[str] = None, robot: Optional[str] = None) -> List[LogEvent]:

@@ -57,8 +57,9 @@ def test_what_fails_a_run():
     assert found(complete(), stated, told) == ('one owner', 'always: one owner, said by /monitor at 1.5 s: task=3')
     crash = '/a crashed at 2.000000000 s: exit code 3'
     assert found(complete(crashes=[crash])) == ('crash /a', crash)
-    assert found(Result('0000-a', error='x'), reason='deadlock at 3 s: who')[0] == 'deadlock'
-    assert found(Result('0000-a', error='x'), reason='zero-delay loop at 3 s: who')[0] == 'zero_delay_loop'
+    for name in ('deadlock', 'zero_delay_loop'):
+        assert found(Result('0000-a', error='x'), ended_by=name, reason='who') == (name, 'who')
+    assert found(Result('0000-a', error='x'), ended_by='other', reason='deadlock at 3 s: who')[0] == 'unfinished'
     empty = {'time_ns': 1500000000, 'robot': 'robot_1', 'kind': 'battery', 'values': [0.0, 'empty']}
     assert found(complete(), empty) == ('charged', 'charged: at 1.500000000 s, robot_1: its battery is empty')
     assert found(complete(), ended_by='idle', open_goals=OPEN)[0] == 'every_goal_ends'

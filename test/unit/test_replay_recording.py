@@ -11,10 +11,12 @@ from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.calibration import calibration_file
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.runs.event_log import EventLogError
+from move_base_abstract.runs.states import NAMES
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.motions import BACKWARDS, EVEN, LIMITED, PLACED, Motions, make_leg
+from move_base_abstract_replay.page_data import story_of
 from move_base_abstract_replay.recording import ReplayError, read_recording
-from move_base_abstract_replay.states import IDLE, NAMES, find_timelines, natural
+from move_base_abstract_replay.timelines import find_timelines, natural
 
 S = 1_000_000_000
 GONE = {'max_speed': 2.0, 'acceleration': 0.5, 'turn_rate': 1.0, 'log_motion': True}
@@ -208,40 +210,41 @@ def test_lines_of_others_under_the_same_names_are_events_and_nothing_else(read, 
     assert Motions(recording).tracks == {}
 
 
+def lines_of(recording, robots):
+    return find_timelines(recording, story_of(recording), robots)
+
+
 def spans(line):
     return [(span.begin_ns // S, span.end_ns // S, NAMES[span.state]) for span in line.spans]
 
 
-def test_states_come_from_pairs_of_events_and_moving_hides_a_task(read):
+def test_states_come_from_pairs_of_events_and_driving_hides_work(read):
     recording = read([(S, 'r', 'departed', (1.0, 0.0, 0.0)), (4 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
                       (4 * S, 'r/dig', 'task_began', ('x', 2 * S)), (6 * S, 'r/dig', 'task_ended', ('x', 'ABORTED')),
                       (7 * S, 'r', 'charging_began', ()), (8 * S, 'r', 'task_began', ('y', S)),
                       (9 * S, 'r', 'charging_ended', ()), (9 * S, 'other', 'note', ()),
                       (9 * S, 'r', 'ended', ('g', 'ABORTED', ''))])
-    robot, other = find_timelines(recording, ['r'])
-    assert spans(robot) == [(1, 4, 'moving'), (4, 6, 'task'), (7, 9, 'charging')]
+    robot, other = lines_of(recording, ['r'])
+    assert spans(robot) == [(1, 4, 'driving'), (4, 6, 'working'), (6, 8, 'waiting'), (8, 9, 'working')]
     assert robot.failures == [6 * S, 9 * S]
     assert (other.name, other.is_robot, other.ticks) == ('other', False, [9 * S])
-    assert NAMES[-1] == IDLE
 
 
-def test_a_robot_that_is_held_waits_until_it_is_released_however_many_reasons_there_were(read):
+def test_a_robot_that_is_held_waits_if_it_has_a_goal_however_many_reasons_there_were(read):
     recording = read([(S, 'r', 'departed', (1.0, 0.0, 0.0)), (2 * S, 'r', 'held', ('a',)),
                       (2 * S, 'r', 'stands', (1.0, 0.0, 0.0)), (3 * S, 'r', 'held', ('a', 'b')),
                       (4 * S, 'r', 'held', ('b',)), (5 * S, 'r', 'released', ()),
-                      (6 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (7 * S, 'r', 'stands', (1.0, 0.0, 0.0))])
-    (robot,) = find_timelines(recording, ['r'])
-    assert spans(robot) == [(1, 2, 'moving'), (2, 5, 'waiting'), (6, 7, 'moving')]
+                      (6 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (7 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
+                      (7 * S, 'r', 'ended', ('g', 'SUCCEEDED', '')), (8 * S, 'r', 'held', ('a',)),
+                      (9 * S, 'r', 'goal', ('h',)), (10 * S, 'r', 'ended', ('h', 'PREEMPTED', ''))])
+    (robot,) = lines_of(recording, ['r'])
+    assert spans(robot) == [(1, 2, 'driving'), (2, 6, 'waiting'), (6, 7, 'driving'), (9, 10, 'waiting')]
 
 
-def test_a_robot_with_a_goal_that_does_not_move_waits_where_the_log_has_messages(read):
+def test_names_of_which_there_are_only_messages_come_last(read):
     recording = read([(S, '/r/move_base/goal', 'message', ('/boss', '/r/move_base', 9, 'ff')),
-                      (3 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (4 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
-                      (4 * S, 'r', 'ended', ('g', 'SUCCEEDED', '')),
-                      (5 * S, '/ask', 'call', ('/boss', '/r/move_base', 9, 'ff'))])
-    robot, boss = find_timelines(recording, ['r'])
-    assert spans(robot) == [(1, 3, 'waiting'), (3, 4, 'moving')]
-    assert (boss.name, boss.ticks) == ('/boss', [S, 5 * S])
+                      (3 * S, 'z', 'note', ()), (5 * S, '/ask', 'call', ('/boss', '/r/move_base', 9, 'ff'))])
+    assert [(line.name, line.ticks) for line in lines_of(recording, [])] == [('z', [3 * S]), ('/boss', [S, 5 * S])]
 
 
 def test_of_too_many_events_messages_are_left_out(read):

@@ -12,10 +12,10 @@ from move_base_abstract.scenario import make_scenario, read_scenario
 from move_base_abstract.tasks.arrivals import Task
 from move_base_abstract_replay.charges import Charges
 from move_base_abstract_replay.motions import Motions
-from move_base_abstract_replay.orders import ASSIGNED, OPEN, Orders
 from move_base_abstract_replay.page import write_page
+from move_base_abstract_replay.page_data import story_of
 from move_base_abstract_replay.recording import ReplayError, read_recording
-from move_base_abstract_replay.stays import INSIDE, WAITS, find_stays
+from move_base_abstract_replay.stays import ASSIGNED, IS_THERE, IS_WAITING, OPEN, count_orders, find_phases, find_stays
 from move_base_abstract_replay.world import World, make_world
 from move_base_abstract_worlds.command import main as scenario_program
 from test_replay_page import unpacked
@@ -62,7 +62,7 @@ def run(tmp_path):
 def test_who_is_in_an_area_and_who_waits_is_as_the_fleet_says_at_any_instant(run):
     fleet, log, seen = run
     world = make_world(fleet.scenario)
-    stays = find_stays(read_recording(log), world)
+    stays = find_stays(story_of(read_recording(log)), world)
     waited = 0
     for now_ns, areas, _, _ in seen:
         at = [stay for stay in stays if stay.begin_ns <= now_ns < stay.end_ns]
@@ -71,9 +71,9 @@ def test_who_is_in_an_area_and_who_waits_is_as_the_fleet_says_at_any_instant(run
                 continue
             number = world.numbers['{} {}'.format(area.kind, area.name)]
             found = {kind: [stay.robot for stay in at if (stay.thing, stay.kind) == (number, kind)]
-                     for kind in (INSIDE, WAITS)}
-            assert sorted(found[INSIDE]) == sorted(area.robots)
-            assert found[WAITS] == list(area.waiting)
+                     for kind in (IS_THERE, IS_WAITING)}
+            assert sorted(found[IS_THERE]) == sorted(area.robots)
+            assert found[IS_WAITING] == list(area.waiting)
             waited += len(area.waiting)
     assert waited > 20
 
@@ -81,17 +81,17 @@ def test_who_is_in_an_area_and_who_waits_is_as_the_fleet_says_at_any_instant(run
 def test_who_works_at_a_place_and_who_waits_for_it_is_found_also_where_it_has_no_capacity(run):
     fleet, log, seen = run
     world = make_world(fleet.scenario)
-    stays = find_stays(read_recording(log), world)
+    stays = find_stays(story_of(read_recording(log)), world)
     number = world.numbers
     told = {(stay.robot, stay.thing, stay.kind): (stay.begin_ns, stay.end_ns) for stay in stays
             if world.things[stay.thing]['kind'] == 'place'}
     began, ended = 151 * S, 171 * S
-    assert told == {('late', number['place bench'], INSIDE): (began, ended),  # by name, at one instant
-                    ('r_0', number['place bench'], WAITS): (began, ended),
-                    ('r_0', number['place bench'], INSIDE): (ended, 191 * S),
-                    ('r_1', number['place yard'], INSIDE): (began, 156 * S)}
+    assert told == {('late', number['place bench'], IS_THERE): (began, ended),  # by name, at one instant
+                    ('r_0', number['place bench'], IS_WAITING): (began, ended),
+                    ('r_0', number['place bench'], IS_THERE): (ended, 191 * S),
+                    ('r_1', number['place yard'], IS_THERE): (began, 156 * S)}
     working = [(now_ns, name) for now_ns, _, _, doing in seen for name, what in doing.items() if what == 'working']
-    assert working and all(any(stay.robot == name and stay.kind == INSIDE and stay.begin_ns <= now_ns < stay.end_ns
+    assert working and all(any(stay.robot == name and stay.kind == IS_THERE and stay.begin_ns <= now_ns < stay.end_ns
                                and world.things[stay.thing]['kind'] == 'place' for stay in stays)
                            for now_ns, name in working)
 
@@ -151,14 +151,15 @@ def test_orders_are_open_assigned_and_over_as_their_rows_say(tmp_path):
             (9 * S, 'x', 'order_arrived', ()), (9 * S, 'x', 'order_arrived', ('o4', 0, 0, 'a', 'far', None, 'b')),
             (9 * S, 'x', 'order_stop', ('o2', 'two')), (9 * S, 'x', 'order_done', ('o9', 'done'))]
     (tmp_path / 'run.jsonl').write_text(log_text(rows))
-    orders = Orders(read_recording(tmp_path / 'run.jsonl'))
+    orders = story_of(read_recording(tmp_path / 'run.jsonl')).orders
+    counts = count_orders(orders)
     assert [(one.begin_ns // S, one.end_ns // S, one.order, one.kind, one.robot, one.x, one.stop, one.stops)
-            for one in orders.phases] == [
+            for one in find_phases(orders)] == [
         (1, 2, 'o1', OPEN, '', 1.0, 1, 2), (1, 9, 'o2', OPEN, '', 1.0, 1, 2), (2, 4, 'o1', ASSIGNED, 'r', 1.0, 1, 2),
         (4, 5, 'o1', ASSIGNED, 'r', 5.0, 2, 2), (5, 6, 'o1', OPEN, '', 5.0, 2, 2),
         (6, 8, 'o1', ASSIGNED, 'q', 5.0, 2, 2)]
-    assert orders.counts[0] == (S, 2, 0, 0, 0, 0, 0)
-    assert orders.counts[-1][1:] == (1, 0, 0, 1, 0, 1)
+    assert counts[0] == (S, 2, 0, 0, 0, 0, 0)
+    assert counts[-1][1:] == (1, 0, 0, 1, 0, 1)
 
 
 def test_a_plain_trace_of_a_warehouse_is_shown_on_its_map_without_being_told_where_that_is(tmp_path, capsys):
@@ -207,4 +208,4 @@ def test_rows_of_others_of_any_values_do_no_harm(tmp_path, kind, values):
 
 def test_a_log_without_a_scenario_has_no_world(tmp_path):
     (tmp_path / 'run.jsonl').write_text(log_text([(S, 'a', 'entered', ('zone z',))]))
-    assert find_stays(read_recording(tmp_path / 'run.jsonl'), World()) == []
+    assert find_stays(story_of(read_recording(tmp_path / 'run.jsonl')), World()) == []

@@ -18,7 +18,8 @@ from ..orders.order import Order, fault_of
 from ..orders.policies import make_policy
 from ..orders.rows import DISPATCHER
 from ..orders.settings import DispatchSettings
-from ..runs.fleet_account import FleetAccount
+from ..runs.fleet_metrics import fleet_metrics
+from ..runs.story import Story
 from .dispatch_world import Distances, chargers_of, check_levels, starts_of
 from .fleet import Fleet
 from .member import FleetWarning
@@ -104,11 +105,11 @@ class Dispatch:
         """
         if self.fleet.trace is None:
             raise ConfigurationError('trace: got None, so nothing is known of the past; allowed: a list')
-        account = FleetAccount(self._begin_ns, self.fleet.names)
+        story = Story(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
-            account.take(*entry)
-        account.close(self.fleet.now_ns)
-        return account.metrics()
+            story.take(*entry)
+        story.close(self.fleet.now_ns)
+        return fleet_metrics(story)
 
     def _expect(self):
         order = next(self._orders, None)

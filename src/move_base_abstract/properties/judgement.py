@@ -6,14 +6,14 @@ was ended at an instant may have open goals.
 """
 from __future__ import annotations
 
-import json
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..lockstep.property_names import ALL, BUILT_IN
 from ..runs import ends, event_log
 from ..runs.event_log import EventLog
+from ..runs.story import Story
+from ..runs.trace import TraceEntry
 from . import statements
-from .robots import Robots
 
 _STANDSTILLS = {'deadlock': 'no_standstill', 'zero_delay_loop': 'no_zero_delay_loop'}
 _QUIET = ('idle', 'deadlock')  # values of ended_by after which nothing could have ended a goal any more
@@ -83,32 +83,31 @@ def judge(run: Run) -> List[Broken]:
 
 def judgement_on(run: Run) -> Judgement:
     """Return the whole Judgement on a run. :raises EventLogError: if its log is none."""
-    with event_log.open_text(run.log) as stream:
-        return judge_log(EventLog(stream, run.log), run.processes)
+    with event_log.opened(run.log) as log:
+        return judge_log(log, run.processes)
 
 
-def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
-    """Return the Judgement on a run by its EventLog, which is read to the end, and the ends of its processes."""
-    robots, told, found = Robots(), ends.Log(), []
+def judge_log(log: EventLog, processes: Sequence[ends.End] = (),
+              hear: Callable[[TraceEntry], object] = lambda _row: None) -> Judgement:
+    """Return the Judgement on a run by its EventLog, which is read to the end, and the ends of its processes.
+
+    ``hear`` is called with each row.
+    """
+    story, told, found = Story(log.start_ns), ends.Log(), []
     stated: Dict[Tuple[str, str, str], str] = {}
-    for event in log:
-        if event.kind in ends.KINDS:
-            told.take(event)
-        elif event.kind == statements.ROW:
-            row = statements.read_row(json.loads(event.values))
-            if row is not None:
-                stated[event.robot, row.kind, row.text] = row.outcome
-                if row.outcome == statements.BROKEN:
-                    found.append(Broken(row.kind, event.time_ns, event.robot, row.text, row.details))
-        else:
-            robots.take(event)
+    for row in log.rows():
+        hear(row)
+        told.take(row)
+        story.take(*row)
+        made = statements.read_row(row.values) if row.kind == statements.ROW else None
+        if made is not None:
+            stated[row.robot, made.kind, made.text] = made.outcome
+            if made.outcome == statements.BROKEN:
+                found.append(Broken(made.kind, row.time_ns, row.robot, made.text, made.details))
     end = log.end or {}
-    found += [Broken(*one) for one in robots.broken]
-    found += _open_goals(end) if end.get('ended_by') in _QUIET else []
-    named = tuple(one.text for one in found if one.property == 'every_goal_ends')  # report a robot's goal only once
-    found += [one for one in (Broken(*each) for each in robots.left_open(end.get('ended_by') in _QUIET))
-              if one.details or one.property != 'every_goal_ends' or not any(one.node in text for text in named)]
-    found += _of_the_end(end)
+    found += [*_of_robots(story), *_of_the_end(end)]
+    if end.get('ended_by') in _QUIET:
+        found += _open_goals(end, story)
     if not processes:  # they were not looked at, but the log names those that died
         told.end(end)
         processes = ends.judge((), told)
@@ -118,10 +117,31 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
     return Judgement(tuple(in_order), stated)
 
 
-def _open_goals(end: Dict[str, Any]) -> List[Broken]:
-    """Return the goals for which clients still wait, whichever node was to do them."""
-    return [Broken('every_goal_ends', end.get('at_ns'), str(one['client']), '{} of its goals never {} on {}'.format(
-        one['count'], 'ends' if one['count'] == 1 else 'end', one['action'])) for one in end.get('open_goals', [])]
+def _of_robots(story: Story) -> Iterator[Broken]:
+    """Yield what the rows of robots have broken, but for goals that never end."""
+    for one in story.overfull:
+        yield Broken('capacities_kept', one.time_ns, one.robot, 'it {} {}, which has room for {}'.format(
+            'works at' if one.works else 'came into', one.where, one.room), one.robots)
+    for time_ns, robot in story.emptied:
+        yield Broken('charged', time_ns, robot, 'its battery is empty')
+    for time_ns, robot, circle in story.circles:
+        pairs = ', '.join('{} for {}'.format(*pair) for pair in zip(circle[::2], circle[1::2]))
+        yield Broken('no_standstill', time_ns, robot, 'robots wait for each other, to the end of the run', (pairs,))
+
+
+def _open_goals(end: Dict[str, Any], story: Story) -> Iterator[Broken]:
+    """Yield the goals for which clients still wait, whichever node was to do them, and goals and tasks of robots."""
+    texts = []
+    for one in end.get('open_goals', []):
+        texts.append('{} of its goals never {} on {}'.format(
+            one['count'], 'ends' if one['count'] == 1 else 'end', one['action']))
+        yield Broken('every_goal_ends', end.get('at_ns'), str(one['client']), texts[-1])
+    for robot in story.robots.values():
+        since_ns = robot.begun('goal')
+        if since_ns is not None and not any(robot.name in text for text in texts):  # each goal is reported once
+            yield Broken('every_goal_ends', since_ns, robot.name, 'the goal to which it departed then never ends')
+    for name, task, since_ns in story.open_tasks():
+        yield Broken('every_goal_ends', since_ns, name, 'the task that it got then never ends', (str(task),))
 
 
 def _of_processes(processes: Iterable[ends.End], log: ends.Log) -> Iterable[Broken]:

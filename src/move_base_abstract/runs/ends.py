@@ -10,14 +10,14 @@ the wall clock, because a process may take a while to end. For an onlooker, the 
 """
 from __future__ import annotations
 
-import json
 import re
 import signal
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Pattern, Sequence, Tuple
 
 from . import event_log
-from .event_log import Event, EventLog, EventLogError
+from .event_log import EventLogError
 from .failures import ASKED, UNASKED, UNCAUGHT
+from .trace import TraceEntry
 
 TIME_MASTER = '/time_master'
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # the kinds of events by which runs are judged
@@ -62,14 +62,20 @@ class Log:
         self._uncaught: Dict[str, Dict[Optional[int], Tuple[int, str]]] = {}  # the first ones, by node and number
         self.is_whole = False  # whether the log has an end record
 
-    def take(self, event: Event) -> None:
-        """Take an event of one of the KINDS."""
-        told, values = self._uncaught.setdefault(event.robot, {}), json.loads(event.values)
-        number = values.pop(0) if event.kind != UNCAUGHT else -1 - len(told)  # the numbers of jobs count from 1
-        if event.kind == ASKED:
+    def take(self, row: TraceEntry) -> None:
+        """Take a row; only those of the KINDS count."""
+        if row.kind not in KINDS:
+            return
+        values: Sequence[Any]
+        told, values = self._uncaught.setdefault(row.robot, {}), row.values
+        if row.kind == UNCAUGHT:
+            number = -1 - len(told)  # the numbers of jobs count from 1
+        else:
+            number, *values = values
+        if row.kind == ASKED:
             told.pop(number, None)
         elif len(told) < _MOST_UNCAUGHT:
-            told[number] = event.time_ns, ' in '.join(map(str, values))
+            told[number] = row.time_ns, ' in '.join(map(str, values))
 
     @property
     def uncaught(self) -> Dict[str, List[Tuple[int, str]]]:
@@ -87,11 +93,9 @@ def read_log(path: str) -> Log:
     """Return the Log of the event log ``path``. If the file is missing or damaged, the Log has what was read before."""
     log = Log()
     try:
-        with event_log.open_text(path) as stream:
-            events = EventLog(stream, path)
-            for event in events:
-                if event.kind in KINDS:
-                    log.take(event)
+        with event_log.opened(path) as events:
+            for row in events.rows():
+                log.take(row)
     except (OSError, EventLogError):
         return log
     if events.end is not None:

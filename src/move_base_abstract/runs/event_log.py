@@ -17,6 +17,7 @@ import decimal
 import itertools
 import json
 import os
+from contextlib import contextmanager
 from typing import (
     IO,
     TYPE_CHECKING,
@@ -29,11 +30,11 @@ from typing import (
     NamedTuple,
     Optional,
     Tuple,
-    Union,
 )
 
 from ..common.errors import SimulatorError
 from ..common.input_files import open_text_input
+from .trace import TraceEntry
 
 if TYPE_CHECKING:
     from ..common.type_names import StrPath
@@ -60,6 +61,11 @@ class Event(NamedTuple):
     def compared(self) -> Tuple[int, str, str, str]:
         """The values by which two events are compared."""
         return self[:4]
+
+    @property
+    def row(self) -> TraceEntry:
+        """The event as a row, with its values as a list."""
+        return TraceEntry(self.time_ns, self.robot, self.kind, json.loads(self.values))
 
 
 def labels_of(end: Dict[str, Any]) -> List[str]:
@@ -92,17 +98,27 @@ class EventLog:
         self._read_head()
 
     def __iter__(self) -> Iterator[Event]:
+        for number, line, row in self._numbered():
+            yield Event(row.time_ns, row.robot, row.kind, json.dumps(row.values, sort_keys=True), number,
+                        line.rstrip('\r\n'))
+
+    def rows(self) -> Iterator[TraceEntry]:
+        """Yield each event as a row, with its values as a list; this costs less than to iterate over the log."""
+        return (row for _, _, row in self._numbered())
+
+    def _numbered(self) -> Iterator[Tuple[int, str, TraceEntry]]:
+        """Yield (number of the line, line, row) of each event."""
         for number, line in self._lines:
             record = self._record(number, line)
             if self.end is not None:
                 raise self._error(number, 'there is text after the end record', line)
             if record is None:
                 continue
-            if isinstance(record, dict):
+            if 'end' in record:
                 self._take_end(number, record, line)
             else:
                 self.events += 1
-                yield record
+                yield number, line, self._row(number, line, record)
 
     @property
     def bags(self) -> Dict[str, List[Dict[str, Any]]]:
@@ -135,32 +151,29 @@ class EventLog:
             if line.rstrip('\r\n').split(',') != CSV_COLUMNS:
                 raise self._error(number, f"must name the columns {','.join(CSV_COLUMNS)}", line)
 
-    def _record(self, number: int, line: str) -> Union[Dict[str, Any], Event, None]:
-        """Return an Event, the end record (a dict), or None for a last line that was cut off."""
+    def _record(self, number: int, line: str) -> Optional[Dict[str, Any]]:
+        """Return what a line holds, an event or the end record, or None for a last line that was cut off."""
         if not line.endswith('\n'):
             return None
         if not self._csv:
             record = self._json(number, line)
-            return record if isinstance(record, dict) and 'end' in record else self._event(number, line, record)
+            return record if isinstance(record, dict) else {}
         if line.startswith('# '):
-            end: Dict[str, Any] = self._json(number, line[2:])
-            return end
+            end = self._json(number, line[2:])
+            return {'end': None, **(end if isinstance(end, dict) else {})}
         try:
             time_ns, robot, kind, values = next(csv.reader([line], strict=True))
-            record = {'time_ns': int(time_ns), 'robot': robot, 'kind': kind,
-                      'values': self._json(number, values)}
+            return {'time_ns': int(time_ns), 'robot': robot, 'kind': kind, 'values': self._json(number, values)}
         except (ValueError, csv.Error) as error:
             raise self._error(number, f"must hold {','.join(CSV_COLUMNS)} ({error})", line) from error
-        return self._event(number, line, record)
 
-    def _event(self, number: int, line: str, record: Any) -> Event:
+    def _row(self, number: int, line: str, record: Dict[str, Any]) -> TraceEntry:
         kinds = {'time_ns': int, 'robot': str, 'kind': str, 'values': list}
-        if not isinstance(record, dict) or set(record) != set(kinds) or not all(
+        if set(record) != set(kinds) or not all(
                 type(record[key]) is kind for key, kind in kinds.items()) or not _is_ns(record['time_ns']):
             raise self._error(number, 'must hold time_ns (a whole number of 64 bits), robot and kind (texts) and '
                                       'values (a list)', line)
-        return Event(record['time_ns'], record['robot'], record['kind'],
-                     json.dumps(record['values'], sort_keys=True), number, line.rstrip('\r\n'))
+        return TraceEntry(record['time_ns'], record['robot'], record['kind'], record['values'])
 
     def _take_end(self, number: int, record: Dict[str, Any], line: str) -> None:
         end = record.get('end')
@@ -248,6 +261,16 @@ def compare(first: EventLog, second: EventLog) -> Comparison:
         if different == (None, None) and (None in pair or pair[0].compared != pair[1].compared):
             different = pair
     return Comparison(*different, (first.events, second.events))
+
+
+@contextmanager
+def opened(path: StrPath) -> Iterator[EventLog]:
+    """Open the event log ``path``, for a with statement, and read it as far as it is iterated over.
+
+    :raises EventLogError: if it cannot be opened, is no event log, or is damaged.
+    """
+    with open_text(path) as stream:
+        yield EventLog(stream, os.fspath(path))
 
 
 def open_text(path: StrPath) -> ContextManager[IO[str]]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import collections
 import itertools
-import json
 from typing import TYPE_CHECKING, Deque, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from . import event_log
@@ -58,8 +57,7 @@ def compare(first_path: str, second_path: str, with_messages: bool = True) -> Co
 
     :raises EventLogError: if a log cannot be read.
     """
-    with event_log.open_text(first_path) as one, event_log.open_text(second_path) as other:
-        first, second = EventLog(one, first_path), EventLog(other, second_path)
+    with event_log.opened(first_path) as first, event_log.opened(second_path) as second:
         found = _compare(_events(first, with_messages), _events(second, with_messages))
     if found.difference is not None or not with_messages:
         return found
@@ -109,7 +107,7 @@ def _difference(place: int, mine: Optional[Event], its: Optional[Event], told: D
 
 def sender(event: Event) -> str:
     """Return the node that sent a message, call or response; for any other event, the name in its column ``robot``."""
-    values: List[str] = json.loads(event.values)  # texts, except for the numbers at its end
+    values: List[str] = event.row.values  # texts, except for the numbers at its end
     return values[0] if event.kind in MESSAGES and values else event.robot
 
 
@@ -117,7 +115,7 @@ def receivers(event: Event) -> List[str]:
     """Return the nodes that got a message, call or response; [] for any other event."""
     if event.kind not in MESSAGES:
         return []
-    values: List[str] = json.loads(event.values)
+    values: List[str] = event.row.values
     return values[1:len(values) - 2 - _STATUS.get(event.kind, 0)]
 
 
@@ -126,6 +124,6 @@ def told_lines(event: Event) -> str:
     at = '{:.9f} s'.format(event.time_ns * 1e-9)
     if event.kind not in MESSAGES:
         return "{}: {} '{}' {}".format(at, event.robot, event.kind, event.values)
-    values = json.loads(event.values)
+    values = event.row.values
     return '{}: {} {} from {} to {}, {} bytes, hash {}'.format(
         at, event.kind, event.robot, values[0] or 'nobody', ', '.join(receivers(event)) or 'nobody', *values[-2:])

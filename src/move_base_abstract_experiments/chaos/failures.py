@@ -2,15 +2,14 @@
 from __future__ import annotations
 
 import io
-import json
 import math
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
 from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.faults.lapse import JUMP, MUTE
 from move_base_abstract.properties import Judgement, judge_log, statements
-from move_base_abstract.runs.event_log import Event, EventLog
-from move_base_abstract.runs.failures import UNCAUGHT
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract.runs.trace import TraceEntry
 
 from ..records import Result
 
@@ -19,7 +18,7 @@ _GOES_WRONG = ('failed', 'lapse_began')
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while',
               MUTE: 'drove on without a pose or feedback for a while'}
 _OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # other properties have finders of their own
-_DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # the beginnings of the reasons for such ends
+_STANDSTILLS = ('deadlock', 'zero_delay_loop')  # values of ended_by in the end record
 
 
 class Failure(NamedTuple):
@@ -32,33 +31,33 @@ class Failure(NamedTuple):
 class Evidence(NamedTuple):
     """All that the finders need to know about a run.
 
-    ``events``: those of the kinds that count here; ``end``: the log's end record, or {}; ``judged``: its properties.
+    ``events``: the rows in which something goes wrong with a robot; ``end``: the log's end record, or {}; ``judged``:
+    its properties.
     """
 
     result: Result
-    events: List[Event]
+    events: List[TraceEntry]
     end: Dict[str, Any]
     judged: Judgement
 
 
 def evidence_of(result: Result, log: Optional[bytes]) -> Evidence:
     """Return the Evidence of a run. ``log``: the bytes of its event log, or None."""
-    events: List[Event] = []
+    events: List[TraceEntry] = []
     end: Dict[str, Any] = {}
     judged = Judgement((), {})
     if log is not None:
         text = log.decode('utf-8', 'surrogateescape')
         read = EventLog(io.StringIO(text, newline='\n'), 'events.jsonl')
-        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, *_GOES_WRONG)]
+        judged = judge_log(read, hear=lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
         end = read.end or {}
-        judged = judge_log(EventLog(io.StringIO(text, newline='\n'), 'events.jsonl'))
     return Evidence(result, events, end, judged)
 
 
 def buggified(run: Evidence) -> Iterator[Dict[str, Any]]:
     """Yield a decision for each robot that went wrong on purpose, in the form of those of chaos_decisions."""
     for event in run.events:
-        values = json.loads(event.values) if event.kind in _GOES_WRONG else []
+        values = event.values
         if len(values) >= 2 and str(values[1]).startswith(CAUSE):
             yield {'name': values[1][len(CAUSE):], 'time_ns': event.time_ns, 'what': 'buggify',
                    'says': f'{event.robot} {_words(values)}'}
@@ -88,10 +87,8 @@ def _crashes(run: Evidence) -> Iterator[Failure]:
 
 def _standstill(run: Evidence) -> Iterator[Failure]:
     """Yield a deadlock (a participant waits, but nothing happens any more) or a zero-delay loop (time stands still)."""
-    reason = str(run.end.get('reason', ''))
-    for name in (_DEADLOCK, _LOOP):
-        if reason.startswith(name) or run.result.error and f': {name} at ' in run.result.error:
-            yield Failure(name.replace(' ', '_').replace('-', '_'), reason or str(run.result.error))
+    if run.end.get('ended_by') in _STANDSTILLS:
+        yield Failure(run.end['ended_by'], str(run.end.get('reason', '')))
 
 
 def _of_robots(run: Evidence) -> Iterator[Failure]:

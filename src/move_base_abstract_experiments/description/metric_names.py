@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from typing import Any, Dict, NamedTuple, Optional
 
+from move_base_abstract.runs.states import STATES
+
 
 class Metric(NamedTuple):
     """The description of a metric.
@@ -50,9 +52,8 @@ OCCASIONAL = {
     'order_flow': Metric('Flow time of orders, mean', 's', 'lower'),
     'order_wait': Metric('Time until a robot begins an order, mean', 's', 'lower'),
     'order_lateness': Metric('Lateness of orders with a deadline, mean', 's', 'lower'),
-    **{f'share_{state}': Metric(f'Share of time {state}, mean of the robots', '%', better, 'value')
-       for state, better in (('driving', None), ('working', None), ('waiting', 'lower'), ('charging', None),
-                             ('idle', None), ('failed', 'lower'))},
+    **{f'share_{state.name}': Metric(f'Share of time {state.name}, mean of the robots', '%', state.better, 'value')
+       for state in STATES},
     'failures': Metric('Failures of robots', 'failures', 'lower', 'lower_bound'),
     'charges': Metric('Times that robots charged', 'charges', None, 'lower_bound'),
     'energy_used': Metric('Energy used', 'kWh', 'lower', 'lower_bound'),

@@ -3,6 +3,8 @@
 import json
 import math
 
+from move_base_abstract.runs.states import STATES
+
 from . import endings, intervals, notable_trials, sentences, verdicts
 from .design import level_label
 from .outcome import COMPLETE, FAILED, MISSING
@@ -209,7 +211,7 @@ def robots(frame):
     """Return the table of a frame of frames.robots, or None if it is empty."""
     if frame.empty:
         return None
-    names = {'distance_m': 'distance [m]', 'moving_s': 'moving [s]', 'idle_s': 'idle [s]', 'waiting_s': 'waiting [s]',
+    names = {'distance_m': 'distance [m]', **{state.key: f'{state.name} [s]' for state in STATES},
              'goals_begun': 'goals begun', 'goals_beyond': 'goals outside of what was recorded'}
     columns = [name for name in dict.fromkeys(frame['quantity']) if not name.startswith('goals_beyond_')]
     factors_of = [name for name in frame.columns if name.startswith('factor.')]

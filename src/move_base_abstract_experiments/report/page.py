@@ -10,6 +10,8 @@ from urllib.parse import quote
 
 import jinja2
 
+from move_base_abstract.runs.states import STATES
+
 from . import (
     design,
     effects,
@@ -32,7 +34,6 @@ MOST_ROWS = 16  # the number of configurations that are shown unfolded; with mor
 MOST_PLOTTED = 5  # the number of factors that are plotted in pairs
 _TEMPLATES = Path(__file__).with_name('templates')
 _NUMBER = re.compile(f'[{MINUS}+<{NBSP}]*[0-9][0-9,.]*(·10.*)?|{UNKNOWN}|')
-_SHARES = (('moving_s', 'moving'), ('waiting_s', 'waiting'), ('idle_s', 'idle'))
 
 
 class Analysis(NamedTuple):
@@ -51,6 +52,7 @@ class Shares(NamedTuple):
     """A section with bars that show how the robots spent their time."""
 
     heading: str
+    states: tuple  # names of those in which any robot was
     shares: tuple  # of (label, look, (name, per cent) pairs, text)
     parts: tuple
 
@@ -75,8 +77,8 @@ def render(analysis, added, problems=()):
                                      lstrip_blocks=True, autoescape=True, undefined=jinja2.StrictUndefined)
     environment.filters['address'] = lambda text: quote(str(text), safe="/:#?&=%@!$'()*+,;~-._")
     environment.filters['columns'] = _columns
-    text = environment.get_template('report.html.j2').render(page=_page(analysis, added, problems), mark=MARK,
-                                                             colours=analysis.looks.colours)
+    text = environment.get_template('report.html.j2').render(
+        page=_page(analysis, added, problems), mark=MARK, states=STATES, colours=analysis.looks.colours)
     return '\n'.join(line for line in (each.rstrip() for each in text.splitlines()) if line) + '\n'
 
 
@@ -283,22 +285,24 @@ def _robots(analysis):
     """Return the section about how the robots spent their time, or None if no trial recorded it."""
     experiment = analysis.experiment
     table = listings.robots(frames.robots(experiment))
+    sums = [[math.fsum(intervals.known([robot.get(state.key, math.nan) for trial in experiment.complete
+                                        if trial.configuration == configuration.place
+                                        for robot in trial.robots.values()])) for state in STATES]
+            for configuration in experiment.configurations]
+    seen = [number for number in range(len(STATES)) if any(each[number] for each in sums)]
     rows = []
-    for configuration in experiment.configurations:
-        sums = [math.fsum(intervals.known([robot.get(key, math.nan) for trial in experiment.complete
-                                           if trial.configuration == configuration.place
-                                           for robot in trial.robots.values()])) for key, _ in _SHARES]
-        total = math.fsum(sums)
-        if total > 0.0:
-            shares = [100.0 * each / total for each in sums]
+    for configuration, times in zip(experiment.configurations, sums):
+        if any(times):
+            shares = [100.0 * times[number] / math.fsum(times) for number in seen]
             rows.append((configuration.label, analysis.looks.of_levels(configuration.levels),
-                         tuple((name, round(share, 2)) for (_, name), share in zip(_SHARES, shares)),
+                         tuple((STATES[number].name, round(share, 2)) for number, share in zip(seen, shares)),
                          ' / '.join(f'{share:.0f}' for share in shares) + f'{NBSP}%'))
     if table is None:
         return None
     if not rows:
         return Section('What the robots did', (table,))
-    return Shares('What the robots did', tuple(rows[:listings.MOST_ROWS]),
+    return Shares('What the robots did', tuple(STATES[number].name for number in seen),
+                  tuple(rows[:listings.MOST_ROWS]),
                   (f'Shares of the time of all robots in all complete trials{_cut_text(rows)}.', table))
 
 

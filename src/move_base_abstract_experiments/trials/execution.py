@@ -15,7 +15,6 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
 from move_base_abstract.runs import ends, event_log, run_difference
-from move_base_abstract.runs.event_log import EventLog
 
 from ..description import ingredients, launch_files, plan, worker_files
 from ..description.job import Job
@@ -239,9 +238,8 @@ def _is_empty(folders: Folders) -> bool:
     """Return whether a run has left nothing that compare() could compare."""
     if not os.path.exists(folders.log):
         return True
-    with event_log.open_text(folders.log) as stream:
-        log = EventLog(stream, folders.log)
-        return next(iter(log), None) is None and not log.bags and not (
+    with event_log.opened(folders.log) as log:
+        return next(log.rows(), None) is None and not log.bags and not (
             os.path.exists(folders.messages) and os.path.getsize(folders.messages))
 
 

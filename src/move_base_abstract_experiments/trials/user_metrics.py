@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, Optional, Tuple
 
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLog
 
 from ..description.job import Job
 from ..description.metric_names import BUILT_IN
@@ -26,7 +25,8 @@ class TrialData:
 
     configuration: {factor: value}; replication, seed: whole numbers; folder: a Path, with events.jsonl and
     messages.jsonl; files: a Path, the working folder of the nodes with their files; built_in: the built-in metrics;
-    robots: {name: {goals, distance_m, moving_s, idle_s, waiting_s}}; simulated_seconds.
+    robots: {name: {goals, distance_m, moving_s, idle_s, waiting_s, and further states in which robots were}};
+    simulated_seconds.
     """
 
     def __init__(self, folders: run_folders.Folders, result: Result) -> None:
@@ -41,10 +41,8 @@ class TrialData:
 
     def events(self) -> Iterator[Tuple[int, str, str, Any]]:
         """Yield (time_ns, robot, kind, values) for each event of the event log; time_ns is simulated time [ns]."""
-        path = str(self.folder / run_folders.LOG)
-        with event_log.open_text(path) as stream:
-            for event in EventLog(stream, path):
-                yield event.time_ns, event.robot, event.kind, json.loads(event.values)
+        with event_log.opened(self.folder / run_folders.LOG) as log:
+            yield from log.rows()
 
     def messages(self, topic: Optional[str] = None) -> Iterator[Tuple[int, str, Any]]:
         """Yield (time_ns, topic, message) for each recorded message (record.messages); the message is a mapping.

@@ -4,8 +4,7 @@ const COLOURS = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   for (const name of ['paper', 'panel', 'ink', 'muted', 'line', 'accent', 'wall', 'floor', 'unknown', 'lane', 'node',
-                      'place', 'full', 'alarm', 'order', 'vivid', 'failed', 'charging', 'moving', 'task', 'waiting',
-                      'idle']) {
+                      'place', 'full', 'alarm', 'order', 'vivid', ...STATES.map((state) => state.name)]) {
     COLOURS[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }

@@ -40,7 +40,6 @@ class Run {
     this.names = about.names;
     this.kinds = about.kinds;
     this.limits = about.limits;
-    this.states = about.states;
     this.rows = about.rows;
     this.links = about.links;
     this.orders = about.orders;
@@ -122,11 +121,11 @@ class Run {
     return this.motion_law[motion] !== PLACED && time < this.motion_end[motion];
   }
 
-  // The place of a row's state among `states`; without a span it is the last one, idle.
+  // The place of a row's state among STATES; without a span the robot is idle.
   stateAt(row, time) {
     const first = this.span_first[row];
     const span = upperBound(this.span_begin, time, first, this.span_first[row + 1]) - 1;
-    return span >= first && time < this.span_end[span] ? this.span_state[span] : this.states.length - 1;
+    return span >= first && time < this.span_end[span] ? this.span_state[span] : IDLE;
   }
 
   // The state of charge of a robot, 0 to 1; null without a battery. Between known values it is interpolated linearly.

@@ -21,7 +21,7 @@ class RobotView {
   }
 
   state(robot) {
-    return this.run.states[this.run.stateAt(robot, this.player.time)];
+    return STATES[this.run.stateAt(robot, this.player.time)];
   }
 
   get size() {
@@ -88,7 +88,7 @@ class RobotView {
     context.lineWidth = Math.min(4, 0.5 * size);
     context.strokeStyle = COLOURS.panel;
     context.stroke();
-    context.fillStyle = COLOURS[this.state(robot)];
+    context.fillStyle = COLOURS[this.state(robot).name];
     context.fill();
     context.lineWidth = isChosen ? 2 : 1;
     context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.ink;
@@ -101,7 +101,7 @@ class RobotView {
     if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
     const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + Math.min(3, 0.45 * size)];
     context.lineWidth = Math.max(1.75, 0.3 * size);
-    const full = share > 0.5 ? COLOURS.task : share > 0.2 ? COLOURS.waiting : COLOURS.failed;
+    const full = share > 0.5 ? COLOURS.working : share > 0.2 ? COLOURS.waiting : COLOURS.failed;
     for (const [colour, part] of [[COLOURS.line, 1], [full, share]]) {
       if (part <= 0) continue;
       context.strokeStyle = colour;
@@ -116,11 +116,11 @@ class RobotView {
     return this.isChosen(robot) ? name : name.slice(this.beginning);
   }
 
-  // Write the names of the chosen robot and of waiting or failed ones (`areFirst`), or those of all others.
+  // Write the names of the chosen robot and of those whose state stands out (`areFirst`), or those of all others.
   write(labels, poses, areFirst) {
     const areMany = this.run.robots > MANY_ROBOTS && this.view.camera.scale < NAMED_FROM;
     poses.forEach((pose, robot) => {
-      const isChosen = this.isChosen(robot), isHindered = ['waiting', 'failed'].includes(this.state(robot));
+      const isChosen = this.isChosen(robot), isHindered = this.state(robot).standsOut;
       if (!pose || (isChosen || isHindered) !== areFirst || (areMany && !isChosen)) return;
       labels.write(this.name(robot), this.view.toX(pose.x), this.view.toY(pose.y), {
         gap: this.size + 3, colour: isHindered && !isChosen ? COLOURS.alarm : COLOURS.ink, weight: areFirst ? '600' : '',
@@ -149,7 +149,7 @@ class RobotView {
   words(robot, pose) {
     const {run} = this, {time} = this.player, share = run.chargeAt(robot, time);
     const order = [...run.phases.at(time)].find((phase) => run.phase_robot[phase] === robot);
-    return [run.rows[robot].name, this.state(robot), ...(pose ? [place(pose.x, pose.y, pose.yaw)] : []),
+    return [run.rows[robot].name, this.state(robot).name, ...(pose ? [place(pose.x, pose.y, pose.yaw)] : []),
             ...(share === null ? [] : [`${Math.round(100 * share)} % charged`]),
             ...(order === undefined ? [] : [`order ${run.orders[run.phase_order[order]]}`,
                                             `stop ${run.phase_stop[order]} of ${run.phase_stops[order]}`]),

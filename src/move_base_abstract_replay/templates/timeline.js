@@ -152,11 +152,11 @@ class Timeline {
       const left = Math.max(this.toX(run.span_begin[k]), this.labels);
       const right = Math.min(this.toX(run.span_end[k]), this.width - 12);
       if (right - left >= NARROW) {
-        context.fillStyle = COLOURS[run.states[run.span_state[k]]];
+        context.fillStyle = COLOURS[STATES[run.span_state[k]].name];
         context.fillRect(left, y, Math.max(right - left - 0.5, 1), height);
       } else {
         for (let pixel = Math.floor(left); pixel < right; pixel += 1) {
-          if (!shares.has(pixel)) shares.set(pixel, new Float64Array(run.states.length));
+          if (!shares.has(pixel)) shares.set(pixel, new Float64Array(STATES.length));
           shares.get(pixel)[run.span_state[k]] += Math.min(right, pixel + 1) - Math.max(left, pixel);
         }
       }
@@ -170,7 +170,7 @@ class Timeline {
     lengths.forEach((length, state) => {
       if (!length) return;
       const high = Math.max(Math.min(length, 1) * height, 1.5);
-      context.fillStyle = COLOURS[run.states[state]];
+      context.fillStyle = COLOURS[STATES[state].name];
       context.fillRect(pixel, Math.max(bottom - high, y), 1, Math.min(high, bottom - y));
       bottom -= high;
     });

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from move_base_abstract.common.own_files import OutputError
 from move_base_abstract.runs import event_log, run_difference
-from move_base_abstract.runs.event_log import EventLog, EventLogError
+from move_base_abstract.runs.event_log import EventLogError
 
 from ..loopback import find_executable
 from . import difference_report
@@ -270,9 +270,8 @@ def _end(process):
 
 
 def _read_end(path):
-    with event_log.open_text(path) as stream:
-        log = EventLog(stream, path)
-        for _event in log:
+    with event_log.opened(path) as log:
+        for _row in log.rows():
             pass
     if log.end is None:
         raise EventLogError('{}: has no end record: the run did not end properly'.format(path))
@@ -281,9 +280,9 @@ def _read_end(path):
 
 def _simulated(path):
     """Return the simulated time [s] from the first event of a run to its last."""
-    with event_log.open_text(path) as stream:
+    with event_log.opened(path) as log:
         first = last = None
-        for event in EventLog(stream, path):
+        for event in log.rows():
             first, last = event.time_ns if first is None else first, event.time_ns
     return 0.0 if first is None else (last - first) * 1e-9
 

@@ -15,7 +15,7 @@ import shlex
 import sys
 
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLog, EventLogError
+from move_base_abstract.runs.event_log import EventLogError
 
 from ..launching import bag_difference
 
@@ -47,8 +47,7 @@ def _compare_bags(first, second):
 
 
 def _compare(first_path, second_path):
-    with event_log.open_text(first_path) as first_file, event_log.open_text(second_path) as second_file:
-        first, second = EventLog(first_file, first_path), EventLog(second_file, second_path)
+    with event_log.opened(first_path) as first, event_log.opened(second_path) as second:
         result = event_log.compare(first, second)
     bags, alone = event_log.compare_bags(first, second)
     if result.identical and bags is None:

@@ -1,5 +1,4 @@
 """The event log of a demo, and the replay page that is made from it when the demo is over."""
-import json
 import os
 import tempfile
 
@@ -64,9 +63,8 @@ class RunLog:
 
     def rows(self):
         """Return (start [ns], rows) of the complete log; a row is (time [ns], robot, kind, values)."""
-        with event_log.open_text(self.path) as stream:
-            log = event_log.EventLog(stream, self.path)
-            return log.start_ns, [(one.time_ns, one.robot, one.kind, json.loads(one.values)) for one in log]
+        with event_log.opened(self.path) as log:
+            return log.start_ns, list(log.rows())
 
     def make_page(self, map_path, scenario=None):
         """Make the replay page; return a line for the user that says where it is, or why there is none.

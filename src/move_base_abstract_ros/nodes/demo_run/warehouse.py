@@ -6,7 +6,8 @@ import rospy
 
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract.orders.settings import POLICY_NAMES
-from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+from move_base_abstract.runs.states import NAMES
+from move_base_abstract.runs.story import Story
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract_worlds.layout import write_site
 from move_base_abstract_worlds.sites import KINDS, make_site
@@ -90,11 +91,10 @@ def table_of(start_ns, rows):
 
     ``start_ns``: the start of the log; ``rows``: (time [ns], robot, kind, values).
     """
-    account, last_ns = FleetAccount(start_ns), start_ns
+    story = Story(start_ns)
     for row in rows:
-        account.take(*row)
-        last_ns = max(last_ns, row[0])
-    account.close(last_ns)
-    return ('robot', 'orders', *(f'{state} [s]' for state in STATES)), [
-        (name, f'{one["orders"]:.0f}', *(f'{one[state]:.1f}' for state in STATES))
-        for name, one in account.robots.items()]
+        story.take(*row)
+    story.close()
+    return ('robot', 'orders', *(f'{state} [s]' for state in NAMES)), [
+        (name, f'{one["orders"]:.0f}', *(f'{one[state]:.1f}' for state in NAMES))
+        for name, one in story.figures.items()]

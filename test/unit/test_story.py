@@ -1,6 +1,6 @@
 """The figures of a fleet's report, each held to what the raw rows of the log say, looked at in another way.
 
-The account takes row after row; here each span between two instants is judged by the last rows before it.
+The Story takes row after row; here each span between two instants is judged by the last rows before it.
 """
 import json
 import math
@@ -10,9 +10,10 @@ import pytest
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.orders.order import Order, Stop
-from move_base_abstract.runs.fleet_account import STATES, FleetAccount
+from move_base_abstract.runs.states import NAMES
+from move_base_abstract.runs.story import Story
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_experiments.fleet_report import account_of, json_text, lines_of, main
+from move_base_abstract_experiments.fleet_report import json_text, lines_of, main, story_of
 
 S = 1_000_000_000
 
@@ -82,7 +83,7 @@ def state_after(rows):
 
 def shares(rows, name, begin_ns, end_ns):
     """Return {state: s} of a robot."""
-    found = dict.fromkeys(STATES, 0)
+    found = dict.fromkeys(NAMES, 0)
     own = [row for row in rows if row[1] == name]
     instants = sorted({begin_ns, end_ns, *(row[0] for row in own)})
     for one, other in zip(instants, instants[1:]):
@@ -129,12 +130,12 @@ def orders_of(rows):
 
 def check(path, rows, begin_ns, end_ns):
     """Compare all figures of the report on a log with what the rows say."""
-    account, _ = account_of(str(path))
-    assert account.seconds == (end_ns - begin_ns) / S
+    story, _ = story_of(str(path))
+    assert story.seconds == (end_ns - begin_ns) / S
     names = sorted({row[1] for row in rows if not row[1].startswith('/')})
-    assert sorted(account.robots) == names
-    for name, figures in account.robots.items():
-        assert {state: figures[state] for state in STATES} == pytest.approx(shares(rows, name, begin_ns, end_ns))
+    assert sorted(story.figures) == names
+    for name, figures in story.figures.items():
+        assert {state: figures[state] for state in NAMES} == pytest.approx(shares(rows, name, begin_ns, end_ns))
         own = [row for row in rows if row[1] == name]
         assert figures['failures'] == sum(row[2] == 'failed' for row in own)
         assert figures['charges'] == sum(row[2] == 'charging_began' for row in own)
@@ -145,44 +146,44 @@ def check(path, rows, begin_ns, end_ns):
                       if now[2] == what]
             assert figures['energy_' + what] == pytest.approx(math.fsum(joules) / 3.6e6)
     waits = waits_of(rows, end_ns)
-    assert {where: (one.count, one.total_ns / S, one.longest_ns / S) for where, one in account.waits.items()} == {
+    assert {where: (one.count, one.total_ns / S, one.longest_ns / S) for where, one in story.waits.items()} == {
         where: (len(spans), pytest.approx(math.fsum(spans)), max(spans)) for where, spans in waits.items()}
     orders = orders_of(rows)
     over = [one for one in orders.values() if 'order_done' in one]
     done = [one for one in over if one['code'] != 'failed']
     late = [max(0, one['order_done'] - one['deadline']) / S for one in done if one['deadline']]
-    assert account.orders.times == (
+    assert story.orders.times == (
         len(orders), len(done), sum(one['order_done'] > (one['deadline'] or end_ns) for one in done),
         len(over) - len(done), len(orders) - len(over), sum(row[2] == 'order_returned' for row in rows),
         [(one['order_done'] - one['arrived']) / S for one in done],
         [(one['order_assigned'] - one['arrived']) / S for one in done], late,
         sum(row[2] == 'order_refused' for row in rows))
-    assert list(account.orders.undone) == [name for name, one in orders.items() if 'order_done' not in one]
-    return account
+    assert list(story.orders.undone) == [name for name, one in orders.items() if 'order_done' not in one]
+    return story
 
 
 @pytest.mark.parametrize('seed', range(1, 5))
 def test_all_figures_are_those_of_the_raw_rows(tmp_path, seed):
     rows = log_of(tmp_path / 'run.jsonl', seed)
-    account = check(tmp_path / 'run.jsonl', rows, S, end_of(tmp_path / 'run.jsonl'))
-    assert {'door', 'dock', 'place gate'} & set(account.waits)
-    assert all(sum(one[state] for one in account.robots.values()) > 0 for state in STATES)
+    story = check(tmp_path / 'run.jsonl', rows, S, end_of(tmp_path / 'run.jsonl'))
+    assert {'door', 'dock', 'place gate'} & set(story.waits)
+    assert all(sum(one[state] for one in story.figures.values()) > 0 for state in NAMES)
 
 
 def test_a_run_that_is_stopped_leaves_orders_open_and_says_with_whom(tmp_path, capsys):
     path = tmp_path / 'run.jsonl'
     rows = log_of(path, 2, until=200.0)
-    account = check(path, rows, S, 200 * S)
-    assert account.orders.undone
-    for name, text in account.orders.undone.items():
+    story = check(path, rows, S, 200 * S)
+    assert story.orders.undone
+    for name, text in story.orders.undone.items():
         last = [row for row in rows if row[2].startswith('order_') and row[3][0] == name][-1]
         assert text.startswith({'order_arrived': 'no robot', 'order_returned': 'came back from ' + last[1]}.get(
             last[2], 'with ' + last[1]))
     main([str(path)])
     out = capsys.readouterr().out
     assert '1 more were refused' in out
-    assert all('open: {}, {}'.format(*one) in out for one in account.orders.undone.items())
-    assert json.loads(json_text(account, []))['undone'] == account.orders.undone
+    assert all('open: {}, {}'.format(*one) in out for one in story.orders.undone.items())
+    assert json.loads(json_text(story, []))['undone'] == story.orders.undone
 
 
 @pytest.mark.parametrize('share', [0.1, 0.37, 0.8])
@@ -197,9 +198,9 @@ def test_a_log_that_is_cut_off_counts_up_to_its_last_row(tmp_path, share):
 
 def test_robots_that_never_move_are_idle_all_the_time(tmp_path):
     rows = log_of(tmp_path / 'run.jsonl', until=50.0, orders=[])
-    account = check(tmp_path / 'run.jsonl', rows, S, 50 * S)
-    assert [one['idle'] for one in account.robots.values()] == [49.0] * 4
-    assert lines_of(account, [], 'log')[0] == 'log: 4 robots, 49.0 s'
+    story = check(tmp_path / 'run.jsonl', rows, S, 50 * S)
+    assert [one['idle'] for one in story.figures.values()] == [49.0] * 4
+    assert lines_of(story, [], 'log')[0] == 'log: 4 robots, 49.0 s'
 
 
 def test_robots_of_which_no_row_tells_count_among_those_of_a_dispatcher():
@@ -211,9 +212,9 @@ def test_robots_of_which_no_row_tells_count_among_those_of_a_dispatcher():
 
 
 def test_a_wait_of_no_length_is_none_also_at_the_end():
-    account = FleetAccount(0)
+    story = Story(0)
     for row in ((0, 'r', 'places', ['door', 1]), (S, 'r', 'held', ['door']), (S, 'r', 'released', []),
                 (2 * S, 'r', 'held', ['door'])):
-        account.take(*row)
-    account.close(2 * S)
-    assert account.waits == {}
+        story.take(*row)
+    story.close(2 * S)
+    assert story.waits == {}
