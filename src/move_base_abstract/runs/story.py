@@ -1,7 +1,8 @@
 """The story of a run: what each robot did and where it waited, from the rows of an event log or of a trace.
 
 A :class:`Story` takes each row once. All that tells what robots did asks it: reports, metrics, properties, replays. A
-log without rows `goal` is of an earlier release or another simulator. There a goal begins when the robot departs for it.
+log without rows `goal` is of an earlier release or of another simulator. In such a log a goal begins when the robot
+departs for it.
 """
 from __future__ import annotations
 
