@@ -39,7 +39,7 @@ def measure():
                             stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
     figures = {name: sorted(_one(*how) for _ in range(RUNS)) for name, how in MEASURED.items()}
     return {'cpu': _cpu(), 'cores': os.cpu_count(), 'load_before': round(load, 2), 'commit': commit,
-            'date': datetime.datetime.now(datetime.timezone.utc).date().isoformat(), 'figures': figures}
+            'date': datetime.datetime.now(datetime.timezone.utc).date().isoformat(), 'figures': figures}  # noqa: TID251
 
 
 def merged(machines, entry):

@@ -55,7 +55,7 @@ class Night:
 
     def conclude(self, done):
         """Note what was done, and print the tables."""
-        now, commit = datetime.now(timezone.utc).strftime('%Y-%m-%d %H:%M'), _commit()
+        now, commit = datetime.now(timezone.utc).strftime('%Y-%m-%d %H:%M'), _commit()  # noqa: TID251
         noted = _noted(self._scenarios)
         for step, _cpu, seconds, has_passed in done:
             own = {name: rows for name, rows in noted.items() if name.partition(': ')[0] == step.name}

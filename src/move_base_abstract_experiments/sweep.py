@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import tarfile
-import threading  # noqa: TID251 - of the client, whose threads are Dask's
+import threading
 from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Tuple
 
 from move_base_abstract.common import kinds

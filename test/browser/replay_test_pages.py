@@ -1,11 +1,10 @@
 """Logs and pages of replays for the tests in a browser."""
 import random
 
-from test_replay_recording import S, log_text
-
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.page import write_page
+from test_replay_recording import S, log_text
 
 LIMITS = {'max_speed': 1.5, 'acceleration': 0.4, 'turn_rate': 0.8, 'log_motion': True}
 

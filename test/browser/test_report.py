@@ -1,6 +1,5 @@
 """The report on an experiment in Chromium: it is not wider than the screen."""
 import experiment_folder
-
 from move_base_abstract_experiments.report import command
 from move_base_abstract_experiments.report.parts import Section
 

@@ -4,7 +4,7 @@ import os
 import pytest
 
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract_ros.launching import adoption, look_ups, plan  # noqa: TID251 - they read, and start nothing
+from move_base_abstract_ros.launching import adoption, look_ups, plan
 
 WORLD = """# a world
 include "robots.inc"

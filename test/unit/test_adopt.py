@@ -6,8 +6,8 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract_ros.launching import adoption, plan  # noqa: TID251 - they read, and start nothing
-from move_base_abstract_ros.nodes import lockstep_launch  # noqa: TID251
+from move_base_abstract_ros.launching import adoption, plan
+from move_base_abstract_ros.nodes import lockstep_launch
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 OUR_ROBOT = (('move_base', 'move_base'), ('move_base_abstract', 'move_base'))

@@ -2,10 +2,10 @@
 import os
 
 import pytest
-from roslaunch.core import RLException  # noqa: TID251 - what its loader of files raises
+from roslaunch.core import RLException
 
-from move_base_abstract_ros.adopting import neighbours, poses, reading, worlds  # noqa: TID251 - they read, and start nothing
-from move_base_abstract_ros.launching import plan  # noqa: TID251
+from move_base_abstract_ros.adopting import neighbours, poses, reading, worlds
+from move_base_abstract_ros.launching import plan
 from strangers_package import adopt, package_fixture  # noqa: F401 - a fixture
 
 ROBOT = '<node pkg="move_base" type="move_base" name="move_base"/>'

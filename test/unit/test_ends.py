@@ -8,7 +8,7 @@ import pytest
 
 from move_base_abstract.runs import ends
 from move_base_abstract.runs.ends import Process
-from move_base_abstract_ros.launching.watched_process import Watched  # noqa: TID251
+from move_base_abstract_ros.launching.watched_process import Watched
 
 SHUT_DOWN = ('Traceback (most recent call last):', 'rospy.exceptions.ROSInterruptException: rospy shutdown')
 

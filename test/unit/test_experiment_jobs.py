@@ -1,5 +1,5 @@
 """The warm process of a worker: for whom it stays, and what it may say."""
-import socket  # noqa: TID251 - a time limit of its sockets, no network
+import socket
 import subprocess
 import sys
 

@@ -7,7 +7,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.carrying import jobs
 from move_base_abstract_experiments.description import placeholders, plan, spec
 from move_base_abstract_experiments.trials import run_folders, run_plan
-from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
+from move_base_abstract_ros.launching import conditions
 
 BASE = {'experiment': 'x', 'launch': 'x.launch'}
 

@@ -1,7 +1,7 @@
 """Nodes of a trial as forks: what they are told beside what a launch file says."""
 import pytest
 
-from move_base_abstract_ros.launching import warm_nodes  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.launching import warm_nodes
 
 
 @pytest.mark.parametrize('name', ['python_logging.conf', 'python_logging.yaml'])

@@ -2,9 +2,9 @@
 import threading
 from types import SimpleNamespace
 
-import rospy  # noqa: TID251 (no node, no ROS master)
+import rospy
 
-from move_base_abstract_ros.messages import outlets  # noqa: TID251
+from move_base_abstract_ros.messages import outlets
 
 
 class Making:

@@ -10,7 +10,7 @@ from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.lockstep import charge
 from move_base_abstract.maps.lane_map import make_lane_map, read_lane_map
-from move_base_abstract.maps.map_files import read_description, read_pixels  # noqa: TID251 (knows no ROS)
+from move_base_abstract.maps.map_files import read_description, read_pixels
 from move_base_abstract.maps.travel_matrix import read_travel_matrix
 from move_base_abstract.mission import read_field_points, read_mission
 from move_base_abstract.runs.event_log import EventLog, EventLogError, open_text

@@ -9,7 +9,7 @@ from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.navigator import GoalPose
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.clocks.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.clocks.lockstep_clock import LockstepClock
 
 S = 1_000_000_000
 SCENARIO = {'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'r', 'count': 3}]}

@@ -5,7 +5,7 @@ import pathlib
 import pytest
 
 from move_base_abstract.lockstep import wire
-from move_base_abstract_ros.lockstep.machine.files import Files  # noqa: TID251 (asks no ROS)
+from move_base_abstract_ros.lockstep.machine.files import Files
 
 
 class Noting:

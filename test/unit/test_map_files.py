@@ -9,7 +9,7 @@ from PIL import Image
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.map_images import ImageRule, MapMode
 from move_base_abstract.maps.map_check import Ground
-from move_base_abstract.maps.map_files import (  # noqa: TID251 (reads files, knows no ROS)
+from move_base_abstract.maps.map_files import (
     MapDescription,
     load_map,
     read_description,

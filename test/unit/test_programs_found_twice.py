@@ -6,7 +6,7 @@ import pytest
 
 from move_base_abstract_experiments import sweep
 from move_base_abstract_experiments.description import plan as trials, spec
-from move_base_abstract_ros.launching import plan, programs, roles  # noqa: TID251 - they read, and start nothing
+from move_base_abstract_ros.launching import plan, programs, roles
 from strangers_package import package_fixture  # noqa: F401 - a fixture
 
 WALKER = '#!/usr/bin/env python3\nimport rospy\n'

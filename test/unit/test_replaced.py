@@ -3,7 +3,7 @@ import re
 
 import pytest
 
-from move_base_abstract_ros.replacing import replaced  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.replacing import replaced
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Sockets between our processes wait as long as it takes, whatever limit the process has set for all its sockets."""
 import os
-import socket  # noqa: TID251 - a time limit of its sockets, no network
+import socket
 import subprocess
 import sys
 import threading
@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from move_base_abstract.common import sockets
-from move_base_abstract_ros.launching.scripted import deputy_link  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.launching.scripted import deputy_link
 
 
 @pytest.fixture

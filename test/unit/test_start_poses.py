@@ -5,8 +5,8 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import ingredients, launch_files
-from move_base_abstract_ros.adopting import next_step  # noqa: TID251 - it reads, and starts nothing
-from move_base_abstract_ros.launching import plan, start_poses  # noqa: TID251
+from move_base_abstract_ros.adopting import next_step
+from move_base_abstract_ros.launching import plan, start_poses
 from strangers_package import package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 LOST = """<launch>

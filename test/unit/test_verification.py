@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract_ros.fleet.fleet_scenario import why_one_process  # noqa: TID251 - it knows no ROS
-from move_base_abstract_ros.launching import verification  # noqa: TID251 - it knows no ROS
-from move_base_abstract_ros.launching.conditions import CONDITIONS  # noqa: TID251 - it knows no ROS
+from move_base_abstract_ros.fleet.fleet_scenario import why_one_process
+from move_base_abstract_ros.launching import verification
+from move_base_abstract_ros.launching.conditions import CONDITIONS
 
 
 @pytest.mark.parametrize('fleets, crashes, can, said', [

@@ -2,7 +2,7 @@
 import json
 import os
 import signal
-import socket  # noqa: TID251 - a time limit of its sockets, no network
+import socket
 import subprocess
 import sys
 import textwrap
@@ -10,7 +10,7 @@ import textwrap
 import pytest
 
 from move_base_abstract.common import processes
-from move_base_abstract_ros.launching import warm_client  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.launching import warm_client
 
 RELAY = '#!{}\nfrom move_base_abstract_ros.nodes import start\n\nstart("lockstep_launcher")\n'
 PROBE = """

@@ -12,7 +12,7 @@ import yaml
 
 from move_base_abstract.common.map_images import MapMode
 from move_base_abstract.maps.map_check import Ground
-from move_base_abstract.maps.map_files import load_map, read_description, read_pixels  # noqa: TID251 (knows no ROS)
+from move_base_abstract.maps.map_files import load_map, read_description, read_pixels
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
 

@@ -14,8 +14,8 @@ import os
 import signal
 import subprocess
 import sys
-import threading  # noqa: TID251 - a fork must know whether there are any
-import time  # noqa: TID251 - processes end by the wall clock
+import threading
+import time
 import traceback
 from typing import Any, Callable, Collection, Dict, Iterator, List, Mapping, Optional, Set
 

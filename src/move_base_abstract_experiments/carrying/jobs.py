@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import tempfile
-import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
+import threading
 from typing import Any, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import sockets

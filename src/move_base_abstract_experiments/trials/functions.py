@@ -14,12 +14,12 @@ import json
 import math
 import os
 import pickle
-import random  # noqa: TID251 - the program's own is given its seed
+import random
 import re
 import select
 import signal
 import sys
-import threading  # noqa: TID251 - the program's own may start some
+import threading
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
@@ -274,7 +274,7 @@ def _note_threads() -> List[str]:
 
 def _seed(seed: int) -> None:
     """Seed the global generators of Python and numpy with the trial's seed, as in nodes."""
-    random.seed(seed)
+    random.seed(seed)  # noqa: TID251 - the generator of the program, not ours
     if _NUMPY in sys.modules:
         sys.modules[_NUMPY].seed(seed % 2 ** 32)
     else:

@@ -8,8 +8,7 @@ from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract_ros.backends import STAGE
 from move_base_abstract_ros.robot.names import RobotNames
-
-from .move_base_node import run
+from move_base_abstract_ros.robot.robot_node import run
 
 
 def _namespace(text):

@@ -15,7 +15,7 @@ from ..fleet.fleet_server import FleetServer, robot_names
 from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_values
 from ..robot.host import Host
-from .move_base_node import LOCKSTEP_PARAMETERS, start
+from ..robot.robot_node import start
 
 _LAST_WORDS_SECONDS = 0.2
 
@@ -37,7 +37,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw, values = own_values(FLEET, INLINE + LOCKSTEP_PARAMETERS)
+    raw, values = own_values(FLEET, INLINE)
     timing = make_timing()
     clock = timing.make_clock()
     scenario = read_fleet_scenario(raw, values, where, timing.base_settings)

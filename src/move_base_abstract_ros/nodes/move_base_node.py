@@ -1,24 +1,9 @@
 """The node ``move_base``: one abstract robot that stands in for move_base and has its interface."""
-import time
-from dataclasses import replace
-
 import rospy
 
-from move_base_abstract.config.settings import read_settings
-from move_base_abstract.lockstep.node_parameters import TABLE as LOCKSTEP
-from move_base_abstract_ros.clocks.timing import make_timing
-from move_base_abstract_ros.maps.robot_map import wait_for_maps
-from move_base_abstract_ros.process.node_process import parse_no_arguments, run_node
-from move_base_abstract_ros.process.own_parameters import own_parameters
-from move_base_abstract_ros.robot.host import Host
-from move_base_abstract_ros.robot.move_base_server import MoveBaseServer
-from move_base_abstract_ros.robot.names import RobotNames
-from move_base_abstract_ros.transforms.tf_lookup import listen_to_static_frames
-
-_LAST_WORDS_SECONDS = 0.1
-#: private parameters that other modules read: they are not settings of a robot
-LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
-_INHERITED = ('footprint', 'robot_radius', 'compatible_with')
+from ..process.node_process import parse_no_arguments
+from ..robot.names import RobotNames
+from ..robot.robot_node import run
 
 
 def main():
@@ -30,80 +15,3 @@ def main():
 def _names():
     """Return the robot's names. As upstream, a remap of move_base renames only the action."""
     return RobotNames(rospy.get_namespace(), rospy.get_name(), rospy.resolve_name('move_base'))
-
-
-def run(node_name, describe):
-    """Run the node ``node_name`` with one robot until ROS shuts down.
-
-    ``describe()`` is called once the node is initialised. It returns the arguments of :func:`_build`.
-    """
-    run_node(node_name, lambda: _build(*describe()), _say_goodbye)
-
-
-def _build(names, overrides, default_tf_prefix):
-    """Return the robot's server, or None if ROS shuts down first.
-
-    ``overrides``: {name: value} of parameters that take precedence over those of the parameter server.
-    """
-    timing = make_timing()
-    clock = timing.make_clock()
-    settings = read_robot_settings(overrides, default_tf_prefix, timing.base_settings)
-    if not start(clock, timing, [(names, settings)]):
-        return None
-    server = MoveBaseServer(names, settings, Host(clock, timing))
-    clock.serve()
-    return server
-
-
-def start(clock, timing, robots):
-    """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs. Return False if ROS shuts down meanwhile."""
-    return clock.start() and timing.await_surroundings(
-        clock, listen_to_static_frames, lambda participant: wait_for_maps(robots, participant))
-
-
-def read_robot_settings(overrides, default_tf_prefix, base):
-    """Return the settings in the node's private namespace, and log where the important ones come from.
-
-    ``overrides`` take precedence over the private parameters, and these over ``base``. All are {name: value}.
-    :raises ConfigurationError: if a parameter cannot be used.
-    """
-    where = rospy.get_name()
-    raw = own_parameters()
-    if isinstance(raw, dict):
-        own = {key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}
-        raw = {**_inherited(raw), **base, **own, **overrides}
-    settings = read_settings(raw, where)
-    if settings.tf_prefix is None:
-        inherited = rospy.search_param('tf_prefix')
-        settings = replace(settings, tf_prefix=(
-            str(rospy.get_param(inherited)).strip('/') if inherited else default_tf_prefix))
-    _report(settings, where)
-    return settings
-
-
-def _inherited(raw):
-    """Return {name: value} of the parameters that a namespace further up may hold: a footprint or radius, a profile.
-
-    Costmaps look for their footprint in the same way.
-    """
-    found = {name: rospy.search_param(name) for name in _INHERITED if name not in raw}
-    return {name: rospy.get_param(path) for name, path in found.items() if path}
-
-
-def _report(settings, where):
-    limits = settings.limits
-    rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start (%g, %g, %g) in %s, backend %s',
-                  where, limits.max_speed, settings.speed_source,
-                  'unlimited' if limits.acceleration == float('inf') else '{:g} m/s^2'.format(limits.acceleration),
-                  settings.acceleration_source, settings.start.x, settings.start.y, settings.start.yaw,
-                  settings.values['global_frame'], settings.values['backend'])
-    if settings.ignored:
-        rospy.loginfo('%s: %d parameters of costmaps, planners and recovery have no meaning here and are ignored',
-                      where, len(settings.ignored))
-    for warning in settings.warnings:
-        rospy.logwarn(warning)
-
-
-def _say_goodbye(server):
-    server.shut_down()
-    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

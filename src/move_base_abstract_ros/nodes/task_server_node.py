@@ -20,7 +20,6 @@ from ..replacing.bulk_registration import bulk_registration
 from ..robot.host import Host
 from ..robot.task_server import TaskServer
 from ..robot.work_server import ACTION as WORK, WorkServer
-from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1
 
@@ -34,7 +33,7 @@ def main():
 def _build():
     """Read the parameters, wait for the clock, and return the servers; None if ROS shuts down meanwhile."""
     where = rospy.get_name()
-    raw, values = own_values(TASK_SERVER, ('places', *LOCKSTEP_PARAMETERS))
+    raw, values = own_values(TASK_SERVER, ('places',))
     timing = make_timing()
     clock = timing.make_clock()
     try:

@@ -14,7 +14,6 @@ from ..messages import orders, packing
 from ..messages.outlets import Outlet
 from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_values
-from .move_base_node import LOCKSTEP_PARAMETERS
 
 #: parameters that hold the scenario itself, if no file is given
 _INLINE = tuple(parameter.name for parameter in TASK_SOURCE_INLINE)
@@ -28,7 +27,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw, values = own_values(TASK_SOURCE, _INLINE + LOCKSTEP_PARAMETERS)
+    raw, values = own_values(TASK_SOURCE, _INLINE)
     scenario = _read_scenario(raw, values, where)
     timing = make_timing()
     clock = timing.make_clock()

@@ -8,19 +8,23 @@ import rosgraph
 import rospy
 
 from move_base_abstract.common.parameter_table import read_table, unknown_names
+from move_base_abstract.lockstep.node_parameters import TABLE as LOCKSTEP
+
+#: private parameters that lockstep reads: they are no settings of a node
+LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
 
 
-def own_values(table, more):
+def own_values(table, more=()):
     """Return (all private parameters, {name: checked value} of those in ``table`` (Parameter, ...)).
 
-    A parameter that is neither in ``table`` nor in ``more`` gets a warning. ``more`` are the names of parameters that
-    are read elsewhere.
+    A parameter that is neither in ``table`` nor in ``more`` nor lockstep's gets a warning. ``more`` are the names of
+    parameters that are read elsewhere.
 
     :raises ConfigurationError: for a value that is not allowed.
     """
     where, raw = rospy.get_name(), own_parameters()
     values = read_table(raw, table, where)
-    known = (*(parameter.name for parameter in table), *more)
+    known = (*(parameter.name for parameter in table), *more, *LOCKSTEP_PARAMETERS)
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     return raw, values

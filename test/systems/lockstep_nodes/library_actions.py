@@ -26,7 +26,7 @@ def simple_server(say):
             server.publish_feedback(TestFeedback(step))
             rospy.sleep(1)
         server.set_succeeded(TestResult(goal.goal * 10), 'done')
-    server = actionlib.SimpleActionServer('work', TestAction, execute, auto_start=False)
+    server = actionlib.SimpleActionServer('work', TestAction, execute, auto_start=False)  # noqa: TID251 - the stock one
     rospy.sleep(0.5)
     server.start()
     rospy.sleep(30)

@@ -8,7 +8,7 @@ import pytest
 
 from soil_mapping import environment
 from soil_mapping.environment import MARKER, EnvironmentFailure, make, of_the_user, python_in
-from soil_mapping.ros import find_python as finder  # noqa: TID251 (imports nothing but the standard library)
+from soil_mapping.ros import find_python as finder
 
 
 @pytest.fixture

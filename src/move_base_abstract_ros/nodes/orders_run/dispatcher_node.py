@@ -29,7 +29,6 @@ from ...process.node_process import parse_no_arguments, run_node
 from ...process.own_parameters import own_values
 from ...robot.events_topic import EventsTopic
 from ...robot.work_server import ACTION as WORK
-from ..move_base_node import LOCKSTEP_PARAMETERS
 
 _CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
@@ -57,7 +56,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw, values = own_values(_TABLE, INLINE + LOCKSTEP_PARAMETERS)
+    raw, values = own_values(_TABLE, INLINE)
     scenario = _read_scenario(raw, values, where)
     given = {one.name: values[one.name] for one in DISPATCHER_TABLE if values[one.name] is not None}
     settings = settings_of({**asdict(scenario.dispatcher or DispatchSettings()), **given}, where)

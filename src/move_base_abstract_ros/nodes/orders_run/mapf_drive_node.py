@@ -21,7 +21,6 @@ from ...messages import packing
 from ...messages.outlets import Outlet
 from ...process.node_process import parse_no_arguments, run_node
 from ...process.own_parameters import own_values
-from ..move_base_node import LOCKSTEP_PARAMETERS
 
 _CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
@@ -40,7 +39,7 @@ def main():
 
 
 def _build():
-    _, values = own_values(_TABLE, LOCKSTEP_PARAMETERS)
+    _, values = own_values(_TABLE)
     for name in ('folder', 'plan'):
         if not values[name]:
             raise ConfigurationError('parameter {}/{}: got none; allowed: {}'.format(
