@@ -13,7 +13,7 @@ from robot_harness import RawClient, Record, pose_stamped
 from rosgraph_msgs.msg import Clock, Log
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.msg import TimedTaskActionGoal, TimedTaskActionResult
+from move_base_abstract.msg import PlaceTaskActionGoal, PlaceTaskActionResult
 from move_base_abstract_ros.messages import conversions
 
 LAUNCH_FILE = """
@@ -57,8 +57,8 @@ class Restart(unittest.TestCase):
         cls.log = Record('/rosout', Log)
         cls.truth = Record('/robot_0/base_pose_ground_truth', Odometry)
         cls.client = RawClient('/robot_0')
-        cls.task_result = Record('/robot_1/load/result', TimedTaskActionResult)
-        cls.task_goal = rospy.Publisher('/robot_1/load/goal', TimedTaskActionGoal, queue_size=1, latch=True)
+        cls.task_result = Record('/robot_1/load/result', PlaceTaskActionResult)
+        cls.task_goal = rospy.Publisher('/robot_1/load/goal', PlaceTaskActionGoal, queue_size=1, latch=True)
 
     @classmethod
     def tearDownClass(cls):
@@ -70,7 +70,7 @@ class Restart(unittest.TestCase):
 
     def test_1_a_stage_that_dies_is_told_of(self):
         type(self).goal = self.client.send(pose_stamped(1000.0, 4.0))
-        self.task_goal.publish(TimedTaskActionGoal(goal_id=GoalID(rospy.Time(), 'sacks')))
+        self.task_goal.publish(PlaceTaskActionGoal(goal_id=GoalID(rospy.Time(), 'sacks')))
         self.client.wait_for_state(self.goal, GoalStatus.ACTIVE)
         self.truth.wait_for(lambda message: message.pose.pose.position.x > 10.0)
         self.stage.kill()

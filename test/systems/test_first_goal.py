@@ -117,7 +117,7 @@ class FirstGoal(unittest.TestCase):
                 ('move_base', '/o1/move_base', {}, '/o1/move_base_simple/goal'),
                 ('move_base_abstract_actionserver', '/o2/server', {}, '/o2/move_base_simple/goal'),
                 ('fleet', '/o3/fleet', robots, '/o3/a1/move_base_simple/goal'),
-                ('task_server', '/o4/tasks', {'robots': ['']}, '/o4/timed_task/goal')):
+                ('task_server', '/o4/tasks', {'robots': ['']}, '/o4/work/goal')):
             proxy = MasterProxy()
             self.addCleanup(proxy.close)
             self.start(executable, name, parameters, proxy.uri)

@@ -52,12 +52,12 @@ NODES = {
     '/robot/move_base': [('move_base', '/robot', '/robot/move_base', CLOCK, ())],
     '/fleet': [('move_base', '/r1', '/r1/move_base', {*ROBOT, 'zones'}, ('~events',)),
                ('fleet', '/r1', '/fleet', FLEET, ())],
-    '/task_server': [('task_server', '/r2', '/task_server', {'places'}, ())],
+    '/task_server': [('task_server', '/r2', '/task_server', (), ())],
     '/task_source': [('task_source', '', '/task_source', (), ())],
     '/map_server': [('map_server', '', '/map_server', (), ())],
     '/time_master': [('time_master', '', '/time_master', (), ())],
 }
-WORDS = (('<global planner>', 'NavfnROS'), ('<local planner>', 'TrajectoryPlannerROS'), ('<task>', 'timed_task'))
+WORDS = (('<global planner>', 'NavfnROS'), ('<local planner>', 'TrajectoryPlannerROS'), ('<task>', 'work'))
 
 
 def rows(entry, namespace, own, on, left_out):

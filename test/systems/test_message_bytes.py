@@ -24,11 +24,11 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract.msg import TimedTaskFeedback, TimedTaskResult
+from move_base_abstract.msg import PlaceTaskFeedback, PlaceTaskResult
 from move_base_abstract.sensing.laser import LaserSettings, Scan
 from move_base_abstract_ros.messages import conversions, packing
 from move_base_abstract_ros.messages.unpacking import GoalIn, ResultIn
-from move_base_abstract_ros.robot import task_server
+from move_base_abstract_ros.robot import work_server
 
 S = 1_000_000_000
 TEXTS = ('', 'map', 'robot_0/base_link', 'größer als 10 µm', '東京', 'x' * 300)
@@ -141,12 +141,14 @@ class MessageBytesTest(unittest.TestCase):
             self.assertEqual(packing.statuses(seq, [packed(one) for one in several], stamp_ns),
                              genpys(GoalStatusArray(header, several), seq))
 
-    def test_4_timed_tasks(self):
+    def test_4_tasks(self):
         for draws in self.each():
-            took_ns = draws.stamp_ns()
-            duration = genpy.Duration(took_ns // S, took_ns % S)
-            self.assertEqual(task_server.pack_result(took_ns), genpys(TimedTaskResult(duration)))
-            self.assertEqual(task_server.pack_feedback(took_ns, 0.3), genpys(TimedTaskFeedback(duration, 0.3)))
+            waited_ns, worked_ns = draws.stamp_ns(), draws.stamp_ns()
+            waited, worked = (genpy.Duration(ns // S, ns % S) for ns in (waited_ns, worked_ns))
+            self.assertEqual(work_server.pack_result(waited_ns, worked_ns), genpys(PlaceTaskResult(waited, worked)))
+            for waits in (False, True):
+                self.assertEqual(work_server.pack_feedback(waits, worked_ns, 0.3),
+                                 genpys(PlaceTaskFeedback(waits, worked, 0.3)))
 
     def test_5_goals_out_and_in(self):
         for draws in self.each():

@@ -22,7 +22,7 @@ MAP = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'maps', 'fie
 NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('original', 'move_base_abstract_actionserver', {}, ('robot_9',), '/move_base_simple/goal'),
          ('many', 'fleet', {'robots': [{'name': 'robot', 'count': 3}]}, (), '/reset'),
-         ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/timed_task/goal'),
+         ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/work/goal'),
          ('maps', 'map_server', {}, (MAP,), '/static_map'))
 #: a node that prints whether init_node slept for long, and whether its registrations were woken at the end
 WAITS = """

@@ -10,8 +10,7 @@ from actionlib import GoalStatus, SimpleActionClient
 from geometry_msgs.msg import Pose, Quaternion
 from std_msgs.msg import Header
 
-from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task, TimedTaskAction, TimedTaskGoal
-from move_base_abstract.tasks.timed_task import DrawnDurations
+from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from move_base_abstract_ros.loopback import find_executable
 
 LAUNCH_FILE = """
@@ -36,35 +35,33 @@ LAUNCH_FILE = """
 GUARD = rospy.Duration(600.0)
 
 
+def task_of(seconds):
+    """Return a goal: a task of that duration where the robot stands."""
+    return PlaceTaskGoal(Task(duration=rospy.Duration(seconds)))
+
+
 class TaskServer(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node('soil_task_server_test')
-        cls.clients = [SimpleActionClient('/robot_{}/take_sample'.format(robot), TimedTaskAction) for robot in range(2)]
+        cls.clients = [SimpleActionClient('/robot_{}/take_sample'.format(robot), PlaceTaskAction) for robot in range(2)]
         for client in cls.clients:
             assert client.wait_for_server(GUARD)
 
     def do(self, client, seconds, feedback_cb=None):
-        """Have a task of ``seconds`` done; return the result's duration [s]."""
-        client.send_goal(TimedTaskGoal(duration=rospy.Duration(seconds)), feedback_cb=feedback_cb)
+        """Have a task of ``seconds`` done; return how long the robot worked [s]."""
+        client.send_goal(task_of(seconds), feedback_cb=feedback_cb)
         self.assertTrue(client.wait_for_result(GUARD))
-        return client.get_result().duration.to_sec()
+        return client.get_result().worked.to_sec()
 
     def test_a_task_takes_the_time_that_its_goal_says(self):
         self.assertEqual(self.do(self.clients[0], 3.0), 3.0)
         self.assertEqual(self.clients[0].get_state(), GoalStatus.SUCCEEDED)
         self.assertEqual(self.clients[0].get_goal_status_text(), 'Task done.')
 
-    def test_the_servers_own_durations_are_those_of_the_seed_robot_by_robot(self):
-        # This is the only test in which the server draws.
-        for robot, client in enumerate(self.clients):
-            drawn = DrawnDurations(2.0, 0.5, 3, robot)
-            expected = [drawn.draw_ns() for _ in range(3)]
-            took = []
-            for _ in expected:
-                self.do(client, 0.0)
-                took.append(client.get_result().duration.to_nsec())
-            self.assertEqual(took, expected)
+    def test_a_task_without_a_duration_takes_that_of_the_server(self):
+        for client in self.clients:
+            self.assertTrue(1.5 <= self.do(client, 0.0) <= 2.5)
 
     def test_feedback_tells_the_share_that_is_done(self):
         shares = []
@@ -75,31 +72,24 @@ class TaskServer(unittest.TestCase):
 
     def test_a_cancelled_task_says_how_long_it_was_worked_on(self):
         client = self.clients[1]
-        client.send_goal(TimedTaskGoal(duration=rospy.Duration(500.0)))
+        client.send_goal(task_of(500.0))
         rospy.sleep(5.0)
         client.cancel_goal()
         self.assertTrue(client.wait_for_result(GUARD))
         self.assertEqual(client.get_state(), GoalStatus.PREEMPTED)
-        self.assertTrue(0.0 < client.get_result().duration.to_sec() < 100.0)
+        self.assertTrue(0.0 < client.get_result().worked.to_sec() < 100.0)
 
     def test_two_robots_work_at_the_same_time(self):
         began = rospy.get_time()
         for client in self.clients:
-            client.send_goal(TimedTaskGoal(duration=rospy.Duration(20.0)))
+            client.send_goal(task_of(20.0))
         for client in self.clients:
             self.assertTrue(client.wait_for_result(GUARD))
         self.assertLess(rospy.get_time() - began, 40.0)
 
-    def test_a_negative_duration_is_refused_with_a_text(self):
-        self.do(self.clients[0], -1.0)
-        self.assertEqual(self.clients[0].get_state(), GoalStatus.ABORTED)
-        self.assertEqual(self.clients[0].get_goal_status_text(), 'duration must be >= 0 s, got -1 s')
-
     def test_at_a_place_with_room_for_one_the_second_waits_and_says_so(self):
         heard = []
-        clients = [SimpleActionClient('/robot_{}/work'.format(robot), PlaceTaskAction) for robot in range(2)]
-        for client in clients:
-            self.assertTrue(client.wait_for_server(GUARD))
+        clients = self.clients
         goal = PlaceTaskGoal(Task(place='dock', duration=rospy.Duration(20.0)))
         clients[0].send_goal(goal)
         while clients[0].get_state() != GoalStatus.ACTIVE:
@@ -115,14 +105,15 @@ class TaskServer(unittest.TestCase):
                             (Task(header=Header(frame_id='odom'), pose=Pose(orientation=Quaternion(w=1.0))),
                              'frame: got odom; allowed: map'),
                             (Task(place='dock', duration=rospy.Duration(-1.0)),
-                             'duration must be >= 0 s, got -1 s'), (Task(), 'pose: ')):
+                             'duration must be >= 0 s, got -1 s'),
+                            (Task(pose=Pose(orientation=Quaternion(x=1.0))), 'pose: ')):
             clients[0].send_goal(PlaceTaskGoal(wrong))
             self.assertTrue(clients[0].wait_for_result(GUARD))
             self.assertEqual(clients[0].get_state(), GoalStatus.ABORTED)
             self.assertIn(text, clients[0].get_goal_status_text())
 
     def test_parameters_that_cannot_be_used_are_fatal(self):
-        for parameter, text in (('_spread:=5.0', 'the spread must lie in 0..1 s, the duration; got 5.0'),
+        for parameter, text in (('_spread:=5.0', '/spread: got 5; allowed: at most the duration, 1'),
                                 ('_duration:=soon', "got 'soon'; allowed: a number in 0..2147483647 [s, simulated]"),
                                 ('_robots:=[a, a]', 'allowed: a list of different namespaces')):
             name = 'wrong_' + parameter[1:4]

@@ -4,9 +4,7 @@ import pytest
 from move_base_abstract.common.errors import TimeError
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.simulation import Simulation
-from move_base_abstract.goals.ledger import GoalLedger
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract.tasks.timed_task import DrawnDurations, TimedTaskRunner
 
 S = NS_PER_S
 RESTARTED = 'Aborting on the goal because simulated time has started anew'
@@ -93,19 +91,3 @@ def test_feedback_comes_with_the_next_goal(rig):
     robot.send('h', 10.0, 0.0)
     robot.advance(10.5)
     assert ('feedback', 'h', Pose2D(2.0, 0.0), 11 * S) in robot.advance(11.0)
-
-
-def test_a_task_under_way_is_aborted_with_the_time_that_it_took():
-    simulation, ended = Simulation(), []
-    ledger = GoalLedger(lambda: None, lambda record, stamp_ns: ended.append(
-        (record.goal_id, record.text, tasks.elapsed_ns(stamp_ns), stamp_ns)), 'made_{}'.format)
-    tasks = TimedTaskRunner(simulation, 0, ledger, DrawnDurations(30.0, 0.0, 0, 0), lambda *_: None, lambda *_: None)
-    simulation.advance(100 * S)
-    tasks.receive('a', 100 * S, 0, 100 * S)
-    simulation.advance(107 * S)
-    simulation.restart(S)
-    tasks.restart(107 * S, S)
-    assert ended == [('a', RESTARTED, 7 * S, S)]
-    tasks.receive('b', S, 0, S)
-    simulation.advance(31 * S)
-    assert ended[-1] == ('b', 'Task done.', 30 * S, 31 * S)

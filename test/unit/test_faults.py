@@ -20,7 +20,7 @@ MACHINE = {'event_queue.py', 'simulation.py', 'guard.py', 'arguments.py', 'units
 ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'give_back'),
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
            ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
-           ('room.py', '_look'), ('room.py', '_changed'), ('timed_task.py', 'shut_down'),
+           ('room.py', '_look'), ('room.py', '_changed'), ('place_tasks.py', 'shut_down'),
            ('traveller.py', '_happen'), ('travel.py', '_change_holds'), ('member.py', '_now_ns'),
            ('member.py', '_worker'), ('member.py', 'send'), ('member.py', 'send_task'),
            ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'),
@@ -85,7 +85,7 @@ class World:
             member = fleet.robot(name)
             navigator = member.navigator
             assert not navigator.is_active and not navigator.travel.held_for and navigator.robot.leg is None
-            assert member._tasks._ledger.active is None and not member._tasks.is_waiting
+            assert member._tasks.ledger.active is None and not member._tasks.is_waiting
             pose = fleet.robot(name).pose
             for zone, state in zip(fleet.scenario.zones, fleet.zones):
                 assert zone.contains(pose.x, pose.y) == (name in state.robots)

@@ -2,6 +2,7 @@
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.engine.factors import Even
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.client import NoClient
@@ -182,14 +183,17 @@ def test_without_places_nobody_works_and_nothing_else_is_told():
 
 
 class Rig:
-    """One robot that is not known here; ``loads`` gets (s, W), ``ends`` (s, state, waited s, worked s)."""
+    """Two robots that are not known here; ``loads`` gets (s, W), ``ends`` (s, state, waited s, worked s)."""
 
-    def __init__(self):
-        self.loads, self.ends = [], []
+    def __init__(self, seconds=None, seed=0, frequency=0.0):
+        self.loads, self.ends, self.shares = [], [], []
         self.simulation = Simulation()
-        self.rooms = Rooms(self.simulation, read_places([DOCK], 'test'))
-        self.tasks = [PlaceTaskRunner(self.rooms, index, 'r', 0, self.stream(index), NoClient('r'))
-                      for index in range(2)]
+        self.rooms = Rooms(self.simulation, read_places([DOCK], 'test'), seconds)
+        client = NoClient('r')
+        client.progress = lambda _record, elapsed_ns, duration_ns, now_ns: self.shares.append(
+            (now_ns / S, elapsed_ns / duration_ns))
+        self.tasks = [PlaceTaskRunner(self.rooms, index, 'r_{}'.format(index), seed, self.stream(index), client, None,
+                                      frequency) for index in range(2)]
 
     def stream(self, index):
         stream = robot_stream()
@@ -236,4 +240,41 @@ def test_a_clock_that_starts_anew_aborts_tasks_and_the_room_is_free():
         tasks.restart(6 * S, 1 * S)
     rig.take(1, 2.0, at_dock('c', 4.0))
     rig.simulation.advance(20 * S)
-    assert [end[:2] for end in rig.ends] == [(1.0, 'ABORTED'), (1.0, 'ABORTED'), (6.0, 'SUCCEEDED')]
+    assert rig.ends == [(1.0, 'ABORTED', 0.0, 1.0), (1.0, 'ABORTED', 0.0, 0.0), (6.0, 'SUCCEEDED', 0.0, 4.0)]
+
+
+def anywhere(task_id, seconds=0.0):
+    return Task(task_id, 0, '', Pose2D(), int(seconds * S))
+
+
+def test_progress_is_told_at_its_frequency_and_at_the_end():
+    rig = Rig(frequency=2.0)
+    rig.take(0, 0.0, anywhere('a', 1.0))
+    for quarters in range(20):
+        rig.simulation.advance(quarters * S // 4)
+    assert rig.shares == [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0)]
+
+
+def test_a_task_may_end_at_the_end_of_time_and_takes_no_negative_time():
+    rig = Rig()
+    rig.take(0, 3.0, anywhere('a', 2_147_483_644.0))
+    rig.take(1, 3.0, anywhere('b', -1.0))
+    rig.take(1, 3.0, anywhere('c', 2_147_483_645.0))
+    rig.simulation.advance(2_147_483_647 * S)
+    assert rig.ends == [(3.0, 'ABORTED', 0.0, 0.0), (3.0, 'ABORTED', 0.0, 0.0),
+                        (2_147_483_647.0, 'SUCCEEDED', 0.0, 2_147_483_644.0)]
+
+
+def test_durations_of_tasks_at_no_place_follow_from_seed_and_robot_and_lie_in_their_range():
+    def durations(seed):
+        rig = Rig(Even(2.0, 0.5), seed)
+        for number in range(100):
+            for index in range(2):
+                rig.take(index, 3.0 * number, anywhere('{} {}'.format(index, number)))
+        rig.take(0, 303.0, at_dock('dock'))
+        rig.simulation.advance(400 * S)
+        assert rig.ends.pop()[3] == 10.0  # that of the place
+        return [end[3] for end in rig.ends]
+    values = durations(7)
+    assert values == durations(7) and len(set(values)) == 200 and not set(values) & set(durations(8))
+    assert 1.5 <= min(values) < 1.6 and 2.4 < max(values) <= 2.5

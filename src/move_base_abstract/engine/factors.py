@@ -27,6 +27,18 @@ class Constant:
 
 
 @dataclass(frozen=True)
+class Even:
+    """Evenly distributed from ``mean`` - ``spread`` to ``mean`` + ``spread``; 0 <= spread <= mean."""
+
+    mean: float
+    spread: float
+
+    def draw(self, uniform: Uniform) -> float:
+        """Return a factor."""
+        return self.mean + self.spread * (2.0 * uniform(0) - 1.0)
+
+
+@dataclass(frozen=True)
 class Lognormal:
     """Lognormal distribution: mean ``mean`` (> 0), coefficient of variation ``cv`` (> 0), sigma^2 = ln(1 + cv^2)."""
 

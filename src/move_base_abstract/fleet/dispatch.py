@@ -6,29 +6,25 @@
 
 The decisions are those of the node ``dispatcher``: both use the same core, :class:`.Dispatcher`.
 """
-from collections import deque
 from dataclasses import replace
 
 from ..common.arguments import check_kind
 from ..common.errors import ConfigurationError
-from ..common.units import NS_PER_S
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
-from ..orders.dispatcher import Dispatcher, Drive, GiveUp, PolicyError
+from ..orders.dispatcher import Drive, GiveUp, PolicyError
 from ..orders.order import Order, fault_of
 from ..orders.policies import make_policy
 from ..orders.rows import DISPATCHER
 from ..orders.settings import DispatchSettings
 from ..runs.fleet_metrics import fleet_metrics
 from ..runs.story import Story
-from .dispatch_world import Distances, chargers_of, check_levels, starts_of
+from .dispatch_world import Decisions, check_levels
 from .fleet import Fleet
 from .member import FleetWarning
 from .user_calls import AFTER_USERS
 
 #: the place of a decision at its instant: after the events of robots and users, before those of processes
 _DECISION = AFTER_USERS - 1
-#: if orders or robots wait for a robot that charges, time goes on, and the dispatcher looks again after this [ns]
-CHARGE_LOOK_NS = 60 * NS_PER_S
 _MOST_TOLD = 5  # orders in a warning
 
 
@@ -53,22 +49,21 @@ class Dispatch:
                 policy))
         self._on_event = on_event
         self.fleet = Fleet(scenario, on_event=self._happened, **options)
-        self.core = Dispatcher(starts_of(scenario), chargers_of(scenario), scenario.places or {}, settings, policy,
-                               Distances(scenario, settings.distances == 'ways'), self._tell)
-        self._decides = self._looks = self._goes_on = False
-        self._commands = deque()
+        self._decisions = Decisions(scenario, settings, policy, self.fleet.simulation.queue, _DECISION, self._tell,
+                                    self._act)
+        self.core = self._decisions.core
         self._failure = None  # the first fault of the policy, as a text
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
-        self._decide_soon()
+        self._decisions.soon(self.fleet.now_ns)
 
     def order(self, order):
         """Have an :class:`.Order` arrive now, whatever its time of arrival is; one that cannot be done is refused."""
         check_kind(order, Order, 'order')
         is_wrong = fault_of(order, self.fleet.scenario.places or {}) is not None
         self.core.arrived(order if is_wrong else _as_message(order), self.fleet.now_ns)
-        self._decide_soon()
+        self._decisions.soon(self.fleet.now_ns)
 
     def run(self, until_ns=None, until=None):
         """Run as :meth:`Fleet.run` does; return the time [ns].
@@ -123,38 +118,15 @@ class Dispatch:
     def _happened(self, entry):
         if self.core.hears(entry.robot, entry.kind):
             self.core.happened(entry.robot, entry.kind, entry.values)
-            self._decide_soon()
+            self._decisions.soon(self.fleet.now_ns)
         if self._on_event is not None:
             self._on_event(entry)
 
-    def _decide_soon(self):
-        self._decides = True
-        self._go_on()
-
-    def _go_on(self):
-        """Do the next command at the end of this instant; if all commands are done, decide anew if that is needed."""
-        if not self._goes_on and (self._commands or self._decides):
-            self._goes_on = True
-            self.fleet.simulation.queue.schedule(self.fleet.now_ns, _DECISION, self._step)
-
-    def _step(self, _due_ns, now_ns):
-        self._goes_on = False
-        if self._commands:  # one by one, like messages: all that one causes at this instant comes before the next
-            self._do(self._commands.popleft())
-        else:
-            self._decide(now_ns)
-        self._go_on()
-
-    def _decide(self, now_ns):
-        self._decides = False
-        self._commands.extend(self.core.decide(now_ns))
-        if self.core.waits_for_charge and not self._looks:
-            self._looks = True
-            self.fleet.simulation.queue.schedule(now_ns + CHARGE_LOOK_NS, _DECISION, self._look)
-
-    def _look(self, _due_ns, _now_ns):
-        self._looks = False
-        self._decide_soon()
+    def _act(self, commands, now_ns):
+        """Carry out the commands one by one, like messages: all that one causes at once comes before the next."""
+        for command in commands:
+            self.fleet.simulation.queue.schedule(now_ns, _DECISION, lambda _due_ns, _now_ns, command=command: (
+                self._do(command)))
 
     def _do(self, command):
         robot = self.fleet.robot(command.robot)

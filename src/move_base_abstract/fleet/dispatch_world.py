@@ -1,24 +1,77 @@
-"""What a dispatcher knows of a scenario beforehand: the robots at their start, the chargers, and all distances."""
+"""A dispatcher on a scenario: what it knows beforehand (robots, chargers, all distances), and when it decides."""
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
-from ..common.errors import ConfigurationError
+from ..common.errors import ConfigurationError, SimulatorError
+from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
 from ..motion.geometry import Pose2D
 from ..orders.charging import Charger
+from ..orders.dispatcher import Command, Dispatcher
 from ..orders.fleet_state import RobotStart
 from ..orders.policies import Point
 from .robot_parts import make_planner
 
 if TYPE_CHECKING:
+    from ..engine.event_queue import EventQueue
+    from ..orders.policies import Policy
+    from ..orders.rows import Row
     from ..orders.settings import DispatchSettings
     from ..scenario import Scenario
     from ..traffic.outline import Outline
 
+#: if orders or robots wait for a robot that charges, time goes on, and the dispatcher looks again after this [ns]
+CHARGE_LOOK_NS = 60 * NS_PER_S
 _KEPT_WAYS = 200_000
 _MM = 1000.0
+
+
+class Decisions:
+    """When the dispatcher (:attr:`core`) of a scenario decides: once, after all of an instant at which it heard news.
+
+    ``index``: the place of a decision at its instant in ``queue`` (EventQueue). ``act(commands, now_ns)`` carries out
+    what was decided; ``tell``: see Dispatcher. ``failed(error)`` gets a SimulatorError of a decision; None: it is
+    raised.
+    """
+
+    def __init__(self, scenario: Scenario, settings: DispatchSettings, policy: Policy, queue: EventQueue, index: int,
+                 tell: Callable[[Row], object], act: Callable[[Sequence[Command], int], object],
+                 failed: Optional[Callable[[SimulatorError], object]] = None) -> None:
+        self.core = Dispatcher(starts_of(scenario), chargers_of(scenario), scenario.places or {}, settings, policy,
+                               Distances(scenario, settings.distances == 'ways'), tell)
+        self._queue = queue
+        self._index = index
+        self._act = act
+        self._failed = failed
+        self._looks = False
+        #: whether a decision is due
+        self.is_due = False
+
+    def soon(self, now_ns: int) -> None:
+        """Have the dispatcher decide at this instant [ns], when all its news have come in."""
+        if not self.is_due:
+            self.is_due = True
+            self._queue.schedule(now_ns, self._index, self._decide)
+
+    def _decide(self, _due_ns: int, now_ns: int) -> None:
+        self.is_due = False
+        try:
+            commands = self.core.decide(now_ns)
+        except SimulatorError as error:
+            if self._failed is None:
+                raise
+            self._failed(error)
+            return
+        self._act(commands, now_ns)
+        if self.core.waits_for_charge and not self._looks:
+            self._looks = True
+            self._queue.schedule(now_ns + CHARGE_LOOK_NS, self._index, self._look)
+
+    def _look(self, _due_ns: int, now_ns: int) -> None:
+        self._looks = False
+        self.soon(now_ns)
 
 
 def starts_of(scenario: Scenario) -> List[RobotStart]:

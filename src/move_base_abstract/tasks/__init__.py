@@ -6,7 +6,6 @@ if TYPE_CHECKING:
     from .place_tasks import PlaceTaskRunner as PlaceTaskRunner
     from .places import Place as Place, Work as Work, read_places as read_places
     from .room import Guest as Guest, Room as Room, Rooms as Rooms
-    from .timed_task import TimedTaskRunner as TimedTaskRunner
 else:
     from ..common.lazy_exports import lazy_exports
 

@@ -1,4 +1,4 @@
-"""Tasks at places: a robot at a place waits until there is room, works, and draws from its battery."""
+"""The tasks of one robot: it waits until there is room at their place, works, and draws from its battery."""
 from __future__ import annotations
 
 import math
@@ -6,9 +6,9 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 from ..common.shown import shown_text
-from ..common.units import NS_PER_S
+from ..common.units import NS_PER_S, check_reachable
 from ..engine.chance import Chance, Purpose
-from ..engine.guard import guarded
+from ..engine.guard import attempt_each, fault_text, guarded
 from ..goals.events import (
     EMPTY,
     ChargePassed,
@@ -23,10 +23,9 @@ from ..goals.events import (
     WorksAt,
 )
 from ..goals.ledger import GoalLedger
-from ..goals.outcome import BATTERY_EMPTY, FAILED, aborted
+from ..goals.outcome import BATTERY_EMPTY, CANCELLED, CLOCK_RESTARTED, FAILED, GoalState, Outcome, aborted
 from .arrivals import drawn_ns
 from .room import Guest, Rooms
-from .timed_task import TimedTaskRunner
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -37,15 +36,17 @@ if TYPE_CHECKING:
 
 REFUSED = 'The queue at {} is full: {} wait there, and no more may.'
 LEFT = aborted('The robot has left the place of its task.')
+DONE = Outcome(GoalState.SUCCEEDED, 'Task done.')
 
 
-class PlaceTaskRunner(TimedTaskRunner):
-    """The life of one robot's tasks at places, from the goal to the ending.
+class PlaceTaskRunner:
+    """The life of one robot's tasks, one at a time, from the goal to the ending. Not thread-safe, as the simulation.
 
     ``stream``: the robot's stream of events, for telling and hearing; ``client`` (TaskClient): the client of the goals;
     ``robot`` (Robot), None: the robot is not known here, so its pose is not checked. ``seed`` and ``robot_name``
-    determine the durations that are drawn for tasks without one. ``has_failed()`` returns whether the robot cannot work
-    now.
+    determine the durations that are drawn for tasks without one. The client is told the progress
+    ``progress_frequency`` times per simulated second while the robot works and, unless that is 0, at the end.
+    ``has_failed()`` returns whether the robot cannot work now.
     """
 
     def __init__(self, rooms: Rooms, robot_index: int, robot_name: str, seed: int, stream: Stream, client: TaskClient,
@@ -53,8 +54,13 @@ class PlaceTaskRunner(TimedTaskRunner):
                  has_failed: Callable[[], bool] = lambda: False) -> None:
         #: the GoalLedger of its goals
         self.ledger = GoalLedger(client.publish_status, self._ended, client.new_id)
-        super().__init__(rooms.simulation, robot_index, self.ledger, None, self._work_begins, client.progress,
-                         progress_frequency, client.is_progress_heard)
+        self._simulation = rooms.simulation
+        self._robot_index = robot_index
+        self._on_progress = client.progress
+        self._progress = rooms.simulation.series(robot_index, progress_frequency, self._tell_progress,
+                                                 only_tells=True, is_heard=client.is_progress_heard)
+        self._end = None  # the event at which the work ends
+        self._began_ns = self._duration_ns = 0
         self._rooms = rooms
         self._robot = robot
         self._has_failed = has_failed
@@ -91,7 +97,7 @@ class PlaceTaskRunner(TimedTaskRunner):
 
     def elapsed_ns(self, now_ns: int) -> int:
         """Return the time that the robot has worked on the latest task [ns]."""
-        return self._done_ns + super().elapsed_ns(now_ns)
+        return self._done_ns + min(now_ns - self._began_ns, self._duration_ns)
 
     @property
     def _is_pending(self) -> bool:
@@ -103,7 +109,7 @@ class PlaceTaskRunner(TimedTaskRunner):
 
         ``fault``: a text that says why the goal cannot be done, None: nothing is known to be wrong.
         """
-        record = self._ledger.receive(goal_id, stamp_ns, now_ns)
+        record = self.ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
         self._stop()
@@ -113,11 +119,11 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._duration_ns = self._done_ns = 0
         self._task = task
         if self._has_failed():
-            self._ledger.finish(FAILED, now_ns)
+            self.ledger.finish(FAILED, now_ns)
             return
         fault = fault or self._fault(task)
         if fault:
-            self._ledger.finish(aborted(fault), now_ns)
+            self.ledger.finish(aborted(fault), now_ns)
             return
         self._room = self._rooms.of(task.place)
         if self._room is None:
@@ -129,9 +135,67 @@ class PlaceTaskRunner(TimedTaskRunner):
             task.priority), now_ns)
 
     @guarded
+    def cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> None:
+        """Take in a cancel request, as GoalLedger.cancel does; a task that it concerns ends at once."""
+        if self.ledger.cancel(goal_id, stamp_ns, now_ns):
+            self._stop()
+            self.ledger.finish(CANCELLED, now_ns)
+
+    @guarded
+    def shut_down(self, outcome: Outcome, now_ns: int) -> None:
+        """End the task that is under way with ``outcome``."""
+        self._stop()
+        self.ledger.finish(outcome, now_ns)
+
+    def restart(self, before_ns: int, now_ns: int) -> None:
+        """Go on after a restart of the clock: it was at ``before_ns`` [ns] and is at ``now_ns`` [ns] now.
+
+        The task that is under way is aborted.
+        """
+        self._asked_ns += now_ns - before_ns
+        self._began_ns += now_ns - before_ns
+        self.shut_down(CLOCK_RESTARTED, now_ns)
+        self.ledger.restart(now_ns)
+
+    def break_off(self, error: Any) -> None:
+        """End the task after the exception ``error``, with a text from that."""
+        now_ns = self._simulation.now_ns
+        attempt_each(self._simulation, 'the task of robot {}'.format(self._robot_index), error, (
+            (self._stop,), (self.ledger.finish, aborted(fault_text(error)), now_ns)))
+
+    def _begin(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
+        """Work on the goal ``record`` for ``duration_ns`` [ns] from now on. If that is not possible, abort the goal."""
+        self._began_ns = now_ns
+        try:
+            check_reachable(now_ns + duration_ns, 'the task would end')
+        except ValueError as error:
+            self._duration_ns = 0
+            self.ledger.finish(aborted('The task takes too long: {}'.format(error)), now_ns)
+            return
+        self._duration_ns = duration_ns
+        if self._room is not None:
+            self._tell(WorksAt(now_ns, self._robot_name, record.goal_id, self._task.place, self._room.capacity))
+        self._tell(TaskBegan(now_ns, self._robot_name, record.goal_id, duration_ns))
+        watts = self._task.power + self._task.energy * NS_PER_S / (self._done_ns + duration_ns)
+        if watts > 0.0:
+            self._draws = True
+            self._tell(LoadChanged(now_ns, self._robot_name, watts))
+        self._end = self._simulation.queue.schedule(now_ns + duration_ns, self._robot_index, self._done)
+        if self._progress is not None:
+            self._progress.start(now_ns)
+
+    @guarded
+    def _done(self, due_ns: int, _now_ns: int) -> None:
+        self._end = None
+        self._stop()
+        if self._progress is not None:
+            self._tell_progress(due_ns, due_ns)
+        self.ledger.finish(DONE, due_ns)
+
+    @guarded
     def _moved(self, event: Union[Departed, Stands]) -> None:
         """Note that the robot has departed or stands elsewhere: if that is too far away, its task ends."""
-        if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
+        if self._task is not None and self.ledger.active is not None and self._distance_fault(self._task):
             self.shut_down(LEFT, event.time_ns)
 
     def _failed(self, event: Failed) -> None:
@@ -144,7 +208,7 @@ class PlaceTaskRunner(TimedTaskRunner):
     @guarded
     def _told_to_wait(self, due_ns: int) -> None:
         if self._waits is None:
-            record: Any = self._ledger.active
+            record: Any = self.ledger.active
             self._waits = record
             self._tell(TaskWaits(due_ns, self._robot_name, record.goal_id, self._task.place))
 
@@ -152,7 +216,7 @@ class PlaceTaskRunner(TimedTaskRunner):
     def _admitted(self, due_ns: int) -> None:
         self._is_admitted = True
         self._end_waiting(due_ns)
-        record: Any = self._ledger.active
+        record: Any = self.ledger.active
         self._begin(record, self._left_ns or self._length_ns(self._task), due_ns)
         if self._end is None:  # the task would take too long, so it has not begun
             self._stop()
@@ -161,7 +225,7 @@ class PlaceTaskRunner(TimedTaskRunner):
     def _refused(self, waiting: int) -> None:
         """Abort the goal, since there is neither room nor a free place in the queue, where ``waiting`` robots wait."""
         self._ticket = None
-        self._ledger.finish(aborted(REFUSED.format(self._task.place, waiting)), self._simulation.now_ns)
+        self.ledger.finish(aborted(REFUSED.format(self._task.place, waiting)), self._simulation.now_ns)
 
     @guarded
     def _give_way(self, due_ns: int) -> None:
@@ -174,7 +238,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._told_to_wait(due_ns)
 
     def _tell_progress(self, due_ns: int, _now_ns: int) -> None:
-        record: Any = self._ledger.active
+        record: Any = self.ledger.active
         self._on_progress(record, self.elapsed_ns(due_ns), self._done_ns + self._duration_ns, due_ns)
 
     def _ended(self, record: GoalRecord, stamp_ns: int) -> None:
@@ -185,17 +249,16 @@ class PlaceTaskRunner(TimedTaskRunner):
             record, self._waits = self._waits, None
             self._tell(TaskWaited(now_ns, self._robot_name, record.goal_id, self._task.place))
 
-    def _work_begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
-        if self._room is not None:
-            self._tell(WorksAt(now_ns, self._robot_name, record.goal_id, self._task.place, self._room.capacity))
-        self._tell(TaskBegan(now_ns, self._robot_name, record.goal_id, duration_ns))
-        watts = self._task.power + self._task.energy * NS_PER_S / (self._done_ns + duration_ns)
-        if watts > 0.0:
-            self._draws = True
-            self._tell(LoadChanged(now_ns, self._robot_name, watts))
+    def _halt(self) -> None:
+        """Stop working."""
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        if self._progress is not None:
+            self._progress.stop()
 
     def _stop(self) -> None:
-        super()._stop()
+        self._halt()
         now_ns = self._simulation.now_ns
         if self._is_pending:
             self._began_ns = now_ns
@@ -219,7 +282,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         if task.duration_ns:
             return task.duration_ns
         chance = self._chance = self._chance or Chance(self._seed, self._robot_name)
-        return drawn_ns(self._rooms.places[task.place].work.seconds,
+        return drawn_ns(self._rooms.seconds_of(task),
                         lambda place: chance.uniform(self._number, Purpose.TASK_DURATION, place))
 
     def _fault(self, task: Task) -> Optional[str]:
@@ -228,7 +291,9 @@ class PlaceTaskRunner(TimedTaskRunner):
         if task.place and task.place not in places:
             return 'place: got {}; allowed: {}'.format(
                 shown_text(task.place), ', '.join(list(places)[:10]) or 'none: there are no places')
-        if not task.duration_ns and (not task.place or places[task.place].work.seconds is None):
+        if task.duration_ns < 0:
+            return 'duration must be >= 0 s, got {:g} s'.format(task.duration_ns / NS_PER_S)
+        if not task.duration_ns and self._rooms.seconds_of(task) is None:
             return 'duration: got 0 s and no place that has one; allowed: > 0 s'
         for name in ('power', 'energy'):
             value = getattr(task, name)

@@ -144,11 +144,16 @@ class Room:
 
 
 class Rooms:
-    """The places ({name: Place}) of a world, and the :class:`Room` at each of them."""
+    """The places ({name: Place}) of a world, and the :class:`Room` at each of them.
 
-    def __init__(self, simulation: Simulation, places: Dict[str, Place]) -> None:
+    ``seconds``: the distribution of the durations [s] of tasks where neither they nor their place has one; None: such
+    tasks cannot be done.
+    """
+
+    def __init__(self, simulation: Simulation, places: Dict[str, Place], seconds: Any = None) -> None:
         self.simulation = simulation
         self.places = places
+        self._seconds = seconds
         self._rooms = {name: Room(simulation.queue, place) for name, place in places.items()
                        if place.capacity is not None}
 
@@ -159,3 +164,7 @@ class Rooms:
     def place_of(self, task: Task) -> Place:
         """Return the Place of a Task; if the task names none, a place at its pose."""
         return self.places[task.place] if task.place else Place('its place', task.pose)
+
+    def seconds_of(self, task: Task) -> Any:
+        """Return the distribution of the duration [s] of a Task that says none; None: its place has none either."""
+        return self.place_of(task).work.seconds or self._seconds

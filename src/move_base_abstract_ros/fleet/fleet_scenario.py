@@ -1,5 +1,5 @@
-"""Read the scenario that the private parameters of a node ``fleet`` name or hold. This needs no running ROS."""
-from typing import Any, Dict, Mapping, Optional
+"""Read the scenario that the private parameters of a node name or hold. This needs no running ROS."""
+from typing import Any, Dict, Mapping, Optional, Sequence
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table
@@ -21,16 +21,28 @@ def read_fleet_scenario(raw: Mapping[str, Any], values: Mapping[str, Any], where
     :param where: the node's name, for errors; base: settings over which those of the scenario take precedence.
     :raises ConfigurationError: if there are two scenarios, or one that cannot be used.
     """
-    inline = {key: raw[key] for key in INLINE if key in raw}
-    if values['scenario'] and inline:
-        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
-            where, sorted(inline)[0]))
     if values['part'] >= values['parts']:
         raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
             where, values['part'], values['parts']))
     overrides = {name: values[name] for name in _OVERRIDES if values[name] is not None}
-    return (read_scenario(values['scenario'], overrides, base) if values['scenario']
-            else make_scenario(inline, where, overrides, base))
+    return given_scenario(raw, values, INLINE, where, overrides, base)
+
+
+def given_scenario(raw: Mapping[str, Any], values: Mapping[str, Any], inline: Sequence[str], where: str,
+                   overrides: Optional[Dict[str, Any]] = None, base: Optional[Dict[str, Any]] = None) -> Scenario:
+    """Return the scenario of the file ``values['scenario']``, or, without one, that of the parameters ``inline``.
+
+    ``raw``, ``where``, ``base``: as for :func:`read_fleet_scenario`; ``overrides``: see make_scenario.
+
+    :raises ConfigurationError: if there are two scenarios, or one that cannot be used.
+    """
+    given = {key: raw[key] for key in inline if key in raw}
+    if not values['scenario']:
+        return make_scenario(given, where, overrides, base)
+    if given:
+        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
+            where, sorted(given)[0]))
+    return read_scenario(values['scenario'], overrides, base)
 
 
 def why_one_process(params: Mapping[str, Any], name: str) -> str:

@@ -1,26 +1,26 @@
-"""The node ``task_server``: serves the action TimedTask for some robots, and with places the action PlaceTask too."""
+"""The node ``task_server``: the tasks of robots that another program moves, by the action PlaceTask."""
 import time
 
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.config.node_tables import TASK_SERVER
+from move_base_abstract.config.node_tables import TASK_SERVER, TASK_SERVER_INLINE
+from move_base_abstract.engine.factors import Even
 from move_base_abstract.fleet.robot_rows import write
 from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
-from move_base_abstract.scenario import make_scenario, read_scenario
 from move_base_abstract.tasks.room import Rooms
-from move_base_abstract.tasks.timed_task import DrawnDurations
 
 from .. import lockstep
 from ..clocks.timing import make_timing
+from ..fleet.fleet_scenario import given_scenario
 from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_values
 from ..replacing.bulk_registration import bulk_registration
 from ..robot.host import Host
-from ..robot.task_server import TaskServer
-from ..robot.work_server import ACTION as WORK, WorkServer
+from ..robot.work_server import WorkServer
 
+_INLINE = tuple(parameter.name for parameter in TASK_SERVER_INLINE)
 _LAST_WORDS_SECONDS = 0.1
 
 
@@ -33,53 +33,36 @@ def main():
 def _build():
     """Read the parameters, wait for the clock, and return the servers; None if ROS shuts down meanwhile."""
     where = rospy.get_name()
-    raw, values = own_values(TASK_SERVER, ('places',))
+    raw, values = own_values(TASK_SERVER, _INLINE)
     timing = make_timing()
     clock = timing.make_clock()
-    try:
-        durations = [DrawnDurations(values['duration'], values['spread'], values['seed'], index)
-                     for index in range(len(values['robots']))]
-    except ValueError as error:
-        raise ConfigurationError('parameter {}/spread: {}'.format(where, error)) from None
-    scenario = _read_places(raw, values, where)
+    if values['spread'] > values['duration']:
+        raise ConfigurationError('parameter {}/spread: got {:g}; allowed: at most the duration, {:g}'.format(
+            where, values['spread'], values['duration']))
+    scenario = given_scenario(raw, values, _INLINE, where)
     if not clock.start():
         return None
     if values['feedback_freq'] is None:
         values['feedback_freq'] = timing.task_feedback_frequency
+    values['frame'] = str(scenario.defaults.get('global_frame', 'map'))
     host = Host(clock, timing)
+    rooms = Rooms(clock.simulation, scenario.places or {}, Even(values['duration'], values['spread']))
     with bulk_registration():
-        servers = [TaskServer(_below(robot, values['task']), host, index, durations[index], values['feedback_freq'],
-                              values['min_answer_delay']) for index, robot in enumerate(values['robots'])]
-        if scenario.places is not None:
-            servers += _work_servers(host, values, scenario)
+        servers = [_server(host, rooms, values, index, robot) for index, robot in enumerate(values['robots'])]
     clock.serve()
     return servers
 
 
-def _below(robot, name_):
-    return rospy.resolve_name('/'.join(part for part in (robot, name_) if part))
-
-
-def _read_places(raw, values, where):
-    """Return the scenario that holds the places: of the file, of the parameter ``places``, or an empty one."""
-    if values['scenario'] and 'places' in raw:
-        raise ConfigurationError('parameters {0}/scenario and {0}/places: only one of them may be given'.format(where))
-    if values['scenario']:
-        return read_scenario(values['scenario'])
-    return make_scenario({'places': raw['places']} if 'places' in raw else {}, where)
-
-
-def _work_servers(host, values, scenario):
-    """Return the servers of tasks at places, for robots that another node moves."""
-    rooms = Rooms(host.clock.simulation, scenario.places)
-    settings = {**values, 'frame': str(scenario.defaults.get('global_frame', 'map'))}
-    servers = []
-    for index, robot in enumerate(values['robots']):
-        with lockstep.sender(index):
-            stream = robot_stream()
-            write(stream, 'trace', host.events.record(index))
-            servers.append(WorkServer(_below(robot, WORK), robot.strip('/'), index, host, rooms, settings, stream))
-    return servers
+def _server(host, rooms, values, index, robot):
+    """Return the server of a robot's tasks. Another program moves the robot, so nobody here knows where it stands."""
+    with lockstep.sender(index):
+        stream = robot_stream()
+        write(stream, 'trace', host.events.record(index))
+        ns = rospy.resolve_name('/'.join(part for part in (robot, values['task']) if part))
+        name = robot.strip('/') or rospy.get_namespace().strip('/') or rospy.get_name().strip('/')
+        server = WorkServer(ns, name, index, host, rooms, values, stream)
+    host.add_robot()
+    return server
 
 
 def _say_goodbye(servers):

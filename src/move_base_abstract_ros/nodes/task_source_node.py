@@ -7,9 +7,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
 from move_base_abstract.msg import Order, Task
-from move_base_abstract.scenario import make_scenario, read_scenario
 
 from ..clocks.timing import make_timing
+from ..fleet.fleet_scenario import given_scenario
 from ..messages import orders, packing
 from ..messages.outlets import Outlet
 from ..process.node_process import parse_no_arguments, run_node
@@ -28,7 +28,10 @@ def main():
 def _build():
     where = rospy.get_name()
     raw, values = own_values(TASK_SOURCE, _INLINE)
-    scenario = _read_scenario(raw, values, where)
+    scenario = given_scenario(raw, values, _INLINE, where)
+    if not scenario.arrivals and not scenario.order_sources:
+        raise ConfigurationError('parameter {0}/arrivals: got none, and no orders; allowed: at least one of either, '
+                                 'here or in the scenario'.format(where))
     timing = make_timing()
     clock = timing.make_clock()
     if not clock.start():
@@ -36,18 +39,6 @@ def _build():
     source = TaskSource(clock, timing, scenario, values)
     clock.serve()
     return source
-
-
-def _read_scenario(raw, values, where):
-    inline = {key: raw[key] for key in _INLINE if key in raw}
-    if values['scenario'] and inline:
-        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
-            where, sorted(inline)[0]))
-    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
-    if not scenario.arrivals and not scenario.order_sources:
-        raise ConfigurationError('parameter {0}/arrivals: got none, and no orders; allowed: at least one of either, '
-                                 'here or in the scenario'.format(where))
-    return scenario
 
 
 class TaskSource:

@@ -2,6 +2,8 @@
 import struct
 import time
 
+from geometry_msgs.msg import Pose
+
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.guard import fault_text
@@ -18,6 +20,7 @@ from .action_shell import ActionShell, ActionTypes
 #: name of the action below a robot's namespace
 ACTION = 'work'
 _NO_TASK = Task('', 0, '', Pose2D())
+_NO_POSE = Pose()  # of a task at no place: where the robot stands
 _TYPES = ActionTypes(PlaceTaskActionGoal, PlaceTaskActionResult, PlaceTaskActionFeedback)
 
 
@@ -33,6 +36,7 @@ class WorkServer:
         """``settings``: seed, frame (of poses), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
         self._clock = host.clock
         self._frame = settings['frame']
+        self._robot = robot
         self._throttle = host.throttle(50.0)
         self._shell = ActionShell(ns, ns, host, _TYPES, settings['min_answer_delay'])
         self.is_progress_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
@@ -74,27 +78,28 @@ class WorkServer:
             now_ns = self._clock.now_ns()
             self._shell.arrived(message.goal_id.id, time.monotonic())
             try:
-                task, fault = self._task_of(message.goal.task)
+                task, fault = self._task_of(message.goal.task, now_ns)
             except Exception as error:
                 self._clock.simulation.report_fault(self._shell.ns, error)
                 task, fault = _NO_TASK, fault_text(error)
             self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
 
-    def _task_of(self, message):
+    def _task_of(self, message, now_ns):
         """Return (Task of a message, what is wrong with it or None)."""
         frame = message.header.frame_id.lstrip('/')
         fault, pose = None, Pose2D()
-        if not message.place:
+        if message.place:
+            pass
+        elif message.pose == _NO_POSE:
+            pose = pose if self._robot is None else self._robot.pose_at(now_ns)
+        elif frame not in ('', self._frame):
+            fault = 'frame: got {}; allowed: {}'.format(shown_text(frame), self._frame)
+        else:
             try:
                 pose = conversions.from_pose(message.pose)
             except ValueError as error:
                 fault = 'pose: {}'.format(error)
-            if frame not in ('', self._frame):
-                fault = 'frame: got {}; allowed: {}'.format(shown_text(frame), self._frame)
-        duration_ns = message.duration.to_nsec()
-        if duration_ns < 0:
-            fault = 'duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)
-        return Task(message.id, 0, message.place, pose, duration_ns, message.power, message.energy,
+        return Task(message.id, 0, message.place, pose, message.duration.to_nsec(), message.power, message.energy,
                     message.priority), fault
 
     def _on_cancel(self, message):

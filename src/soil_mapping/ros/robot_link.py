@@ -1,4 +1,4 @@
-"""One robot as its user sees it: the action of move_base, the action of a timed task, and a topic with its pose."""
+"""One robot as its user sees it: the action of move_base, the action of its tasks, and a topic with its pose."""
 
 import math
 import threading
@@ -9,7 +9,7 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import quaternion_of_yaw
-from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
+from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from soil_mapping.mission.odometer import Odometer
 
 from .ros_time import now_ns, to_ros_duration
@@ -29,7 +29,7 @@ class RobotLink:
         self.namespace = '/' + namespace.strip('/')
         self._events = events
         self._drive = ActionClient(f'{self.namespace}/move_base', MoveBaseAction)
-        self._task = ActionClient(f'{self.namespace}/{task}', TimedTaskAction)
+        self._task = ActionClient(f'{self.namespace}/{task}', PlaceTaskAction)
         self._handle = None  # of the goal under way, kept because a client forgets goals without a handle
         self._goal_place = None  # (x, y) of the drive under way
         self._lock = threading.Lock()  # poses come in another thread
@@ -80,7 +80,7 @@ class RobotLink:
     def take_sample(self, dwell_ns):
         """Let the robot sample where it stands, for dwell_ns [simulated ns]."""
         self._goal_place = None
-        self._send(self._task, TimedTaskGoal(duration=to_ros_duration(dwell_ns)))
+        self._send(self._task, PlaceTaskGoal(Task(duration=to_ros_duration(dwell_ns))))
 
     def cancel(self):
         """Cancel the goal that is under way, if there is one; its end is reported like any other."""

@@ -10,19 +10,17 @@ from actionlib_msgs.msg import GoalID
 from move_base_msgs.msg import MoveBaseActionGoal
 from std_msgs.msg import Int32
 
-from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, text, topic
-from move_base_abstract.fleet.dispatch import CHARGE_LOOK_NS
-from move_base_abstract.fleet.dispatch_world import Distances, chargers_of, check_levels, starts_of
+from move_base_abstract.fleet.dispatch_world import Decisions, check_levels
 from move_base_abstract.msg import Order, PlaceTaskActionGoal, PlaceTaskGoal, RobotEvent
-from move_base_abstract.orders.dispatcher import Dispatcher, Drive, GiveUp
+from move_base_abstract.orders.dispatcher import Drive, GiveUp
 from move_base_abstract.orders.policies import make_policy
 from move_base_abstract.orders.rows import DISPATCHER
 from move_base_abstract.orders.settings import DISPATCHER_TABLE, DispatchSettings, settings_of
-from move_base_abstract.scenario import make_scenario, read_scenario
 
 from ...clocks.timing import make_timing
-from ...fleet.fleet_scenario import INLINE
+from ...fleet.fleet_scenario import INLINE, given_scenario
 from ...messages import conversions, orders, packing
 from ...messages.outlets import Outlet
 from ...process.node_process import parse_no_arguments, run_node
@@ -57,7 +55,10 @@ def main():
 def _build():
     where = rospy.get_name()
     raw, values = own_values(_TABLE, INLINE)
-    scenario = _read_scenario(raw, values, where)
+    scenario = given_scenario(raw, values, INLINE, where)
+    if not scenario.robots:
+        raise ConfigurationError('parameter {}/robots: got none; allowed: at least one, here or in the '
+                                 'scenario'.format(where))
     given = {one.name: values[one.name] for one in DISPATCHER_TABLE if values[one.name] is not None}
     settings = settings_of({**asdict(scenario.dispatcher or DispatchSettings()), **given}, where)
     check_levels(scenario, settings, where)
@@ -70,18 +71,6 @@ def _build():
     return node
 
 
-def _read_scenario(raw, values, where):
-    inline = {key: raw[key] for key in INLINE if key in raw}
-    if values['scenario'] and inline:
-        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
-            where, sorted(inline)[0]))
-    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
-    if not scenario.robots:
-        raise ConfigurationError('parameter {}/robots: got none; allowed: at least one, here or in the '
-                                 'scenario'.format(where))
-    return scenario
-
-
 class DispatcherNode:
     """Connects topics with the core's :class:`.Dispatcher`."""
 
@@ -90,10 +79,10 @@ class DispatcherNode:
         self._frame = str(scenario.defaults.get('global_frame', 'map'))
         self._places = scenario.places or {}
         self._in_frame = packing.InFrame(self._frame)
-        self._decides = self._looks = False
         self._record = EventsTopic(clock).record(0)
-        self._core = Dispatcher(starts_of(scenario), chargers_of(scenario), self._places, settings, policy,
-                                Distances(scenario, settings.distances == 'ways'), self._tell)
+        self._decisions = Decisions(scenario, settings, policy, clock.simulation.queue, 0, self._tell, self._act,
+                                    lambda error: rospy.logerr('%s: %s', rospy.get_name(), error))
+        self._core = self._decisions.core
         self._goals = {spec.name: _Goals(spec, bool(scenario.zones) or getattr(
             spec.settings.network, 'has_capacities', False)) for spec in scenario.robots}
         heard = [rospy.Subscriber(one, RobotEvent, self._on_event, queue_size=_QUEUE_SIZE, tcp_nodelay=True)
@@ -106,7 +95,7 @@ class DispatcherNode:
         self._order_topic = rospy.Subscriber(values['orders_topic'], Order, self._on_order, queue_size=_QUEUE_SIZE,
                                              tcp_nodelay=True)
         with clock.lock:
-            self._decide_soon(clock.now_ns())
+            self._decisions.soon(clock.now_ns())
 
     def _on_order(self, message):
         with self._clock.lock:
@@ -117,7 +106,7 @@ class DispatcherNode:
                 self._tell((DISPATCHER, 'order_refused', message.id, str(error)))
                 return
             self._core.arrived(order, now_ns)
-            self._decide_soon(now_ns)
+            self._decisions.soon(now_ns)
 
     def _on_event(self, message):
         if not self._core.hears(message.robot, message.kind):
@@ -129,34 +118,15 @@ class DispatcherNode:
             else:
                 values = [*message.texts, *message.numbers]
             self._core.happened(message.robot, message.kind, values)
-            self._decide_soon(now_ns)
+            self._decisions.soon(now_ns)
 
     def _present(self):
         """Return the present time [ns]. If a decision is due now, it stays due: it is made after all messages."""
-        return self._clock.simulation.now_ns if self._decides else self._clock.now_ns()
+        return self._clock.simulation.now_ns if self._decisions.is_due else self._clock.now_ns()
 
-    def _decide_soon(self, now_ns):
-        """Schedule a decision at this instant, for when all its messages have come in."""
-        if not self._decides:
-            self._decides = True
-            self._clock.simulation.queue.schedule(now_ns, 0, self._decide)
-
-    def _decide(self, _due_ns, now_ns):
-        self._decides = False
-        try:
-            commands = self._core.decide(now_ns)
-        except SimulatorError as error:
-            rospy.logerr('%s: %s', rospy.get_name(), error)
-            return
+    def _act(self, commands, now_ns):
         for command in commands:
             self._goals[command.robot].do(command, self._in_frame, self._frame, now_ns)
-        if self._core.waits_for_charge and not self._looks:
-            self._looks = True
-            self._clock.simulation.queue.schedule(now_ns + CHARGE_LOOK_NS, 0, self._look)
-
-    def _look(self, _due_ns, now_ns):
-        self._looks = False
-        self._decide_soon(now_ns)
 
     def _tell(self, row):
         self._record((self._clock.simulation.now_ns, *row))
