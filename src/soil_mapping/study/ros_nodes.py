@@ -2,6 +2,6 @@
 
 from move_base_abstract_ros.fleet import fleet_server  # noqa: F401 - for the forks
 from move_base_abstract_ros.replacing import replaced
-from move_base_abstract_ros.robot import robot_node, task_server  # noqa: F401 - for the forks
+from move_base_abstract_ros.robot import robot_node, work_server  # noqa: F401 - for the forks
 
 replaced.look_up()
