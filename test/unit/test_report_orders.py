@@ -6,7 +6,7 @@ import pytest
 
 from move_base_abstract_experiments.report import effects, orders
 from move_base_abstract_experiments.report.ranking import turned
-from test_report_words import BOUND, FAILED, LEVELS, MAKESPAN, TWO, noise, of_method, read, told
+from test_report_words import BOUND, LEVELS, MAKESPAN, TWO, beside, noise, of_method, read, told
 
 LIMITED = {'until': {'seconds': 3600, 'idle': True}}
 GOALS = {'goals': {'unit': 'goals', 'better': 'higher', 'at_limit': 'lower_bound'}}
@@ -25,25 +25,17 @@ def slower(configuration, replication):
 
 
 def test_an_order_is_shown_where_no_mean_is_and_no_amount_is_said(tmp_path):
-    (verdict, text), = told(read(tmp_path, TWO, 30, slower, metrics=BOUND, **LIMITED))
-    assert verdict == 'order'
-    assert text == ('Lower with auction than with greedy, by order alone: in all 30 pairs (test of signs, Holm p < '
-                    '0.001). The size of the difference is not known: the limit of time ended 0 of 30 trials with '
-                    'auction and 15 of 30 trials with greedy; their values are lower bounds.')
+    found = read(tmp_path, TWO, 30, slower, metrics=BOUND, **LIMITED)
+    assert told(found) == [('order', 'auction − greedy: the limit of time ended trials, so there is no mean; larger in '
+                            '0, smaller in 30 of 30 pairs (Holm p < 0.001).')]
+    assert beside(found) == {'ended by the limit': '15 of 30 and 0 of 30',
+                             'by order': 'larger in 0, smaller in 30 of 30 pairs; 0 unknown'}
 
 
 def test_a_metric_of_which_nobody_says_what_it_is_at_the_limit_has_no_order(tmp_path):
     (verdict, text), = told(read(tmp_path, TWO, 30, slower, metrics={'makespan_s': {'unit': 's', 'better': 'lower'}},
                                  **LIMITED))
-    assert verdict == 'cut' and 'order' not in text
-
-
-def test_what_is_counted_is_more_or_fewer(tmp_path):
-    def measure(configuration, replication):
-        is_auction = configuration['method'] == 'auction'
-        return trial(40.0 + 10.0 * is_auction + replication % 3, is_cut=is_auction, name='goals')
-    (verdict, text), = told(read(tmp_path, TWO, 12, measure, metrics=GOALS, **LIMITED))
-    assert verdict == 'order' and text.startswith('More goals with auction than with greedy, by order alone: in all 12')
+    assert verdict == 'cut' and 'larger' not in text
 
 
 def test_pairs_whose_order_is_hidden_do_not_count_and_are_told(tmp_path):
@@ -51,22 +43,14 @@ def test_pairs_whose_order_is_hidden_do_not_count_and_are_told(tmp_path):
         if replication < 5:
             return trial(3600.0, is_cut=True)
         return slower(configuration, 1 if replication < 15 else 2)
-    (verdict, text), = told(read(tmp_path, TWO, 25, measure, metrics=BOUND, **LIMITED))
-    assert verdict == 'order' and 'in all 20 pairs' in text and ' The order of 5 more pairs is not known.' in text
+    found = read(tmp_path, TWO, 25, measure, metrics=BOUND, **LIMITED)
+    assert told(found)[0][0] == 'order'
+    assert beside(found)['by order'] == 'larger in 0, smaller in 20 of 20 pairs; 5 unknown'
 
 
 def test_too_few_pairs_show_no_order(tmp_path):
     (verdict, text), = told(read(tmp_path, TWO, 5, slower, metrics=BOUND, **LIMITED))
-    assert verdict == 'cut' and text.endswith('Their order is known in 5 pairs, which do not tell them apart (0 to 5; '
-                                              'Holm p = 0.062).')
-
-
-def test_failures_are_told_beside_an_order(tmp_path):
-    found = read(tmp_path, TWO, 30, lambda configuration, replication: FAILED if replication == 3 and configuration[
-        'method'] == 'auction' else slower(configuration, replication), metrics=BOUND, **LIMITED)
-    (verdict, text), = told(found)
-    assert verdict == 'order' and 'in all 29 pairs' in text
-    assert text.endswith('Only pairs of complete trials count: 1 of 30 with auction and 0 of 30 with greedy failed.')
+    assert verdict == 'cut' and text.endswith('; larger in 0, smaller in 5 of 5 pairs (Holm p = 0.062).')
 
 
 def test_an_order_that_turns_with_another_factor_is_not_shown(tmp_path):
@@ -78,32 +62,22 @@ def test_an_order_that_turns_with_another_factor_is_not_shown(tmp_path):
     found = read(tmp_path, LEVELS, lambda each: 6 if each['robots'] == 8 else 30, measure, metrics=BOUND, **LIMITED)
     difference = of_method(found)
     assert difference.order.p < 1e-4 and len(difference.order.against) == 1
-    verdict, text = next(each for each in told(found) if 'auction and greedy' in each[1].lower())
-    assert verdict == 'cut' and text.endswith('Their order is not the same in all combinations of the other factors.')
+    assert next(verdict for verdict, text in told(found) if text.startswith('auction − greedy')) == 'cut'
+    assert beside(found)['by order'].endswith('; turned in robots 8')
 
 
-def test_of_several_levels_each_order_that_is_shown_is_told(tmp_path):
+@pytest.mark.parametrize(('limit', 'says'), [
+    (600.0, ['b − a', 'c − a', 'c − b']),  # no mean can be compared
+    (800.0, ['a − b', 'a − c'])])  # a is the best of those with a mean
+def test_of_several_levels_each_order_that_is_shown_is_told(tmp_path, limit, says):
     base = {'a': 500.0, 'b': 700.0, 'c': 900.0}
 
     def measure(configuration, replication):
         value = base[configuration['method']] + noise(replication, configuration['method'])
-        return trial(3600.0, is_cut=True) if replication % 5 == 0 and value > 600.0 else trial(value)
-    found = read(tmp_path, {'method': ['a', 'b', 'c']}, 30, measure, metrics=BOUND, **LIMITED)
-    (verdict, text), = told(found)
-    assert verdict == 'order' and text.count('by order alone') == 3
-    assert 'Higher with c than with b, by order alone: in all 24 pairs' in text
-    assert 'The order of 6 more pairs is not known.' in text
-
-
-def test_a_level_that_is_cut_off_is_told_apart_from_the_best_by_order(tmp_path):
-    base = {'a': 500.0, 'b': 700.0, 'c': 900.0}
-
-    def measure(configuration, replication):
-        value = base[configuration['method']] + noise(replication, configuration['method'])
-        return trial(3600.0, is_cut=True) if replication % 5 == 0 and value > 800.0 else trial(value)
-    (_, text), = told(read(tmp_path, {'method': ['a', 'b', 'c']}, 30, measure, metrics=BOUND, **LIMITED))
-    assert 'Its mean could not be compared with c: the limit of time ended trials. ' \
-           'Higher with c than with a, by order alone: in all 30 pairs' in text
+        return trial(3600.0, is_cut=True) if replication % 5 == 0 and value > limit else trial(value)
+    found = told(read(tmp_path, {'method': ['a', 'b', 'c']}, 30, measure, metrics=BOUND, **LIMITED))
+    assert sorted(text.partition(': ')[0] for _, text in found) == says
+    assert {verdict for verdict, _ in found} <= {'order', 'better'}
 
 
 def test_the_table_has_the_counts(tmp_path):

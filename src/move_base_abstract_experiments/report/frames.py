@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 
-from . import effects, intervals, sentences, verdicts
+from . import comparisons, effects, intervals
 from .outcome import COMPLETE
 
 DIGITS = '%.10g'  # further digits may be errors of rounding
@@ -67,12 +67,12 @@ def differences(experiment, found):
     """Return a frame with a row per effects.Difference."""
     rows = []
     for each in found:
-        first, second = sentences.names_of(experiment, each)
+        first, second = comparisons.names_of(experiment, each)
         rows.append({
             'metric': each.metric.name, 'unit': each.metric.unit,
             'factor': '' if each.factor is None else experiment.factors[each.factor].name,
-            'first': first, 'second': second, 'at': sentences.at_text(experiment, each), **_estimate(each.estimate),
-            'p': each.p, 'p_holm': each.p_holm, 'verdict': verdicts.verdict_of(each),
+            'first': first, 'second': second, 'at': comparisons.at_text(experiment, each), **_estimate(each.estimate),
+            'p': each.p, 'p_holm': each.p_holm, 'verdict': comparisons.verdict_of(each),
             'mean_of_first': each.reference, 'configurations_used': len(each.used),
             'configurations_possible': len(each.groups), 'fewest_pairs': each.fewest,
             **{f'{what}_{name}': getattr(side, what) for name, side in zip(('first', 'second'), each.sides)

@@ -5,7 +5,7 @@ import math
 
 from move_base_abstract.runs.states import STATES
 
-from . import endings, intervals, notable_trials, sentences, verdicts
+from . import comparisons, endings, intervals, notable_trials
 from .design import level_label
 from .outcome import COMPLETE, FAILED, MISSING
 from .parts import Cell, Table
@@ -70,26 +70,21 @@ def differences(experiment, title, found, scale, where):
     """Return the table of one metric's effects.Differences, or None if there are none."""
     if not found:
         return None
-    unit = sentences.difference_scale(found[0].metric, scale)
-    rows, cut_down = [], False
-    for each in found:
-        first, second = sentences.names_of(experiment, each)
+    unit = comparisons.difference_scale(found[0].metric, scale)
+    rows, beside = [], [comparisons.asides(experiment, each, unit) for each in found]
+    columns = [name for name in comparisons.ASIDES if any(name in each for each in beside)]
+    for each, aside in zip(found, beside):
+        first, second = comparisons.names_of(experiment, each)
         value, low, high = estimate_texts(each.estimate, unit)
-        cut_down = cut_down or len(each.used) < len(each.groups)
-        rows.append((f'{second} − {first}', sentences.at_text(experiment, each) or 'all', whole(each.estimate.n), value,
-                     f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
-                     verdicts.VERDICTS[verdicts.verdict_of(each)],
-                     *((_used_text(each),) if any(len(one.groups) > 1 for one in found) else ())))
-    header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict',
-              *(('combinations used',) if any(len(one.groups) > 1 for one in found) else ()))
-    note = 'A mean leaves out combinations of other factors that have too few pairs.' if cut_down else ''
+        rows.append((f'{second} − {first}', comparisons.at_text(experiment, each) or 'all',
+                     comparisons.pairs_text(each), value, f'{low} to {high}' if low else UNKNOWN,
+                     _probability(each.p), _probability(each.p_holm),
+                     comparisons.VERDICTS[comparisons.verdict_of(each)][0], *(aside.get(name, '') for name in columns)))
+    header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict', *columns)
+    smallest = found[0].metric.smallest
+    note = f'The smallest difference that counts: {digits(smallest * scale.factor)}{scale.suffix}.' if smallest else ''
     rows, note = cut(rows, note, where)
     return Table(f'{title}{_in(unit)}', header, rows, note)
-
-
-def _used_text(difference):
-    """Return the number of combinations of the other factors that count, and their smallest number of pairs."""
-    return f'{len(difference.used)} of {len(difference.groups)}, {difference.fewest} or more pairs each'
 
 
 def _probability(p):
@@ -100,15 +95,15 @@ def changes(experiment, found, scale):
     """Return the table of one metric's interactions, or None if there are none."""
     if not found:
         return None
-    unit = sentences.difference_scale(found[0].metric, scale)
+    unit = comparisons.difference_scale(found[0].metric, scale)
     rows = []
     for each in found:
-        first, second = sentences.names_of(experiment, each)
+        first, second = comparisons.names_of(experiment, each)
         places = [level_label(experiment.factors, *place) for place in each.at]
         value, low, high = estimate_texts(each.estimate, unit)
         rows.append((f'{second} − {first}', f'{places[1]} − {places[0]}', whole(each.estimate.n), value,
                      f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
-                     verdicts.VERDICTS[_of_change(verdicts.verdict_of(each))]))
+                     comparisons.VERDICTS[_of_change(comparisons.verdict_of(each))][0]))
     rows, note = cut(rows, '', 'tables/interactions.csv')
     return Table(f'How differences depend on other factors{_in(unit)}',
                  ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'), rows,

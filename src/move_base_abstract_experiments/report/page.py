@@ -98,7 +98,9 @@ def _page(analysis, added, problems):
     return dict(
         title=experiment.name, lede=_lede(experiment), warnings=_warnings(experiment), most_rows=MOST_ROWS,
         ended=_by_metric(how_ended.findings(experiment, *analysis.endings)),
-        ended_tables=list(filter(None, (how_ended.table(experiment), listings.failures(experiment)))),
+        ended_tables=list(filter(None, (
+            how_ended.table(experiment), *how_ended.tables(experiment, *analysis.endings),
+            listings.failures(experiment)))),
         results=_by_metric(each for each in told if each.is_result or each.metric not in with_result),
         no_results=_by_metric(each for each in told if not each.is_result and each.metric in with_result),
         other_results=_by_metric(others),
@@ -352,7 +354,7 @@ def _method(analysis):
         "each replication is taken first. The mean of these differences has Student's interval and test. If a mean is "
         'over several combinations of other factors, each combination has the same weight, however many pairs it has, '
         'and the test has the degrees of freedom of the combination with the fewest pairs. A combination with fewer '
-        'than two pairs, or with trials that the limit of time ended, is left out, and the sentence says so. Shares '
+        'than two pairs, or with trials that the limit of time ended, is left out, and the table says so. Shares '
         "are compared by Newcombe's interval and an exact test (McNemar's). If all differences are the same, the test "
         'is the test of signs.',
         'p is the probability of a difference at least as large if nothing differed, for one comparison by itself. '

@@ -13,8 +13,7 @@ _TWO_DIGITS_BELOW = 2.95  # a half width that begins with less than this is give
 _MOST_DECIMALS = 6  # numbers that need more are written with a power of ten
 _RAISED = str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹')
 _MORE = 3  # the most digits that are added so that a bound that is not 0 is not shown as 0
-_SMALL_PLURALS = {'trials': 'trial', 'pairs': 'pair', 'replications': 'replication', 'configurations': 'configuration',
-                  'combinations': 'combination', 'more pairs': 'more pair'}
+_SMALL_PLURALS = {'trials': 'trial', 'pairs': 'pair', 'replications': 'replication', 'configurations': 'configuration'}
 #: units that read badly for large values: (the largest value from which on, factor, the other unit)
 _LARGER = {
     'ns': ((1e9, 1e-9, 's'), (1e6, 1e-6, 'ms'), (1e3, 1e-3, 'µs')), 'us': ((1e6, 1e-6, 's'), (1e3, 1e-3, 'ms')),

@@ -1,15 +1,11 @@
 """How trials ended, in words: which failed, which the limit of time ended, and whether the shares of these differ."""
 
-from .. import effects, endings, intervals
-from ..findings import Finding
+from .. import effects, endings, listings
+from ..findings import of_differences
 from ..outcome import COMPLETE, FAILED
 from ..parts import Table
-from ..phrases import amount, between, with_level
-from ..ranking import turned
-from ..sentences import difference_scale, exceptions, over_text, pairs_text, sentence_case, spoken
-from ..wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
+from ..wording import UNKNOWN, Scale, whole, with_interval
 
-MOST_TOLD = 6  # the most shown differences per way of ending that have sentences; all are in tables/endings.csv
 MOST_ROWS = 200
 MOST_OPEN = 16  # a table with more rows is folded
 SCALE = Scale(100.0, '%')
@@ -17,7 +13,6 @@ _HEADERS = {'failed': 'share that failed', 'limit': 'share ended by the limit of
 _ENDS = {endings.LIMIT: 'limit of time', 'time_limit': 'limit of wall time', 'topic': 'message'}
 _NOTE = "Shares have Wilson's interval. The limit of time is that of simulated time (until: seconds). Its share is " \
         'of complete trials.'
-_DONE = {'failed': 'failed', 'limit': 'were ended by the limit of time'}
 
 
 def findings(experiment, mains, singles):
@@ -25,66 +20,21 @@ def findings(experiment, mains, singles):
 
     :param mains, singles: effects.outcome_differences of the experiment.
     """
-    found = []
-    for metric in experiment.outcomes:
-        own = [each for each in mains if each.metric is metric]
-        shown = [each for each in own if each.is_shown]
-        known = {each.factor for each in shown}
-        shown += [each for each in singles if each.metric is metric and each.is_shown and each.factor not in known]
-        shown.sort(key=lambda each: -abs(each.estimate.value))
-        told = [_finding(experiment, each) for each in shown[:MOST_TOLD]]
-        rest = [each for each in own or [each for each in singles if each.metric is metric]
-                if each.factor not in {one.factor for one in shown}]
-        told += [_finding(experiment, each) for each in _largest(rest)]
-        found += told
-    return found
+    return [finding for own in _compared(experiment, mains, singles)
+            for finding in of_differences(experiment, own, SCALE) if finding.verdict != 'same']
 
 
-def _largest(differences):
-    """Return the largest Difference of each factor; differences of 0 or without an interval are left out."""
-    largest = {}
-    for each in differences:
-        if each.estimate.has_interval and abs(each.estimate.value) > abs(
-                largest[each.factor].estimate.value if each.factor in largest else 0.0):
-            largest[each.factor] = each
-    return list(largest.values())
+def tables(experiment, mains, singles):
+    """Return the tables of the same differences."""
+    return [listings.differences(experiment, f'{own[0].metric.title}: differences', own, SCALE, 'tables/endings.csv')
+            for own in _compared(experiment, mains, singles)]
 
 
-def _finding(experiment, difference):
-    """Return the Finding of a Difference of shares; its sentence names the larger share first."""
-    if difference.estimate.value < 0.0:
-        difference = turned(difference)
-    metric = difference.metric
-    first, second, than = spoken(experiment, difference)
-    counts = [_counted(experiment, difference, side) for side in (1, 0)]
-    scale = difference_scale(metric, SCALE)
-    over, pairs = over_text(experiment, difference), pairs_text(difference)
-    rest = exceptions(experiment, difference, scale)
-    held = listed(with_level(experiment.factors, *each) for each in difference.at)
-    where = f' (both with {held})' if difference.at else ''
-    text = f'{counts[0]} {_DONE[metric.outcome]} with {second}, {counts[1].replace(" trials", "")} with {than}{where}'
-    if difference.is_shown:
-        size, interval = amount(difference.estimate, scale)
-        size = size.replace('higher', 'more')
-        verdict = 'average' if difference.against else 'part' if len(difference.used) < len(difference.groups) else \
-            'fails' if metric.outcome == 'failed' else 'differs'
-        return Finding(metric.title, verdict, sentence_case(f'{text}: {size}{over} ({interval}; {pairs}).') + rest,
-                       None)
-    if difference.estimate.value == 1.0:  # every pair shows it, but there are too few pairs for the test
-        return Finding(metric.title, 'always', sentence_case(
-            f'{text}: in every pair, but there are too few pairs for a test ({pairs}).') + rest, None)
-    why = f'too weak to count (Holm p{NBSP}{probability(difference.p_holm)})' \
-        if difference.is_hint else 'not told apart'
-    return Finding(metric.title, 'weak' if difference.is_hint else 'none', sentence_case(
-        f'{text}: {why}, the difference lies between {between(difference.estimate, scale)}'
-        f'{over} (95 % interval; {pairs}).') + rest, None)
-
-
-def _counted(experiment, difference, side):
-    """Return the words '15 of 30 trials' about one side (0: first, 1: second) of a Difference."""
-    places = sorted({group[side] for group in difference.used})
-    values = intervals.known(experiment.values(difference.metric)[places])
-    return f'{whole(int(values.sum()))} of {counted(len(values), "trials")}'
+def _compared(experiment, mains, singles):
+    """Return for each way of ending its Differences between levels, or else those between configurations."""
+    kinds = [[[each for each in kind if each.metric is metric] for kind in (mains, singles)]
+             for metric in experiment.outcomes]
+    return [own[0] or own[1] for own in kinds if own[0] or own[1]]
 
 
 def table(experiment):
