@@ -87,7 +87,7 @@ class Encounters:
             due_ns = next_meeting(one.track, two.track, self.law.radius, times, now_ns)
             if due_ns is not None:
                 event = self.simulation.queue.schedule(
-                    due_ns, pair[0], lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))
+                    due_ns, pair[0], lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
                 self._ahead[pair] = one.ahead[two.index] = two.ahead[one.index] = event
 
     def _forget(self, index: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Callable, Optional
 
 if TYPE_CHECKING:
-    from .event_queue import EventQueue
+    from .event_queue import Event, EventQueue
 
 
 class Alarm:
@@ -17,7 +17,7 @@ class Alarm:
         self._queue = queue
         self._robot_index = robot_index
         self._keeps_going = keeps_going
-        self._event = None
+        self._event: Optional[Event] = None
         self.due_ns: Optional[int] = None
 
     def set(self, due_ns: int, action: Callable[[int], object]) -> None:

@@ -1,7 +1,15 @@
 """The one queue from which every event of a simulation comes."""
+from __future__ import annotations
+
 import math
 from heapq import heapify, heappop, heappush, heapreplace
 from itertools import chain
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+    _Entry = Tuple[int, int, int, 'Event']
 
 
 class Event:
@@ -14,13 +22,15 @@ class Event:
 
     __slots__ = ('action',)
 
-    telling = keeps_going = None
+    action: Optional[Callable[[int, int], Any]]
+    telling: Optional[Series] = None
+    keeps_going: Optional[Callable[[], bool]] = None
 
-    def __lt__(self, _other):
+    def __lt__(self, _other: Event) -> bool:
         """Return False: two events with the same place are of one series, and one of them is cancelled."""
         return False
 
-    def cancel(self):
+    def cancel(self) -> None:
         """Cancel this event. It may be cancelled twice, and after it has happened."""
         self.action = None
 
@@ -48,9 +58,11 @@ class EventQueue:
     on when somebody began to listen.
     """
 
-    def __init__(self):
-        self._heap = []  # of (due_ns, robot index, number, Event): tuples, because tuples are compared fastest
-        self._soon = []  # a second heap, of what is due at the instant that is happening: it is short, so it is fast
+    def __init__(self) -> None:
+        # Of (due_ns, robot index, number, Event): tuples, because tuples are compared fastest.
+        self._heap: List[_Entry] = []
+        # A second heap, of what is due at the instant that is happening: it is short, so it is fast.
+        self._soon: List[_Entry] = []
         self._instant_ns = -1  # the instant of the event that has happened last
         self._sweep_at = _FEWEST_SWEPT
         self._sequence = 0
@@ -58,38 +70,39 @@ class EventQueue:
         self.ever_waits = False
         self._telling = 0
         self._tellers = 0
-        self._asleep = []  # Series, in the order in which they fell asleep
-        self._guards = {}  # {robot index: break_off}
+        self._asleep: List[Series] = []  # Series, in the order in which they fell asleep
+        self._guards: Dict[int, Callable[[Exception], object]] = {}  # {robot index: break_off}
 
-    def guard(self, robot_index, break_off):
+    def guard(self, robot_index: int, break_off: Optional[Callable[[Exception], object]]) -> None:
         """Call ``break_off(error)`` if an event of the robot raises ``error``, and go on; None: let errors through."""
         if break_off is None:
             self._guards.pop(robot_index, None)
         else:
             self._guards[robot_index] = break_off
 
-    def new_teller(self):
+    def new_teller(self) -> int:
         """Return the place of a new series that only tells, among the events of one instant and robot."""
         self._tellers += 1
         return _TELLING + self._tellers
 
-    def count_telling(self, change):
+    def count_telling(self, change: int) -> None:
         """Note that ``change`` (1, 0 or -1) more series that only tell have an event in the queue."""
         self._telling += change
 
-    def sleep(self, series):
+    def sleep(self, series: Series) -> None:
         """Note that nobody hears the :class:`Series`, so that it has no event until its :meth:`Series.wake`."""
         self._asleep.append(series)
 
-    def forget_sleeper(self, series):
+    def forget_sleeper(self, series: Series) -> None:
         """Note that the series is no longer asleep: it has been stopped or woken."""
         self._asleep.remove(series)
 
-    def sleepers(self):
+    def sleepers(self) -> List[Series]:
         """Return the series that are asleep although somebody would hear them now."""
         return [series for series in self._asleep if series.is_heard()]
 
-    def schedule(self, due_ns, robot_index, action, telling=None, keeps_going=None):
+    def schedule(self, due_ns: int, robot_index: int, action: Callable[[int, int], Any],
+                 telling: Optional[Series] = None, keeps_going: Optional[Callable[[], bool]] = None) -> Event:
         """Schedule ``action(due_ns, now_ns)`` at ``due_ns`` [ns]; return its :class:`Event`, which can be cancelled.
 
         ``keeps_going()`` returns whether time goes on for this event alone. It is given for events that come by
@@ -107,7 +120,7 @@ class EventQueue:
             if telling is None:
                 self._sequence = place + 1
             else:
-                place = telling.place
+                place = telling.place  # type: ignore[assignment]
         event.action = action
         if due_ns <= self._instant_ns:
             heappush(self._soon, (due_ns, robot_index, place, event))
@@ -117,19 +130,19 @@ class EventQueue:
         heappush(self._heap, (due_ns, robot_index, place, event))
         return event
 
-    def _settle(self):
+    def _settle(self) -> None:
         """Have all events in one heap, for methods that look at it from outside of a run."""
         for entry in self._soon:
             heappush(self._heap, entry)
         self._soon.clear()
 
-    def _sweep(self):
+    def _sweep(self) -> None:
         """Drop cancelled events, of which those of far instants would stay for long; this does not change the order."""
         self._heap[:] = [entry for entry in self._heap if entry[3].action is not None]
         heapify(self._heap)
         self._sweep_at = max(_FEWEST_SWEPT, 2 * len(self._heap))
 
-    def next_due_ns(self):
+    def next_due_ns(self) -> Optional[int]:
         """Return when the next event is due [ns], or None if there is none."""
         if self._soon:
             self._settle()
@@ -138,7 +151,7 @@ class EventQueue:
             heappop(heap)
         return heap[0][0] if heap else None
 
-    def is_busy(self):
+    def is_busy(self) -> bool:
         """Return whether there is an event for which alone time goes on."""
         for entry in chain(self._heap, self._soon):
             event = entry[3]
@@ -146,7 +159,7 @@ class EventQueue:
                 return True
         return False
 
-    def is_for_onlookers(self):
+    def is_for_onlookers(self) -> bool:
         """Return whether there are events, but time goes on for none of them alone, or only for onlookers.
 
         That is: each event either does not keep time going, or is of a series that only onlookers hear.
@@ -162,7 +175,7 @@ class EventQueue:
                 is_any = True
         return is_any
 
-    def run_until(self, until_ns, present, instant_by_instant=False):
+    def run_until(self, until_ns: Optional[int], present: Simulation, instant_by_instant: bool = False) -> None:
         """Run all events that are due at ``until_ns`` [ns] or before, in order, with those scheduled meanwhile.
 
         ``present.now_ns`` [ns] is set to the time of each event before it happens, and never back. The actions get
@@ -189,14 +202,14 @@ class EventQueue:
                 if due_ns > present.now_ns:
                     present.now_ns = due_ns
             try:
-                action(due_ns, due_ns if instant_by_instant else until_ns)
+                action(due_ns, due_ns if instant_by_instant else until_ns)  # type: ignore[arg-type]
             except Exception as error:
                 break_off = self._guards.get(robot_index)
                 if break_off is None:
                     raise
                 break_off(error)
 
-    def foresee(self, before_ns, most):
+    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
         """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series that only tell, before ``end_ns``.
 
         The list is in the order of time. It has all calls before ``end_ns`` [ns], which is the earliest of
@@ -207,7 +220,7 @@ class EventQueue:
         due_ns = self.next_due_ns()
         if not self._telling:
             return [], before_ns if due_ns is None else min(before_ns, due_ns)
-        heap = []
+        heap: List[Tuple[int, int, int, Series]] = []
         for due_ns, robot_index, place, event in self._heap:
             if event.action is not None:
                 if event.telling is None:
@@ -218,7 +231,7 @@ class EventQueue:
                     event.cancel()
                     event.telling.fall_asleep(due_ns)
         heapify(heap)
-        instants = []
+        instants: List[Tuple[int, List[Series]]] = []
         while heap and heap[0][0] < before_ns:
             due_ns, robot_index, place, series = heap[0]
             if not instants or instants[-1][0] != due_ns:
@@ -229,19 +242,19 @@ class EventQueue:
             heapreplace(heap, (due_ns + series.period_ns, robot_index, place, series))
         return instants, before_ns
 
-    def skip(self, until_ns):
+    def skip(self, until_ns: int) -> None:
         """Skip the calls that were foreseen up to ``until_ns`` [ns], because they have been made."""
         while True:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > until_ns:
                 return
-            heappop(self._heap)[3].telling.skip(due_ns)
+            heappop(self._heap)[3].telling.skip(due_ns)  # type: ignore[union-attr]
 
-    def shift(self, by_ns):
+    def shift(self, by_ns: int) -> None:
         """Move all events by ``by_ns`` [ns]; their order stays."""
         self._settle()
         self._instant_ns = -1
-        self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
+        self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]  # type: ignore[misc]
         for series in self._asleep:
             series.shift(by_ns)
 
@@ -262,7 +275,8 @@ class Series:
     :raises ValueError: if the period is not > 0.
     """
 
-    def __init__(self, queue, robot_index, period_ns, action, only_tells=False, is_heard=None):
+    def __init__(self, queue: EventQueue, robot_index: int, period_ns: int, action: Callable[[int, int], Optional[int]],
+                 only_tells: bool = False, is_heard: Optional[Callable[[], int]] = None) -> None:
         if not period_ns > 0:
             raise ValueError('the period of a series must be > 0 ns, got {!r}'.format(period_ns))
         self._queue = queue
@@ -270,18 +284,18 @@ class Series:
         self.period_ns = period_ns
         self._action = action
         self._telling = self if only_tells else None
-        self._event = None
-        self._asleep_until_ns = None
+        self._event: Optional[Event] = None
+        self._asleep_until_ns: Optional[int] = None
         self.is_heard = is_heard or _always
         self.place = queue.new_teller() if only_tells else None
 
-    def start(self, first_ns):
+    def start(self, first_ns: int) -> None:
         """Start anew, with the first call at ``first_ns`` [ns]."""
         self.stop()
         self._schedule(first_ns)
         self._queue.count_telling(self._telling is not None)
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop the series; stopping it twice is allowed."""
         if self._asleep_until_ns is not None:
             self._asleep_until_ns = None
@@ -291,44 +305,44 @@ class Series:
             self._event = None
             self._queue.count_telling(-(self._telling is not None))
 
-    def tell(self, due_ns):
+    def tell(self, due_ns: int) -> None:
         """Do the action now that is foreseen for ``due_ns`` [ns]."""
         self._action(due_ns, due_ns)
 
-    def skip(self, due_ns):
+    def skip(self, due_ns: int) -> None:
         """Go on after ``due_ns`` [ns], whose action has been done beforehand."""
         self._go_on(due_ns + self.period_ns)
 
-    def wake(self, now_ns):
+    def wake(self, now_ns: int) -> Optional[int]:
         """End the sleep: go on after ``now_ns`` [ns]. Return the last instant [ns] that was slept through, or None."""
-        due_ns, self._asleep_until_ns = self._asleep_until_ns, None
+        due_ns, self._asleep_until_ns = self._asleep_until_ns or 0, None
         self._queue.forget_sleeper(self)
         missed = (now_ns - due_ns) // self.period_ns + 1 if due_ns <= now_ns else 0
         self._queue.count_telling(1)
         self._schedule(due_ns + missed * self.period_ns)
         return due_ns + (missed - 1) * self.period_ns if missed else None
 
-    def shift(self, by_ns):
+    def shift(self, by_ns: int) -> None:
         """Move the next event of a series that is asleep by ``by_ns`` [ns]."""
-        self._asleep_until_ns += by_ns
+        self._asleep_until_ns = (self._asleep_until_ns or 0) + by_ns
 
-    def _go_on(self, due_ns):
+    def _go_on(self, due_ns: int) -> None:
         if self.is_heard():
             self._schedule(due_ns)
         else:
             self.fall_asleep(due_ns)
 
-    def fall_asleep(self, due_ns):
+    def fall_asleep(self, due_ns: int) -> None:
         """Have no events until woken; ``due_ns`` [ns] is when the next one would be due."""
         self._event = None
         self._asleep_until_ns = due_ns
         self._queue.count_telling(-1)
         self._queue.sleep(self)
 
-    def _schedule(self, due_ns):
+    def _schedule(self, due_ns: int) -> None:
         self._event = self._queue.schedule(due_ns, self._robot_index, self._happen, self._telling)
 
-    def _happen(self, due_ns, now_ns):
+    def _happen(self, due_ns: int, now_ns: int) -> None:
         own = self._event
         pause_ns = 0
         try:
@@ -338,5 +352,5 @@ class Series:
                 self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
 
 
-def _always():
+def _always() -> int:
     return PARTICIPANTS

@@ -1,4 +1,8 @@
 """One simulation: its event queue, and its present, the time up to which everything has happened."""
+from __future__ import annotations
+
+from typing import Callable, Iterable, List, Optional, Tuple
+
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
 from .event_queue import EventQueue, Series
@@ -8,18 +12,18 @@ from .guard import log_fault
 class Simulation:
     """Keeps the time of some robots and runs their events. It is not thread-safe: the caller holds one lock."""
 
-    def __init__(self, now_ns=0, on_fault=log_fault):
+    def __init__(self, now_ns: int = 0, on_fault: Callable[[str, BaseException], object] = log_fault) -> None:
         """``on_fault(who, error)`` is called for unexpected errors that ended a goal."""
         self.queue = EventQueue()
         self._on_fault = on_fault
         #: the simulated time [ns]: that of the event that is happening, otherwise that up to which all has happened
         self.now_ns = now_ns
 
-    def report_fault(self, who, error):
+    def report_fault(self, who: str, error: BaseException) -> None:
         """Report the exception ``error`` as an error of ``who`` (a text)."""
         self._on_fault(who, error)
 
-    def advance(self, now_ns):
+    def advance(self, now_ns: int) -> None:
         """Run everything that is due up to ``now_ns`` [ns], in order.
 
         :raises TimeError: if ``now_ns`` lies before the present; time never goes back.
@@ -29,7 +33,7 @@ class Simulation:
         self.queue.run_until(now_ns, self)
         self.now_ns = now_ns
 
-    def run(self, until_ns=None):
+    def run(self, until_ns: Optional[int] = None) -> None:
         """Advance to each instant at which anything is due, up to ``until_ns`` [ns], and then to ``until_ns`` itself.
 
         None: as long as there is an event for which time goes on.
@@ -40,7 +44,7 @@ class Simulation:
         if until_ns is not None:
             self.advance(until_ns)
 
-    def restart(self, now_ns):
+    def restart(self, now_ns: int) -> None:
         """Set the present to ``now_ns`` [ns], possibly an earlier time, and shift all events by the same amount.
 
         This is for a clock that has started anew. Objects that keep times of the old clock must correct them.
@@ -48,15 +52,15 @@ class Simulation:
         self.queue.shift(now_ns - self.now_ns)
         self.now_ns = now_ns
 
-    def next_due_ns(self):
+    def next_due_ns(self) -> Optional[int]:
         """Return when the next event is due [ns], or None if there is none."""
         return self.queue.next_due_ns()
 
-    def foresee(self, before_ns, most):
+    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
         """Foresee as :meth:`EventQueue.foresee` does."""
         return self.queue.foresee(before_ns, most)
 
-    def tell(self, due_ns, series):
+    def tell(self, due_ns: int, series: Iterable[Series]) -> None:
         """Do what each of ``series`` foresees for ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
         present_ns, self.now_ns = self.now_ns, due_ns
         try:
@@ -65,7 +69,7 @@ class Simulation:
         finally:
             self.now_ns = present_ns
 
-    def wake(self):
+    def wake(self) -> None:
         """Wake the series that sleep and are heard now, because somebody has begun to listen; they go on after now.
 
         The last action that each has slept through is done now, with the time at which it was due, so that all is as if
@@ -76,12 +80,13 @@ class Simulation:
             if missed_ns is not None:
                 self.tell(missed_ns, [series])
 
-    def skip(self, until_ns):
+    def skip(self, until_ns: int) -> None:
         """Set the present to ``until_ns`` [ns]; the calls that were foreseen up to then have been made."""
         self.queue.skip(until_ns)
         self.now_ns = until_ns
 
-    def series(self, robot_index, frequency, action, only_tells=False, is_heard=None):
+    def series(self, robot_index: int, frequency: float, action: Callable[[int, int], Optional[int]],
+               only_tells: bool = False, is_heard: Optional[Callable[[], int]] = None) -> Optional[Series]:
         """Return a new :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None

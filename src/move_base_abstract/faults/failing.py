@@ -70,7 +70,8 @@ class Failing:
         self._sticking = Sticking(failures.by_clearance, navigator, chance)
         self._giving_up = GivingUp(failures.patience, navigator, simulation.queue, robot.index)
         self._script = [self._queue.schedule(
-            one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(SCRIPT, due_ns, one.kind, one.repair),
+            one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(  # type: ignore[misc]
+                SCRIPT, due_ns, one.kind, one.repair),
             keeps_going=_no) for one in failures.script if one.at_ns >= simulation.now_ns]
         robot.follow(self._motion_changed)
         stream.subscribe('failures', {GoalChanged: lambda event: self._goal_changed(event.time_ns)})
@@ -150,8 +151,10 @@ class Failing:
     def close(self) -> None:
         """Note that the robot is removed: it does not fail any more."""
         self._giving_up.end()
-        for event in (self._hours, self._on_leg, self._repair, *self._script):
+        for event in (self._hours, self._on_leg, self._repair):
             event.cancel()
+        for scripted in self._script:
+            scripted.cancel()
 
     def _draw(self, cause: str) -> float:
         """Return the exposure after which the robot fails again; it is drawn from an exponential distribution."""

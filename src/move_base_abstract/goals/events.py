@@ -119,7 +119,7 @@ class Recovery(NamedTuple):
     time_ns: int
     robot: str
     pose: Pose2D
-    index: int
+    index: int  # type: ignore[assignment]  # a tuple's method of that name is not needed
     behaviors: Tuple[Any, ...]
 
 

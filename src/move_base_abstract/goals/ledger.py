@@ -3,9 +3,11 @@
 The rules are those of actionlib's action server and simple action server, as clients of move_base know them: one goal
 is active, the newest goal wins, and a cancel names an id, a time or all goals. A comment says where a rule differs.
 """
+from __future__ import annotations
+
 from collections import OrderedDict
 from dataclasses import dataclass
-from typing import Optional
+from typing import Callable, List, Optional
 
 from .outcome import REPLACED, TEXT_ACCEPTED, TEXT_ANOTHER_GOAL, TEXT_BEFORE_LAST_CANCEL, GoalState, Outcome
 
@@ -36,30 +38,32 @@ class GoalLedger:
     goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
     """
 
-    def __init__(self, publish_status, publish_result, new_id, keep_ns=5_000_000_000):
+    def __init__(self, publish_status: Optional[Callable[[], object]],
+                 publish_result: Callable[[GoalRecord, int], object], new_id: Callable[[int], str],
+                 keep_ns: int = 5_000_000_000) -> None:
         self._publish_status = publish_status
         self._publish_result = publish_result
         self._new_id = new_id
         self._keep_ns = keep_ns
-        self._records = []
-        self._current = None
+        self._records: List[GoalRecord] = []
+        self._current: Optional[GoalRecord] = None
         #: the record of the goal that is being worked on, or None
-        self.active = None
+        self.active: Optional[GoalRecord] = None
         self._last_cancel_ns = 0
         # A cancel may overtake its goal on another socket. actionlib forgets such a cancel after some seconds of ROS
         # time, which is very short at a high speed. Here the last 1000 are remembered, whatever their age.
-        self._early_cancels = OrderedDict()
+        self._early_cancels: OrderedDict[str, None] = OrderedDict()
         #: whether nothing is published for now
         self.is_silent = False
-        self._untold = []
+        self._untold: List[GoalRecord] = []
 
-    def records(self, now_ns):
+    def records(self, now_ns: int) -> List[GoalRecord]:
         """Return the records that the status topic shows at ``now_ns`` [ns], oldest first."""
         current, since_ns = self._current, now_ns - self._keep_ns
         return [record for record in self._records
                 if record is current or record.ended_ns is None or record.ended_ns >= since_ns]
 
-    def receive(self, goal_id, stamp_ns, now_ns):
+    def receive(self, goal_id: str, stamp_ns: int, now_ns: int) -> Optional[GoalRecord]:
         """Take a goal in; return its record if it is accepted, which ends the goal that was active; None otherwise.
 
         A ``stamp_ns`` [ns] of 0 and an empty ``goal_id`` mean that it is not given.
@@ -87,7 +91,7 @@ class GoalLedger:
         self._accept(record, now_ns)
         return record
 
-    def _take_again(self, record, now_ns):
+    def _take_again(self, record: GoalRecord, now_ns: int) -> None:
         """Take in a goal whose id is on the list already; if it was cancelled before it came, it is recalled."""
         if record.state is GoalState.RECALLING:
             self._early_cancels.pop(record.goal_id, None)
@@ -95,7 +99,7 @@ class GoalLedger:
         elif record.ended_ns is not None:
             record.ended_ns = now_ns
 
-    def _accept(self, record, now_ns):
+    def _accept(self, record: GoalRecord, now_ns: int) -> None:
         try:
             if self.active is not None:
                 self._end(self.active, REPLACED, now_ns)
@@ -108,12 +112,12 @@ class GoalLedger:
         if self._publish_status is not None:
             self._publish_status()
 
-    def finish(self, outcome, stamp_ns):
+    def finish(self, outcome: Outcome, stamp_ns: int) -> None:
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
         if self.active is not None:
             self._end(self.active, outcome, stamp_ns)
 
-    def _end(self, record, outcome, stamp_ns):
+    def _end(self, record: GoalRecord, outcome: Outcome, stamp_ns: int) -> None:
         record.state, record.text, record.ended_ns = outcome.state, outcome.text, stamp_ns
         if record is self.active:
             self.active = None
@@ -126,7 +130,7 @@ class GoalLedger:
             if self._publish_status is not None:
                 self._publish_status()
 
-    def cancel(self, goal_id, stamp_ns, now_ns):
+    def cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> bool:
         """Take a cancel request in; return whether it cancels the active goal, which then becomes PREEMPTING.
 
         Without id and stamp it cancels all goals; with an id, that goal; with a stamp [ns], also all goals whose stamp
@@ -151,11 +155,11 @@ class GoalLedger:
         self._last_cancel_ns = max(self._last_cancel_ns, stamp_ns)
         return hits_active
 
-    def go_silent(self):
+    def go_silent(self) -> None:
         """Publish nothing until :meth:`answer_again`."""
         self.is_silent = True
 
-    def answer_again(self, now_ns):
+    def answer_again(self, now_ns: int) -> None:
         """End the silence: publish at ``now_ns`` [ns] the results of the goals that have ended meanwhile."""
         if not self.is_silent:
             return
@@ -167,14 +171,14 @@ class GoalLedger:
         if self._publish_status is not None:
             self._publish_status()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget all goals and cancels, ended or not; publish nothing."""
         self._records = []
         self._current = self.active = None
         self._last_cancel_ns = 0
         self._early_cancels.clear()
 
-    def restart(self, now_ns):
+    def restart(self, now_ns: int) -> None:
         """Go on with a clock that has started anew at ``now_ns`` [ns]; no goal is active then.
 
         Goals that have ended stay on the list as if they had ended now. The stamps of new goals are not compared with
@@ -185,7 +189,7 @@ class GoalLedger:
         self._current = self.active = None
         self._last_cancel_ns = 0
 
-    def _remember_cancel(self, goal_id, stamp_ns, now_ns):
+    def _remember_cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> None:
         self._early_cancels[goal_id] = None
         while len(self._early_cancels) > _REMEMBERED_CANCELS:
             self._early_cancels.popitem(last=False)

@@ -3,7 +3,10 @@
 Threading contract: all methods are called under the simulation's one lock, with a ``now_ns`` [ns] that is not before
 the simulation's present.
 """
+from __future__ import annotations
+
 from collections import deque
+from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Union
 
 from ..common.errors import FrameError
 from ..common.units import NS_PER_S, check_reachable
@@ -18,6 +21,17 @@ from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_PLAN, RE
 from .recovery import RecoveryPolicy
 from .travel import Travel
 
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..engine.stream import Stream
+    from ..motion.attempts import GoalAttempts
+    from ..motion.durations import GoalDurations
+    from ..motion.frames import RobotFrames
+    from ..motion.robot import Robot
+    from .client import GoalClient
+    from .ledger import GoalLedger
+    from .outcome import Outcome
+
 __all__ = ['BadFramePolicy', 'GoalPose', 'Navigator']
 
 _RETRY_NS = NS_PER_S // 20  # after which an unknown frame is looked up again
@@ -30,8 +44,11 @@ class Navigator:
     Events go to ``stream`` (Stream, see :mod:`.events`), feedback on the way goes to ``client`` (GoalClient).
     """
 
-    def __init__(self, robot, simulation, ledger, frames, stream, client, planner=StraightLinePlanner(),
-                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy(), durations=None):
+    def __init__(self, robot: Robot, simulation: Simulation, ledger: GoalLedger, frames: RobotFrames, stream: Stream,
+                 client: GoalClient, planner: StraightLinePlanner = StraightLinePlanner(),
+                 bad_frame_policy: BadFramePolicy = BadFramePolicy.ABORT,
+                 recovery_policy: RecoveryPolicy = RecoveryPolicy(),
+                 durations: Optional[Union[GoalDurations, GoalAttempts]] = None) -> None:
         self.robot = robot
         self.planner = planner
         self._agenda = Agenda(simulation.queue, robot.index)
@@ -47,27 +64,27 @@ class Navigator:
         #: the feedback with the robot's pose on its way (GoalFeedback)
         self.feedback = GoalFeedback(robot, simulation, ledger, client)
         self._starts_from_idle = True
-        self._refusals = {}
-        self._unheard = deque(maxlen=_UNHEARD)
+        self._refusals: Dict[str, Outcome] = {}
+        self._unheard: Deque[Callable[[int], object]] = deque(maxlen=_UNHEARD)
         self.goal_number = 0  # the number of goals that the robot has begun to work on
 
-    def set_recovery_policy(self, policy):
+    def set_recovery_policy(self, policy: RecoveryPolicy) -> None:
         """Use ``policy`` (RecoveryPolicy) for the next goal that cannot be reached, and for all after it."""
         self._recovery_policy = policy
 
     @property
-    def is_active(self):
+    def is_active(self) -> bool:
         """Whether the robot has a goal."""
         return self._ledger.active is not None
 
-    def receive(self, goal_id, stamp_ns, goal, now_ns):
+    def receive(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
         try:
             self._take_in(goal_id, stamp_ns, goal, now_ns)
         except Exception as error:  # as :func:`guarded` does, which costs more; this is called for each goal
             self.break_off(error)
 
-    def _take_in(self, goal_id, stamp_ns, goal, now_ns):
+    def _take_in(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         ledger = self._ledger
         if ledger.is_silent:
             self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
@@ -97,7 +114,7 @@ class Navigator:
             self.feedback.start(now_ns)
         self._find_place(goal, now_ns)
 
-    def _find_place(self, goal, now_ns):
+    def _find_place(self, goal: GoalPose, now_ns: int) -> None:
         """Transform the goal to the global frame and go there if possible.
 
         If the goal's stamp lies in the future and its frame moves, wait until then.
@@ -124,19 +141,19 @@ class Navigator:
                 self._tell(Aimed(now_ns, self.robot.name, pose, goal.height, self._frames.orientation(goal, pose)))
             self.travel.go(planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
-    def _bad_place(self, goal, text, now_ns):
+    def _bad_place(self, goal: GoalPose, text: str, now_ns: int) -> None:
         self._tell(Warned(now_ns, self.robot.name, text))
         if self._bad_frame_policy is BadFramePolicy.ABORT:
             self.end(aborted(text), now_ns)
             return
         self._try_at(now_ns + _RETRY_NS, goal, now_ns)
 
-    def _try_at(self, due_ns, goal, now_ns):
+    def _try_at(self, due_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Look up the goal's place at ``due_ns`` [ns]."""
         if self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
             self._agenda.at(due_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
 
-    def _can_wait_for(self, due_ns, what, now_ns):
+    def _can_wait_for(self, due_ns: int, what: str, now_ns: int) -> bool:
         """Return whether simulated time can reach ``due_ns`` [ns]; if not, end the goal."""
         try:
             check_reachable(due_ns, what)
@@ -145,21 +162,21 @@ class Navigator:
             return False
         return True
 
-    def arrive(self, due_ns, _now_ns):
+    def arrive(self, due_ns: int, _now_ns: int) -> None:
         """End the goal, which the robot has reached at ``due_ns`` [ns]."""
         self.travel.halt(due_ns)
         if self.feedback.frequency:
             self.feedback.tell_last(due_ns)
         self.end(REACHED, due_ns)
 
-    def give_up(self, now_ns):
+    def give_up(self, now_ns: int) -> None:
         """End the active goal, to which there is no way, after all the time for which move_base would try."""
         behaviors = self._recovery_policy.behaviors
         begins, end_ns = self._recovery_policy.schedule(now_ns)
         if not self._can_wait_for(end_ns, 'the robot would give up', now_ns):
             return
         for begin_ns, index in begins:
-            self._agenda.at(begin_ns, lambda due_ns, _now_ns, index=index: self._tell(Recovery(
+            self._agenda.at(begin_ns, lambda due_ns, _now_ns, index=index: self._tell(Recovery(  # type: ignore[misc]
                 due_ns, self.robot.name, self.robot.pose_at(due_ns), index, behaviors)))
         if end_ns == now_ns:
             self.end(NO_PLAN, now_ns)
@@ -167,7 +184,7 @@ class Navigator:
             self._agenda.at(end_ns, lambda due_ns, _now_ns: self.end(NO_PLAN, due_ns))
 
     @guarded
-    def cancel(self, goal_id, stamp_ns, now_ns):
+    def cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> None:
         """Take a cancel request in; if it is for the active goal, the robot stops at its exact pose of this instant."""
         if self._ledger.is_silent:
             self._unheard.append(lambda at_ns: self.cancel(goal_id, stamp_ns, at_ns))
@@ -177,21 +194,21 @@ class Navigator:
             self.end(CANCELLED, now_ns)
 
     @guarded
-    def disable(self, reason, outcome, now_ns):
+    def disable(self, reason: str, outcome: Outcome, now_ns: int) -> None:
         """End the active goal, and each new one, with ``outcome``, until :meth:`enable` with the same ``reason``."""
         self._refusals[reason] = outcome
         self.shut_down(outcome, now_ns)
 
-    def enable(self, reason):
+    def enable(self, reason: str) -> None:
         """End what :meth:`disable` began for ``reason``; an unknown reason changes nothing."""
         self._refusals.pop(reason, None)
 
-    def go_silent(self):
+    def go_silent(self) -> None:
         """Publish nothing about goals, and take in neither goals nor cancels, until :meth:`answer_again`."""
         self._ledger.go_silent()
 
     @guarded
-    def answer_again(self, now_ns):
+    def answer_again(self, now_ns: int) -> None:
         """End the silence: publish the goals that have ended meanwhile; take in the goals and cancels that came.
 
         They are taken in in the order in which they came; of more than 50, only the last 50.
@@ -203,27 +220,27 @@ class Navigator:
             take_in(now_ns)
 
     @guarded
-    def shut_down(self, outcome, now_ns):
+    def shut_down(self, outcome: Outcome, now_ns: int) -> None:
         """End the active goal, if any, with ``outcome``."""
         if self.is_active:
             self.travel.halt(now_ns)
             self.end(outcome, now_ns)
 
-    def close(self, outcome, now_ns):
+    def close(self, outcome: Outcome, now_ns: int) -> None:
         """Shut down for good: as :meth:`shut_down`, but also end a silence and drop what was not taken in during it."""
         self._unheard.clear()
         self.shut_down(outcome, now_ns)
         self._ledger.answer_again(now_ns)
 
     @guarded
-    def reset(self, outcome, now_ns):
+    def reset(self, outcome: Outcome, now_ns: int) -> None:
         """End the active goal, if any, with ``outcome``, and every hold, silence and refusal of goals."""
         self.close(outcome, now_ns)
         self._refusals.clear()
         self.travel.forget_holds(now_ns)
 
     @guarded
-    def restart(self, before_ns, now_ns):
+    def restart(self, before_ns: int, now_ns: int) -> None:
         """Go on with a clock that has started anew at ``now_ns`` [ns]; the old one had reached ``before_ns`` [ns].
 
         The active goal is aborted; the robot stands where it was.
@@ -234,7 +251,7 @@ class Navigator:
         self._ledger.restart(now_ns)
         self.travel.tell_stands(now_ns)
 
-    def end(self, outcome, stamp_ns):
+    def end(self, outcome: Outcome, stamp_ns: int) -> None:
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]; the robot must stand already."""
         self._forget_goal(stamp_ns)
         if self.feedback.frequency:
@@ -245,7 +262,7 @@ class Navigator:
         if GoalChanged in self._hearers:
             self._tell(GoalChanged(stamp_ns, self.robot.name))
 
-    def break_off(self, error):
+    def break_off(self, error: Exception) -> None:
         """Clean up after the exception ``error``: stop the robot, and end its goal, if any, with the error's text."""
         now_ns, robot = self._simulation.now_ns, self.robot
         attempt_each(self._simulation, robot.name, error, (
@@ -253,7 +270,7 @@ class Navigator:
             (self._tell, WheelsStopped(now_ns, robot.name)), (self._tell, BrokenOff(now_ns, robot.name)),
             (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
 
-    def _forget_goal(self, now_ns):
+    def _forget_goal(self, now_ns: int) -> None:
         if self._agenda.events:
             self._agenda.clear()
         travel = self.travel

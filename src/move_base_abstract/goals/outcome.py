@@ -1,4 +1,6 @@
 """How a goal ends: the states of goals, and all endings with the texts that clients get."""
+from __future__ import annotations
+
 from dataclasses import dataclass
 from enum import Enum
 
@@ -17,7 +19,7 @@ class GoalState(Enum):
     RECALLED = 8
 
     @property
-    def is_terminal(self):
+    def is_terminal(self) -> bool:
         """Whether a goal in this state has ended."""
         return self in _TERMINAL
 
@@ -55,6 +57,6 @@ FAILED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has 
 CLOCK_RESTARTED = Outcome(GoalState.ABORTED, 'Aborting on the goal because simulated time has started anew')
 
 
-def aborted(text):
+def aborted(text: str) -> Outcome:
     """Return the ending of a goal that is refused for the reason ``text``."""
     return Outcome(GoalState.ABORTED, text)

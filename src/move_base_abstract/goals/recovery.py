@@ -1,7 +1,9 @@
 """How long move_base tries before it gives a goal up, and which recovery behaviours it announces meanwhile."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Any, List, Tuple
 
 from ..common.units import seconds_to_ns
 
@@ -36,7 +38,7 @@ class RecoveryPolicy:
     patience: float = 5.0
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
 
-    def schedule(self, start_ns):
+    def schedule(self, start_ns: int) -> Tuple[List[Any], int]:
         """Return ([(begin [ns], index of behaviour), ...], when to give up [ns]) for a try from ``start_ns`` [ns]."""
         if self.fast:
             return [], start_ns

@@ -2,12 +2,29 @@
 
 Threading contract: that of :mod:`.navigator`.
 """
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Callable, Optional, Sequence, Tuple, Union
 
 from ..engine.guard import guarded
 from ..motion.geometry import Pose2D
 from .events import Departed, Held, Stands, Warned, new
 from .outcome import NO_CONTROL, aborted
+
+if TYPE_CHECKING:
+    from ..engine.agenda import Agenda
+    from ..engine.stream import Stream
+    from ..maps.planning import StraightLinePlanner
+    from ..motion.attempts import GoalAttempts
+    from ..motion.durations import GoalDurations
+    from ..motion.pace import AnyLeg
+    from ..motion.robot import Robot
+    from ..traffic.giving_way import WayBack
+    from ..traffic.traveller import Traveller
+    from .navigator import Navigator
+
+    Corners = Sequence[Tuple[float, float]]
 
 
 class Travel:
@@ -17,24 +34,25 @@ class Travel:
     from the law of motion alone.
     """
 
-    def __init__(self, navigator, robot, planner, agenda, stream, durations):
+    def __init__(self, navigator: Navigator, robot: Robot, planner: StraightLinePlanner, agenda: Agenda, stream: Stream,
+                 durations: Optional[Union[GoalDurations, GoalAttempts]]) -> None:
         self._navigator = navigator
         self._robot = robot
         self._planner = planner
         self._agenda = agenda
         self._stream = stream
         self._durations = durations
-        self._gate = None
+        self._gate: Optional[Traveller] = None
         #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
-        self.limited = None
+        self.limited: Optional[Callable[[Pose2D, Corners, Pose2D], Corners]] = None
         #: the pose in the global frame that the robot works on, or None
-        self.target = None
+        self.target: Optional[Pose2D] = None
         #: the reasons for which the robot is held, as texts in the order in which they came; empty: it may travel
-        self.held_for = ()
+        self.held_for: Tuple[str, ...] = ()
         #: whether its way is planned when the last hold ends
         self.waits_for_release = False
 
-    def set_gate(self, gate):
+    def set_gate(self, gate: Traveller) -> None:
         """Ask ``gate`` at each departure whether the robot may go.
 
         ``departs(leg, now_ns)`` returns the reason (a text) for which the robot is held at once, or None. Afterwards,
@@ -42,17 +60,23 @@ class Travel:
         """
         self._gate = gate
 
-    def aim(self, target):
+    def aim(self, target: Optional[Pose2D]) -> None:
         """Set the robot's target (Pose2D, global frame); None: it has none any more."""
         self.target = target
         self.waits_for_release = False
 
-    def _go_on(self, now_ns):
+    def _go_on(self, now_ns: int) -> None:
         """Go on to the target from where the robot stands; if there is no way, it gives up as for a new goal."""
         self.go(() if self._planner.goes_straight else self._planner.corners(
-            self._robot.pose_at(now_ns), self.target), now_ns)
+            self._robot.pose_at(now_ns), self._aimed), now_ns)
 
-    def go(self, corners, now_ns, aside=None):
+    @property
+    def _aimed(self) -> Pose2D:
+        """The target of a robot that has one."""
+        assert self.target is not None
+        return self.target
+
+    def go(self, corners: Optional[Corners], now_ns: int, aside: Optional[Pose2D] = None) -> None:
         """Go to the target by ``corners``; None: there is no way. With ``aside`` (Pose2D), go there first."""
         if corners is None:
             self._fail_to_plan(now_ns)
@@ -60,11 +84,12 @@ class Travel:
         if self.held_for:
             self.waits_for_release = True
             return
-        place, robot = aside or self.target, self._robot
+        robot = self._robot
+        place: Pose2D = aside or self.target  # type: ignore[assignment]  # it has one; a call of _aimed costs more
         try:
             if self.limited is not None:
                 corners = self.limited(robot.pose_at(now_ns), corners, place)
-            leg = robot.depart(place, now_ns, corners, self._durations and self._durations.paced)
+            leg = robot.depart(place, now_ns, corners, None if self._durations is None else self._durations.paced)
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
@@ -78,7 +103,7 @@ class Travel:
         if gate is not None:
             gate.settle(now_ns)
 
-    def go_aside(self, reason, way, now_ns):
+    def go_aside(self, reason: str, way: WayBack, now_ns: int) -> None:
         """End the hold for ``reason``, and drive by ``way`` (.corners, .goal) from where the robot stands.
 
         From the end of that way, or from where it is stopped before, the robot goes on to its target by a new way. On
@@ -88,15 +113,15 @@ class Travel:
         self._change_holds(tuple(one for one in self.held_for if one != reason), now_ns)
         self.go(way.corners, now_ns, _beyond(way.goal, self._robot.tolerances.xy))
 
-    def _fail_to_plan(self, now_ns):
-        refusal = self._planner.refusal_of_way(self._robot.pose_at(now_ns), self.target)
+    def _fail_to_plan(self, now_ns: int) -> None:
+        refusal = self._planner.refusal_of_way(self._robot.pose_at(now_ns), self._aimed)
         if refusal:
             self._stream.tell(Warned(now_ns, self._robot.name, refusal))
         self._navigator.give_up(now_ns)
 
-    def _await_end(self, leg, is_aside):
+    def _await_end(self, leg: AnyLeg, is_aside: bool) -> None:
         if is_aside:
-            self._agenda.at(leg.arrive_ns, lambda due_ns, _now_ns: (self.halt(due_ns), self._go_on(due_ns)))
+            self._agenda.at(leg.arrive_ns, self._reach_aside)
             return
         failure_ns = None if self._durations is None else self._durations.failure_ns(leg)
         if failure_ns is None:
@@ -104,13 +129,17 @@ class Travel:
         else:
             self._agenda.at(failure_ns, self._fail_on_the_way)
 
-    def _fail_on_the_way(self, due_ns, _now_ns):
+    def _reach_aside(self, due_ns: int, _now_ns: int) -> None:
         self.halt(due_ns)
-        text = self._durations.failure_text
+        self._go_on(due_ns)
+
+    def _fail_on_the_way(self, due_ns: int, _now_ns: int) -> None:
+        self.halt(due_ns)
+        text = None if self._durations is None else self._durations.failure_text
         self._navigator.end(aborted(text) if text else NO_CONTROL, due_ns)
 
     @guarded
-    def hold(self, reason, now_ns):
+    def hold(self, reason: str, now_ns: int) -> None:
         """Have the robot stand at its exact pose of this instant for ``reason`` (a text), until :meth:`release`.
 
         Its goal stays active. A new goal is taken in and planned, and waits. Only travel is held: a goal's frame is
@@ -119,7 +148,7 @@ class Travel:
         if reason not in self.held_for:
             self._hold(reason, now_ns)
 
-    def _hold(self, reason, now_ns):
+    def _hold(self, reason: str, now_ns: int) -> None:
         self._change_holds((*self.held_for, reason), now_ns)
         leg = self._robot.leg
         if leg is not None:
@@ -130,7 +159,7 @@ class Travel:
             self.waits_for_release = True
 
     @guarded
-    def release(self, reason, now_ns):
+    def release(self, reason: str, now_ns: int) -> None:
         """End the hold for ``reason``. If no reason is left, the robot goes on by a new way.
 
         A reason that does not hold the robot changes nothing.
@@ -142,9 +171,9 @@ class Travel:
             self.waits_for_release = False
             self._go_on(now_ns)
 
-    def change_way(self, now_ns, corners=None):
+    def change_way(self, now_ns: int, corners: Optional[Corners] = None) -> None:
         """Stop the driving robot and go on from there, from rest, by ``corners``; None: by a new way."""
-        if self._durations is not None:
+        if self._durations is not None and self._robot.leg is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()
         self.halt(now_ns)
@@ -153,17 +182,17 @@ class Travel:
         else:
             self.go(corners, now_ns)
 
-    def forget_holds(self, now_ns):
+    def forget_holds(self, now_ns: int) -> None:
         """End all holds of the robot, which has no goal."""
         if self.held_for:
             self._change_holds((), now_ns)
 
-    def _change_holds(self, holds, now_ns):
+    def _change_holds(self, holds: Tuple[str, ...], now_ns: int) -> None:
         self.held_for = holds
         self._stream.tell(Held(now_ns, self._robot.name, holds))
 
     @guarded
-    def place(self, pose, now_ns):
+    def place(self, pose: Pose2D, now_ns: int) -> None:
         """Put the robot at ``pose`` (Pose2D, global frame). If it was driving, it goes on to its goal from there.
 
         A robot that is held stays held, and goes on from there when it is released.
@@ -176,7 +205,7 @@ class Travel:
             self._go_on(now_ns)
 
     @guarded
-    def map_changed(self, now_ns):
+    def map_changed(self, now_ns: int) -> None:
         """Plan again after a change of the map.
 
         A way that the new map blocks is planned again, from rest; so is the way to a target to which there was none. If
@@ -197,21 +226,21 @@ class Travel:
             self.halt(now_ns)
             self._go_on(now_ns)
 
-    def halt(self, now_ns):
+    def halt(self, now_ns: int) -> None:
         """Stop the robot, if it drives, and send the event that it stands."""
         robot = self._robot
         if robot.leg is not None:
             self._stream.tell(new(Stands, (now_ns, robot.name, robot.stop(now_ns))))
 
-    def tell_stands(self, now_ns):
+    def tell_stands(self, now_ns: int) -> None:
         """Send the event that the robot stands at its present pose, after it was put there."""
         self._stream.tell(Stands(now_ns, self._robot.name, self._robot.pose_at(now_ns)))
 
-    def break_off(self, error):
+    def break_off(self, error: Exception) -> None:
         """Clean up after an unexpected error: see :meth:`Navigator.break_off`."""
         self._navigator.break_off(error)
 
 
-def _beyond(pose, distance):
+def _beyond(pose: Pose2D, distance: float) -> Pose2D:
     """Return the Pose2D ``distance`` [m] ahead of ``pose``; a robot that stops that far short of it is at ``pose``."""
     return Pose2D(pose.x + distance * math.cos(pose.yaw), pose.y + distance * math.sin(pose.yaw), pose.yaw)

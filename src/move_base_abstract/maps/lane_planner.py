@@ -258,8 +258,6 @@ class LanePlanner(StraightLinePlanner):
                  map_check: Optional[MapCheck] = None) -> None:
         super().__init__(bounds, map_check)
         self._ways = ways
-        #: what lanes cost in addition to their time, None: nothing; see :mod:`.priced_ways`
-        self.prices: Optional[Prices] = None
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return a text that says why there is no way from ``start`` to ``goal``; call it only if there is none."""
@@ -272,11 +270,6 @@ class LanePlanner(StraightLinePlanner):
             return None
         ends = (start.x, start.y), (goal.x, goal.y)
         return self._ways.way(*ends) if self.prices is None else self._ways.priced_way(*ends, self.prices)
-
-    @staticmethod
-    def is_clear(_points: Sequence[Tuple[float, float]]) -> bool:
-        """Return True: a robot may go on from point to point, since lanes do not depend on a map."""
-        return True
 
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.corners(start, goal) is not None

@@ -14,6 +14,7 @@ from .map_check import square_rings
 
 if TYPE_CHECKING:
     from .map_check import MapCheck
+    from .priced_ways import Prices
 
 _PATH_SPACING = 0.25
 _MAX_PATH_STEPS = 10_000
@@ -52,6 +53,8 @@ class StraightLinePlanner:
 
     #: whether all ways are straight, so that no way depends on what is between its ends
     goes_straight = True
+    #: what lanes cost in addition to their time, None: nothing; see :mod:`.priced_ways`
+    prices: Optional[Prices] = None
 
     def __init__(self, bounds: WorldBounds = WorldBounds(), map_check: Optional[MapCheck] = None) -> None:
         self._bounds = bounds
@@ -102,6 +105,10 @@ class StraightLinePlanner:
     def corners(self, _start: Pose2D, goal: Pose2D) -> Optional[Tuple[Any, ...]]:
         """Return the corners ((x, y), ...) [m] of the way, which are none here, or None if there is no way."""
         return () if self._goes_anywhere or self.reachable(goal) else None
+
+    def is_clear(self, _points: Sequence[Tuple[float, float]]) -> bool:
+        """Return whether a robot may go straight from point to point, [(x, y), m]; here nothing on a map hinders it."""
+        return True
 
     def plan_near(self, start: Pose2D, goal: Pose2D, tolerance: float, add_goal: bool = True) -> List[Pose2D]:
         """Return the way to ``goal``, or to a place within ``tolerance`` [m] of it, or [] if there is none.

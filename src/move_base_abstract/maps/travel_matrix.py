@@ -168,11 +168,6 @@ class MatrixPlanner(StraightLinePlanner):
         seconds = None if name is None else self._seconds(start, name)
         return None if seconds is None else PlannedWay(seconds=seconds)
 
-    @staticmethod
-    def is_clear(_points: Any) -> bool:
-        """Return True: a robot may go straight from point to point, since times do not depend on a map."""
-        return True
-
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.corners(start, goal) is not None
 

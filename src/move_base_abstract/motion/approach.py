@@ -1,8 +1,14 @@
 """A robot that slows down as it comes near the end of its way or of a turn, in closed form."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, List, Tuple
 
 from .geometry import normalize_angle
+
+if TYPE_CHECKING:
+    from .leg import MotionLimits
 
 
 @dataclass(frozen=True)
@@ -30,7 +36,7 @@ class ApproachProfile:
     #: the time that the trip takes [s]
     seconds: float = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         distance, gain, offset = self.distance, self.gain, self.offset
         peak = min(self.max_speed, self._unlimited_peak())
         if not peak > 0.0 or distance <= 0.0:
@@ -45,14 +51,14 @@ class ApproachProfile:
         seconds = begin + (math.log(peak / (gain * offset)) / gain if brakes else 0.0)
         self.__dict__.update(peak_speed=peak, ramp_seconds=ramp, brake_begin=begin, seconds=seconds)
 
-    def _unlimited_peak(self):
+    def _unlimited_peak(self) -> float:
         slowness, whole = 1.0 / self.gain, self.distance + self.offset
         if math.isinf(self.acceleration):
             return whole * self.gain
         # The root of the quadratic equation, written so that nothing cancels.
         return 2.0 * whole / (slowness + math.sqrt(slowness * slowness + 2.0 * whole / self.acceleration))
 
-    def covered(self, elapsed):
+    def covered(self, elapsed: float) -> float:
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
         if elapsed >= self.seconds:
             return self.distance
@@ -65,12 +71,12 @@ class ApproachProfile:
         left = self.speed(elapsed) / self.gain - self.offset
         return min(self.distance, max(0.0, self.distance - left))
 
-    def smooth(self):
+    def smooth(self) -> List[Tuple[float, float]]:
         """Return the same as :meth:`.leg.SpeedProfile.smooth`; for braking, the largest acceleration that occurs."""
         ramp = [(self.ramp_seconds, self.acceleration)] if self.ramp_seconds else []
         return [*ramp, (self.brake_begin, 0.0), (self.seconds, self.gain * self.peak_speed)]
 
-    def speed(self, elapsed):
+    def speed(self, elapsed: float) -> float:
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         if elapsed < 0.0 or elapsed >= self.seconds:
             return 0.0
@@ -78,7 +84,7 @@ class ApproachProfile:
             return self.acceleration * elapsed
         return self.peak_speed * math.exp(-self.gain * max(0.0, elapsed - self.brake_begin))
 
-    def elapsed(self, covered):
+    def elapsed(self, covered: float) -> float:
         """Return the time [s after the start] at which ``covered`` [m] are covered: the inverse of :meth:`covered`.
 
         The result is clamped to the trip.
@@ -96,7 +102,7 @@ class ApproachProfile:
         # Never before brake_begin: on a trip without braking, rounding may put ``covered`` just beyond the end.
         return self.brake_begin + max(0.0, math.log(self.peak_speed / braked)) / self.gain
 
-    def changes(self, pieces):
+    def changes(self, pieces: int) -> List[float]:
         """Return instants [s after the start] that divide each time of changing speed into ``pieces`` equal parts."""
         shares = [number / pieces for number in range(1, pieces + 1)]
         return [*(share * self.ramp_seconds for share in shares),
@@ -117,7 +123,7 @@ class MotionPhases:
     that heading.
     """
 
-    start_turn: tuple
+    start_turn: Tuple[float, float]
     braking_gain: float
     braking_offset: float
     turning_speed: float
@@ -125,16 +131,16 @@ class MotionPhases:
     turning_offset: float
     bow_length: float = 0.0
 
-    def start_turn_seconds(self, turn):
+    def start_turn_seconds(self, turn: float) -> float:
         """Return the time [s] that a turn by ``turn`` [rad] at the start takes."""
         linear, square = self.start_turn
         return abs(turn) * (linear + square * abs(turn))
 
-    def drive(self, distance, limits):
+    def drive(self, distance: float, limits: MotionLimits) -> ApproachProfile:
         """Return the profile of a drive over ``distance`` [m] with the MotionLimits ``limits``."""
         return ApproachProfile(distance, limits.max_speed, limits.acceleration, self.braking_gain, self.braking_offset)
 
-    def end_turn(self, turn, start_turn, length, tolerance):
+    def end_turn(self, turn: float, start_turn: float, length: float, tolerance: float) -> ApproachProfile:
         """Return the profile of the last turn, by ``turn`` [rad] to within ``tolerance`` [rad].
 
         ``start_turn`` [rad] and ``length`` [m] are the first turn and the length of the drive before it.

@@ -4,11 +4,17 @@ In that branch an attempt fails with a chance of 0.01 before the robot departs. 
 at most 3 times; then the goal is aborted. The number of retries is reset only when the robot departs. So if a goal was
 aborted and the first attempt of the next goal fails, that goal is aborted at once.
 """
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Optional
 
 from ..common.units import seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from .pace import Pace, PacedLeg
+
+if TYPE_CHECKING:
+    from .pace import AnyLeg
 
 
 @dataclass(frozen=True)
@@ -23,31 +29,31 @@ class Attempts:
 class GoalAttempts:
     """Apply :class:`Attempts` to the goals of one robot, one after the other. It has the interface of GoalDurations."""
 
-    def __init__(self, attempts, seed=0, robot_name=''):
+    def __init__(self, attempts: Attempts, seed: int = 0, robot_name: str = '') -> None:
         self._attempts = attempts
         self._draw = Chance(seed, robot_name).uniform
         self._number = 0
         self._used = 0  # retries since the robot last departed
-        self._ready_ns = None
+        self._ready_ns: Optional[int] = None
         self._fails = False
 
     @property
-    def failure_text(self):
+    def failure_text(self) -> str:
         """The text that the client gets when its goal fails."""
         return 'The goal was given up after {} retries'.format(self._attempts.retries)
 
-    def next_goal(self):
+    def next_goal(self) -> None:
         """Note that the robot begins to work on its next goal."""
         self._number += 1
         self._ready_ns = None
 
-    def paced(self, leg):
+    def paced(self, leg: AnyLeg) -> PacedLeg:
         """Return ``leg``, preceded by the pauses of its goal; the robot makes these pauses only once per goal."""
         if self._ready_ns is None:
             self._ready_ns = leg.depart_ns + seconds_to_ns(self._try() * self._attempts.pause)
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), 1.0))
 
-    def _try(self):
+    def _try(self) -> int:
         """Return the number of pauses before the robot departs or gives up."""
         tried = 0
         while self._draw(self._number, Purpose.ATTEMPT, tried) <= self._attempts.chance:
@@ -59,9 +65,9 @@ class GoalAttempts:
         self._fails, self._used = False, 0
         return tried
 
-    def failure_ns(self, leg):
+    def failure_ns(self, leg: AnyLeg) -> Optional[int]:
         """Return the instant [ns] at which the robot gives up ``leg``, or None if it arrives."""
-        return max(leg.depart_ns, self._ready_ns) if self._fails else None
+        return max(leg.depart_ns, self._ready_ns or 0) if self._fails else None
 
-    def interrupted(self, _leg, _now_ns):
+    def interrupted(self, _leg: AnyLeg, _now_ns: int) -> None:
         """Note that the robot was interrupted on its leg and will go on: nothing is drawn again."""

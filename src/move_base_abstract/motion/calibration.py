@@ -1,4 +1,6 @@
 """A calibrated robot: its limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
+from __future__ import annotations
+
 import math
 import os
 import re
@@ -6,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from statistics import NormalDist
-from typing import Any, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -20,6 +22,9 @@ from .encounter_law import EncounterLaw, make_encounter_law
 from .leg import MotionLimits, Tolerances
 from .recorded_range import Recorded, read_intervals, read_recorded
 
+if TYPE_CHECKING:
+    from .phased_route import PhasedRoute
+
 FORMAT = 1
 ENCOUNTERS = 'encounters'  # an optional section of a calibration
 _NAME = re.compile(r'[A-Za-z0-9_]+')
@@ -30,11 +35,11 @@ _REQUIRED = object()
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
 
 
-def _row(name, convert, allowed):
+def _row(name: str, convert: Callable[..., Any], allowed: str) -> Parameter:
     return Parameter(name, _REQUIRED, convert, allowed)
 
 
-def _number(name, low, high, unit=''):
+def _number(name: str, low: float, high: float, unit: str = '') -> Parameter:
     allowed = 'a number in {:g}..{:g}'.format(low, high)
     return _row(name, number(low, high), '{} [{}]'.format(allowed, unit) if unit else allowed)
 
@@ -71,7 +76,7 @@ class TailMotion(NamedTuple):
     spin_speed: float
 
 
-def read_tail_motion(value):
+def read_tail_motion(value: Mapping[str, float]) -> TailMotion:
     """Return the :class:`TailMotion` in a section of a calibration; this is the converter of a Parameter.
 
     :raises ValueError: if ``value`` is not a mapping with exactly these speeds in their ranges.
@@ -119,7 +124,7 @@ class CalibratedDurations:
     tail_motion: Optional[TailMotion] = None
     tail_most: float = math.inf
 
-    def draw(self, leg, uniform):
+    def draw(self, leg: PhasedRoute, uniform: Callable[..., float]) -> Tuple[float, float]:
         """Return (overhead [s], factor) of a goal whose first leg is ``leg`` (PhasedRoute).
 
         ``uniform(purpose, place)`` gives the draws in (0, 1).
@@ -136,7 +141,7 @@ class CalibratedDurations:
         late -= self.delay_share * math.log(uniform(Purpose.SMALL_DELAYS, 0))
         return self.delay, max(_LEAST_FACTOR, 1.0 + late)
 
-    def shaped(self, leg, overhead, uniform):
+    def shaped(self, leg: PhasedRoute, overhead: float, uniform: Callable[..., float]) -> PhasedRoute:
         """Return the leg that replaces ``leg`` of a goal for which :meth:`draw` returned ``overhead`` [s].
 
         The robot spends the overhead beyond the delay as ``tail_motion`` says. If it is in the tail because of its turn
@@ -149,11 +154,11 @@ class CalibratedDurations:
             return leg.going_backwards(extra, motion.reverse_speed)
         return leg.spinning(extra, motion.spin_speed)
 
-    def _is_for_turn(self, leg, uniform):
+    def _is_for_turn(self, leg: PhasedRoute, uniform: Callable[..., float]) -> bool:
         """Return whether a goal in the tail is there because of its turn at the start."""
         return uniform(Purpose.TAIL, 0) < along(self.tail_chances, abs(leg.start_turn))
 
-    def tail_chance(self, motion, start_turn):
+    def tail_chance(self, motion: float, start_turn: float) -> float:
         """Return the chance of the tail for a motion that lasts ``motion`` [s] after a turn by ``start_turn`` [rad]."""
         return 1.0 - math.exp(-self.tail_rate * motion) * (1.0 - along(self.tail_chances, abs(start_turn)))
 
@@ -174,7 +179,7 @@ class Calibration:
     encounters: Optional[EncounterLaw] = None
 
 
-def calibration_file(name, where):
+def calibration_file(name: str, where: str) -> str:
     """Return the path of the calibration ``name``: an absolute path, or the name of a calibration of this package.
 
     :raises ConfigurationError: if it is neither; ``where`` is the namespace of the parameter, for the message.
@@ -188,7 +193,7 @@ def calibration_file(name, where):
     return str(path)
 
 
-def read_calibration(name, where):
+def read_calibration(name: str, where: str) -> Calibration:
     """Return the :class:`Calibration` ``name``, which is found as by :func:`calibration_file`.
 
     :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
@@ -198,12 +203,12 @@ def read_calibration(name, where):
 
 
 @lru_cache(maxsize=64)
-def _calibration_in(path, _mtime_ns, _size):
+def _calibration_in(path: str, _mtime_ns: int, _size: int) -> Calibration:
     """Return the calibration in a file; it is cached, since many robots ask for the same one."""
     return make_calibration(load_yaml_file(path), path)
 
 
-def make_calibration(raw, where):
+def make_calibration(raw: Mapping[str, Union[float, str]], where: str) -> Calibration:
     """Return the :class:`Calibration` in the dictionary ``raw``.
 
     :raises ConfigurationError: if ``raw`` is no calibration, or a value is missing, unknown or not allowed; the text
@@ -233,7 +238,7 @@ def make_calibration(raw, where):
 
 
 @lru_cache(maxsize=1)
-def _shipped():
+def _shipped() -> Dict[str, str]:
     """Return {name: path} of the calibrations of this package: beside the sources, or where they are installed."""
     here = Path(__file__).resolve()
     for parent in here.parents:

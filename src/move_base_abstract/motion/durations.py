@@ -1,8 +1,10 @@
 """How long goals really take: an overhead, a factor and failures on the way, drawn once per goal (:mod:`.chance`)."""
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -13,6 +15,15 @@ from ..engine.chance import Chance, Purpose
 from ..engine.factors import Constant, Gamma, Lognormal, Quantiles, along
 from ..engine.instants import first_ns
 from .pace import Pace, PacedLeg
+
+if TYPE_CHECKING:
+    from ..maps.planning import StraightLinePlanner
+    from .calibration import CalibratedDurations
+    from .pace import AnyLeg
+    from .recorded_range import Recorded
+
+    Uniform = Callable[..., float]
+    Beyond = Tuple[Union[str, float], ...]
 
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
 _POINTS = ascending_pairs(number(0.0, 1.0), number(high=1e6, above=0.0))
@@ -54,19 +65,19 @@ class Durations:
     failures: Tuple[Tuple[float, float], ...] = ()
 
     #: the ranges of recorded legs: none, since these numbers were not fitted to recordings
-    recorded = None
+    recorded: Optional[Recorded] = None
 
     @staticmethod
-    def shaped(leg, _overhead, _uniform):
+    def shaped(leg: AnyLeg, _overhead: float, _uniform: Uniform) -> AnyLeg:
         """Return ``leg`` itself, since the robot spends the overhead at rest."""
         return leg
 
-    def draw(self, _leg, uniform):
+    def draw(self, _leg: AnyLeg, uniform: Uniform) -> Tuple[float, float]:
         """Return (overhead [s], factor) of a goal; ``uniform(purpose, place)`` gives the draws in (0, 1)."""
         return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
 
 
-def read_durations(values, where):
+def read_durations(values: Mapping[str, Any], where: str) -> Optional[Durations]:
     """Return the :class:`Durations` in ``values`` (of :data:`TABLE`), or None if goals go by the law of motion alone.
 
     :raises ConfigurationError: for values that do not fit together, and for a file that cannot be used.
@@ -81,7 +92,7 @@ def read_durations(values, where):
             'quantiles with that, otherwise none'.format(
                 where.rstrip('/'), shown(values['duration_quantiles']), kind))
     if kind in _FACTORS:
-        factor = _FACTORS[kind](mean, cv)
+        factor: Any = _FACTORS[kind](mean, cv)
     else:
         factor = Constant(mean) if kind == 'constant' else Quantiles(
             mean, _read_quantiles(values['duration_quantiles'], where))
@@ -89,7 +100,7 @@ def read_durations(values, where):
     return None if durations == Durations() else durations
 
 
-def _read_quantiles(path, where):
+def _read_quantiles(path: str, where: str) -> Tuple[Tuple[float, float], ...]:
     if not os.path.isabs(path):
         raise ConfigurationError(
             'parameter {}/duration_quantiles: got {}; allowed: an absolute path; in a scenario file also a path from '
@@ -98,7 +109,7 @@ def _read_quantiles(path, where):
 
 
 @lru_cache(maxsize=64)
-def _quantiles_in(path, _mtime_ns, _size):
+def _quantiles_in(path: str, _mtime_ns: int, _size: int) -> Tuple[Tuple[float, float], ...]:
     """Return the points in a file; they are cached, since many robots ask for the same file."""
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['quantiles']:
@@ -108,7 +119,7 @@ def _quantiles_in(path, _mtime_ns, _size):
     if (points[0][0], points[-1][0]) != (0.0, 1.0) or factors != sorted(factors):
         raise ConfigurationError('{}: quantiles: got {}; allowed: {}, and factors that do not fall'.format(
             path, shown(raw['quantiles']), _POINTS_PARAMETER.allowed))
-    return points
+    return points  # type: ignore[no-any-return]
 
 
 class GoalDurations:
@@ -122,9 +133,11 @@ class GoalDurations:
     """
 
     #: the text that the client gets when its goal fails; None: the text of move_base
-    failure_text = None
+    failure_text: Optional[str] = None
 
-    def __init__(self, durations, seed=0, robot_name='', planner=None, on_beyond=None):
+    def __init__(self, durations: Union[CalibratedDurations, Durations], seed: int = 0, robot_name: str = '',
+                 planner: Optional[StraightLinePlanner] = None,
+                 on_beyond: Optional[Callable[[Recorded, Beyond, int], object]] = None) -> None:
         self._durations = durations
         self._planner = planner
         self._on_beyond = on_beyond
@@ -136,31 +149,32 @@ class GoalDurations:
         self._failure_ns: Optional[int] = None
         self._way_to_failure: Optional[float] = None
 
-    def next_goal(self):
+    def next_goal(self) -> None:
         """Note that the robot begins to work on its next goal."""
         self._number += 1
         self._factor = self._fails = self._way_to_failure = None
 
-    def paced(self, leg):
+    def paced(self, leg: AnyLeg) -> PacedLeg:
         """Return ``leg`` at the pace of its goal."""
         if self._factor is None:
-            overhead, self._factor = self._durations.draw(leg, self._uniform)
+            # A robot with a calibration has phases, so that its legs are PhasedRoutes.
+            overhead, self._factor = self._durations.draw(leg, self._uniform)  # type: ignore[arg-type]
             self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
             self._judge(leg)
-            shaped = self._durations.shaped(leg, overhead, self._uniform)
+            shaped = self._durations.shaped(leg, overhead, self._uniform)  # type: ignore[arg-type]
             # If the shaped leg is longer, it contains that part of the overhead; the instant of arrival is the same.
             rest_ns = self._ready_ns - leg.depart_ns - (shaped.duration_ns - leg.duration_ns)
             return PacedLeg(shaped, Pace(max(0, rest_ns), self._factor))
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
 
-    def _judge(self, leg):
+    def _judge(self, leg: AnyLeg) -> None:
         recorded = self._durations.recorded
         if recorded is not None and self._on_beyond is not None:
             found = recorded.beyond(leg, getattr(self._planner, 'clearance_of', _unknown))
             if found:
                 self._on_beyond(recorded, found, leg.depart_ns)
 
-    def failure_ns(self, leg):
+    def failure_ns(self, leg: AnyLeg) -> Optional[int]:
         """Return the instant [ns] at which the robot fails on ``leg``, or None if it arrives."""
         if not self._durations.failures:
             return None
@@ -175,14 +189,14 @@ class GoalDurations:
             self._failure_ns = first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= way)
         return self._failure_ns
 
-    def interrupted(self, leg, now_ns):
+    def interrupted(self, leg: AnyLeg, now_ns: int) -> None:
         """Note that the robot stops on its ``leg`` at ``now_ns`` [ns] and will go on; a failure keeps its place."""
         if self._fails and self._way_to_failure is None:
-            self._way_to_failure = leg.distance_at(self._failure_ns) - leg.distance_at(now_ns)
+            self._way_to_failure = leg.distance_at(self._failure_ns or 0) - leg.distance_at(now_ns)
 
-    def _uniform(self, purpose, place=0):
+    def _uniform(self, purpose: Purpose, place: int = 0) -> float:
         return self._chance.uniform(self._number, purpose, place)
 
 
-def _unknown(_points):
+def _unknown(_points: object) -> None:
     """Return None, the clearance of a way if the planner cannot compute it (a planner of another author)."""

@@ -1,6 +1,14 @@
 """The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, Tuple
+
 from ..common.errors import FrameError, TimeError
 from .geometry import STRAIGHT_AHEAD, Pose2D, turned_about_z, yaw_of_quaternion
+
+if TYPE_CHECKING:
+    from ..goals.goal_pose import GoalPose
+    from .robot import Robot
 
 
 class RobotFrames:
@@ -10,7 +18,8 @@ class RobotFrames:
     [ns; 0 = latest] or raises :class:`FrameError`.
     """
 
-    def __init__(self, robot, global_frame, odom_frame, base_frame, lookup):
+    def __init__(self, robot: Robot, global_frame: str, odom_frame: str, base_frame: str,
+                 lookup: Callable[[str, int], Pose2D]) -> None:
         self.global_frame = global_frame
         self.odom_frame = odom_frame
         self.base_frame = base_frame
@@ -18,15 +27,15 @@ class RobotFrames:
         self._robot = robot
         self._lookup = lookup
 
-    def is_foreign(self, frame_id):
+    def is_foreign(self, frame_id: str) -> bool:
         """Return whether only the look-up can find ``frame_id``, since it is no frame of the robot."""
         return bool(frame_id) and frame_id not in (self.global_frame, self.odom_frame, self.base_frame)
 
-    def is_fixed(self, frame_id):
+    def is_fixed(self, frame_id: str) -> bool:
         """Return whether the frame never moves, so that a stamp does not matter."""
         return frame_id in self._fixed
 
-    def locate(self, frame_id, stamp_ns, now_ns):
+    def locate(self, frame_id: str, stamp_ns: int, now_ns: int) -> Pose2D:
         """Return the pose of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = now].
 
         :raises FrameError: if the frame, or its pose at that time, is not known; the text names the frame.
@@ -42,7 +51,7 @@ class RobotFrames:
             raise FrameError("Failed to transform the goal pose from '{}' into the '{}' frame: {}".format(
                 frame_id, self.global_frame, error)) from None
 
-    def moves(self, frame_id, now_ns):
+    def moves(self, frame_id: str, now_ns: int) -> bool:
         """Return whether the frame is known and may have another pose later."""
         if self.is_fixed(frame_id):
             return False
@@ -52,7 +61,7 @@ class RobotFrames:
             return False
         return True
 
-    def place(self, goal, now_ns):
+    def place(self, goal: GoalPose, now_ns: int) -> Pose2D:
         """Return the :class:`Pose2D` of the :class:`GoalPose` ``goal`` in the global frame, at its stamp or now.
 
         :raises FrameError: as :meth:`locate` does. :raises ValueError: if a number of the pose is not finite.
@@ -66,7 +75,7 @@ class RobotFrames:
         place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
         return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
 
-    def orientation(self, goal, place):
+    def orientation(self, goal: GoalPose, place: Pose2D) -> Tuple[float, float, float, float]:
         """Return the quaternion (x, y, z, w), in the global frame, of the :class:`GoalPose` ``goal`` at ``place``.
 
         ``place`` is its Pose2D in the global frame. The quaternion keeps small tilts and its length, as it was sent.
@@ -76,7 +85,7 @@ class RobotFrames:
         return turned_about_z(goal.quaternion, place.yaw - yaw_of_quaternion(goal.quaternion))
 
     @staticmethod
-    def _check_name(frame_id):
+    def _check_name(frame_id: str) -> None:
         if not frame_id:
             raise FrameError('the frame_id is empty; a goal must name the frame it is given in')
         if frame_id.startswith('/'):

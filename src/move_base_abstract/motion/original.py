@@ -9,7 +9,10 @@ the loop of the original counts whole seconds, so the leg takes the next whole n
 
 ``rasberry``: a leg takes d/v. The robot is shown half-way as long as it travels.
 """
+from __future__ import annotations
+
 import math
+from typing import Optional, Tuple
 
 from ..common.units import seconds_to_ns
 from .geometry import Pose2D
@@ -22,7 +25,7 @@ PROFILES = (MAIN, RASBERRY)
 POSE_RATES = {MAIN: 0.5, RASBERRY: 0.0}
 
 
-def is_rasberry(law):
+def is_rasberry(law: Optional[OriginalLaw]) -> bool:
     """Return whether ``law`` (OriginalLaw or None) is that of the branch ``rasberry``."""
     return law is not None and law.profile == RASBERRY
 
@@ -30,12 +33,12 @@ def is_rasberry(law):
 class OriginalLaw:
     """How long a leg takes, and where its robot is meanwhile, in the original's ``profile`` (one of PROFILES)."""
 
-    def __init__(self, profile=MAIN, pose_update_freq=1.0):
+    def __init__(self, profile: str = MAIN, pose_update_freq: float = 1.0) -> None:
         """``pose_update_freq`` [Hz, simulated]: if it is 0, legs of ``main`` last whole seconds."""
         self.profile = profile
         self._is_whole = profile == MAIN and pose_update_freq == 0.0
 
-    def seconds(self, distance, limits):
+    def seconds(self, distance: float, limits: MotionLimits) -> float:
         """Return the time [s] that a leg of ``distance`` [m] takes with these MotionLimits."""
         if distance <= 0.0:
             return 0.0
@@ -44,7 +47,7 @@ class OriginalLaw:
             seconds += limits.max_speed / (2.0 * limits.acceleration)
         return float(math.ceil(seconds)) if self._is_whole else seconds
 
-    def leg(self, start, goal, limits, depart_ns):
+    def leg(self, start: Pose2D, goal: Pose2D, limits: MotionLimits, depart_ns: int) -> PacedLeg:
         """Return the leg from ``start`` to ``goal`` (Pose2D). Turns take no time, and there are no tolerances."""
         straight = Leg(start, goal, MotionLimits(limits.max_speed), Tolerances(), depart_ns)
         total_ns = seconds_to_ns(self.seconds(straight.distance, limits))
@@ -52,7 +55,7 @@ class OriginalLaw:
             return HalfwayLeg(straight, Pace(0, 1.0))
         return PacedLeg(straight, Pace(total_ns - straight.duration_ns, 1.0))
 
-    def compare(self, distance, limits):
+    def compare(self, distance: float, limits: MotionLimits) -> str:
         """Return a text that compares the time for ``distance`` [m] by this law with that by the exact one."""
         exact = trip(distance, limits.max_speed, limits.acceleration)[2]
         return "{:.1f} m at {:g} m/s{}: {:.1f} s by the original's formula, {:.1f} s exact".format(
@@ -64,9 +67,9 @@ class HalfwayLeg(PacedLeg):
     """A :class:`.Leg` whose robot is shown half-way, with the heading 0, from the departure to the arrival."""
 
     __slots__ = ()
-    manner = ()  # its poses do not move along a way
+    manner: Tuple[float, ...] = ()  # its poses do not move along a way
 
-    def pose_at(self, now_ns):
+    def pose_at(self, now_ns: int) -> Pose2D:
         """Return the pose at ``now_ns`` [ns]: half-way after the departure, at the end after the arrival."""
         if now_ns < self.depart_ns:
             return self.start
@@ -74,6 +77,6 @@ class HalfwayLeg(PacedLeg):
             return self.end
         return Pose2D((self.start.x + self.end.x) / 2.0, (self.start.y + self.end.y) / 2.0, 0.0)
 
-    def velocity_at(self, _now_ns):
+    def velocity_at(self, _now_ns: int) -> Tuple[float, float]:
         """Return (0, 0) [m/s, rad/s], since the robot is shown standing."""
         return 0.0, 0.0

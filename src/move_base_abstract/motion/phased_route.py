@@ -1,11 +1,19 @@
 """A route in the phases of a real robot (:class:`.approach.MotionPhases`). Any instant is still computed exactly."""
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, List, Sequence, Tuple, Union
 
 from ..common.units import NS_PER_S
 from .backwards import Backwards, length_backwards, parted
 from .geometry import Pose2D, normalize_angle
 from .leg import Tolerances
 from .route import CornerLaw, Route, Turn
+
+if TYPE_CHECKING:
+    from .approach import ApproachProfile, MotionPhases
+    from .leg import MotionLimits
+    from .route import Segment
 
 
 class PhasedRoute(Route):
@@ -18,19 +26,21 @@ class PhasedRoute(Route):
 
     __slots__ = ('start_turn', '_phases', '_backwards', '_spin', '_made_of', '_first_length')
 
-    def __init__(self, start, goal, corners, limits, phases, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP,
-                 backwards=(0.0, 1.0), spin=(0.0, 0.0)):
+    def __init__(self, start: Pose2D, goal: Pose2D, corners: Sequence[Tuple[float, float]], limits: MotionLimits,
+                 phases: MotionPhases, tolerances: Tolerances = Tolerances(), depart_ns: int = 0,
+                 law: CornerLaw = CornerLaw.KEEP, backwards: Tuple[float, float] = (0.0, 1.0),
+                 spin: Tuple[float, float] = (0.0, 0.0)) -> None:
         self._phases, self._backwards, self._spin = phases, backwards, spin
         self._made_of = start, goal, corners, limits, phases, tolerances, depart_ns, law
         self.start_turn = self._first_length = 0.0
         super().__init__(start, goal, corners, limits, tolerances, depart_ns, law)
 
     @property
-    def tail(self):
+    def tail(self) -> Tuple[float, float, float, float]:
         """The motion that is not in its law: (backwards [m], backwards [m/s], spin [s], spin [rad/s])."""
         return (*self._backwards, *self._spin)
 
-    def going_backwards(self, extra, speed):
+    def going_backwards(self, extra: float, speed: float) -> PhasedRoute:
         """Return the route that takes ``extra`` [s] longer because it begins backwards at ``speed`` [m/s].
 
         If the whole first drive backwards does not take that much longer, all of it is driven backwards.
@@ -39,11 +49,11 @@ class PhasedRoute(Route):
         length = length_backwards(extra, self._first_length, speed, lambda rest: self._profile(rest, limits).seconds)
         return PhasedRoute(*self._made_of, backwards=(length, speed)) if length > 0.0 else self
 
-    def spinning(self, extra, speed):
+    def spinning(self, extra: float, speed: float) -> PhasedRoute:
         """Return the route that takes ``extra`` [s] longer, by turning to and fro at ``speed`` [rad/s] at the goal."""
         return PhasedRoute(*self._made_of, spin=(extra, speed))
 
-    def _drive(self, pieces, yaw, limits, driven):
+    def _drive(self, pieces: Sequence[Segment], yaw: float, limits: MotionLimits, driven: float) -> float:
         length, speed = self._backwards
         if not self._parts:
             self._first_length = math.fsum(piece.length for piece in pieces)
@@ -59,15 +69,16 @@ class PhasedRoute(Route):
             course - before[-1].course), self._phases.start_turn_seconds(self.start_turn), driven + length)
         return self._drive_on(behind, limits, driven + length)
 
-    def _add_turn(self, place, yaw, turn, seconds, driven):
+    def _add_turn(self, place: Union[Pose2D, Segment], yaw: float, turn: float, seconds: float, driven: float) -> None:
         self._add(Turn(place.x, place.y, yaw, turn, abs(turn) / seconds if seconds else math.inf, driven), seconds)
 
-    def _turn_to_drive(self, first, yaw, turn, limits, driven):
+    def _turn_to_drive(self, first: Segment, yaw: float, turn: float, limits: MotionLimits, driven: float) -> None:
         if not self._parts:
             self.start_turn = turn
         self._add_turn(first, yaw, turn, self._phases.start_turn_seconds(turn), driven)
 
-    def _turn_at_goal(self, begin, turn, whole, _limits, tolerances):
+    def _turn_at_goal(self, begin: Pose2D, turn: float, whole: float, _limits: MotionLimits,
+                      tolerances: Tolerances) -> None:
         seconds, speed = self._spin
         if seconds:
             swing = 0.5 * seconds * speed
@@ -77,7 +88,7 @@ class PhasedRoute(Route):
         profile = self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw)
         self._add(_EasedTurn(begin, turn, profile, self.distance), profile.seconds)
 
-    def _profile(self, length, limits):
+    def _profile(self, length: float, limits: MotionLimits) -> ApproachProfile:
         return self._phases.drive(length, limits)
 
 
@@ -86,29 +97,29 @@ class _EasedTurn:
 
     __slots__ = ('_begin', '_turn', '_profile', '_driven')
 
-    def __init__(self, begin, turn, profile, driven):
+    def __init__(self, begin: Pose2D, turn: float, profile: ApproachProfile, driven: float) -> None:
         self._begin, self._turn, self._profile, self._driven = begin, turn, profile, driven
 
     @staticmethod
-    def guess(_distance):
+    def guess(_distance: float) -> None:
         """Return None: the robot drives no distance during a turn."""
 
-    def even_instants(self, ramp_pieces):
+    def even_instants(self, ramp_pieces: int) -> List[float]:
         return self._profile.changes(ramp_pieces)
 
-    def smooth(self):
+    def smooth(self) -> List[Tuple[float, float]]:
         return [(self._profile.seconds, 0.0)]
 
-    def _of_profile(self, value):
+    def _of_profile(self, value: float) -> float:
         """Return the angle of the turn [rad], or its rate [rad/s], that corresponds to one of the profile."""
         return self._turn * value / self._profile.distance if self._profile.distance else 0.0
 
-    def pose_at(self, elapsed_ns):
+    def pose_at(self, elapsed_ns: int) -> Pose2D:
         turned = self._of_profile(self._profile.covered(elapsed_ns / NS_PER_S))
         return Pose2D(self._begin.x, self._begin.y, self._begin.yaw + turned)
 
-    def velocity_at(self, elapsed_ns):
+    def velocity_at(self, elapsed_ns: int) -> Tuple[float, float]:
         return 0.0, self._of_profile(self._profile.speed(elapsed_ns / NS_PER_S))
 
-    def distance_at(self, _elapsed_ns):
+    def distance_at(self, _elapsed_ns: int) -> float:
         return self._driven

@@ -1,6 +1,14 @@
 """The way that a planner finds: its corners and, if there are any, the limits of its pieces and its duration."""
+from __future__ import annotations
+
 import math
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
+
+if TYPE_CHECKING:
+    from .route import Route, Segment
+
+    Point = Tuple[float, float]
+    Known = Tuple[Point, Point, Sequence[Segment]]
 
 
 class PieceLimit(NamedTuple):
@@ -14,12 +22,12 @@ class PieceLimit(NamedTuple):
     #: whether the robot drives into it without a stop, whatever it does at corners: only the limit changes there
     goes_on: bool = False
 
-    def of(self, max_speed):
+    def of(self, max_speed: float) -> float:
         """Return the top speed [m/s] on the piece for a robot of ``max_speed`` [m/s]."""
         return min(self.speed, max_speed) * self.share
 
 
-class PlannedWay(tuple):
+class PlannedWay(Tuple[Tuple[float, float], ...]):
     """The corners ((x, y), ...) [m] of a way, and more about it. It is an immutable tuple.
 
     ``limits`` (PieceLimit, ...) and ``lanes`` (the lane on which each piece runs, or None) have one entry for each
@@ -29,16 +37,19 @@ class PlannedWay(tuple):
     kept by :func:`.route.route_along`.
     """
 
-    limits = ()
-    lanes = ()
+    limits: Tuple[Optional[PieceLimit], ...] = ()
+    lanes: Tuple[Any, ...] = ()
     seconds: Optional[float] = None
-    known = None
+    known: Optional[Known] = None
+    routes: Dict[Tuple[Any, ...], Route]
     #: whether the goal lies on the last of the lanes, and not at its end
     ends_on_lane = False
 
-    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None, ends_on_lane=False, known=None):
+    def __new__(cls, corners: Iterable[Point] = (), limits: Iterable[Optional[PieceLimit]] = (),
+                lanes: Iterable[Any] = (), seconds: Optional[float] = None, ends_on_lane: bool = False,
+                known: Optional[Known] = None) -> PlannedWay:
         """Return the way along ``corners``."""
-        way = super().__new__(cls, corners)
+        way: PlannedWay = super().__new__(cls, corners)
         way.limits, way.lanes, way.seconds = tuple(limits), tuple(lanes), seconds
         way.ends_on_lane, way.known, way.routes = ends_on_lane, known, {}
         return way

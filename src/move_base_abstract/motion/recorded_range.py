@@ -66,7 +66,7 @@ class Recorded(NamedTuple):
                      self.start_turn),
             'narrow': ('{:.2f} m to an occupied cell, recorded: {:.2f} to {:.2f} m', 1.0,
                        self.clearance or (0.0, 0.0))}
-        return '; '.join(texts[kind][0].format(*(scale * part for part in (value, *texts[kind][2])))
+        return '; '.join(texts[kind][0].format(*(scale * float(part) for part in (value, *texts[kind][2])))
                          for kind, value in zip(found[::2], found[1::2]) for scale in [texts[kind][1]])
 
 

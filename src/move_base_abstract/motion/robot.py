@@ -1,5 +1,8 @@
 """One robot: its pose at any instant, and the leg or route that it travels. It decides nothing about goals."""
+from __future__ import annotations
+
 from collections import deque
+from typing import TYPE_CHECKING, Callable, Deque, List, Optional, Sequence, Tuple, Union
 
 from ..common.errors import TimeError
 from ..common.units import LAST_NS, check_reachable, seconds_to_ns
@@ -10,6 +13,13 @@ from .phased_route import PhasedRoute
 from .planned_way import PlannedWay
 from .route import CornerLaw, Route, route_along
 from .telling import Telling
+
+if TYPE_CHECKING:
+    from .approach import MotionPhases
+    from .original import OriginalLaw
+    from .pace import AnyLeg
+
+    _Motion = Union[AnyLeg, '_Stand']
 
 
 class Robot:
@@ -22,8 +32,10 @@ class Robot:
     for.
     """
 
-    def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0,
-                 corner_law=CornerLaw.KEEP, phases=None, remembered_legs=64, original=None):
+    def __init__(self, index: int, name: str, pose: Pose2D = Pose2D(), limits: MotionLimits = MotionLimits(0.5),
+                 tolerances: Tolerances = Tolerances(), since_ns: int = 0, corner_law: CornerLaw = CornerLaw.KEEP,
+                 phases: Optional[MotionPhases] = None, remembered_legs: int = 64,
+                 original: Optional[OriginalLaw] = None) -> None:
         self.index = index
         self.name = name
         self._limits = limits
@@ -32,66 +44,67 @@ class Robot:
         self._phases = phases
         self._original = original
         #: the :class:`Leg` or :class:`Route` under way, or None while the robot stands
-        self.leg = None
-        self._motion = _Stand(pose, since_ns)
-        self._past = deque([self._motion], maxlen=remembered_legs)
+        self.leg: Optional[AnyLeg] = None
+        self._motion: _Motion = _Stand(pose, since_ns)
+        self._past: Deque[_Motion] = deque([self._motion], maxlen=remembered_legs)
         self._driven = 0.0
-        self._followers = []
+        self._followers: List[Callable[[int], object]] = []
         #: the pose that it reports (Telling)
         self.telling = Telling(self)
 
-    def follow(self, follower):
+    def follow(self, follower: Callable[[int], object]) -> None:
         """Call ``follower(now_ns)`` [ns] whenever the robot has begun another leg, or has begun to stand."""
         self._followers.append(follower)
 
     @property
-    def limits(self):
+    def limits(self) -> MotionLimits:
         """The MotionLimits of the next leg."""
         return self._limits
 
     @property
-    def phases(self):
+    def phases(self) -> Optional[MotionPhases]:
         """The MotionPhases of its legs, or None."""
         return self._phases
 
     @property
-    def keeps_piece_limits(self):
+    def keeps_piece_limits(self) -> bool:
         """Whether its law allows speed limits of pieces of a way: it is neither calibrated nor the original's."""
         return self._phases is None and self._original is None
 
     @property
-    def tolerances(self):
+    def tolerances(self) -> Tolerances:
         """The Tolerances of the next leg."""
         return self._tolerances
 
-    def set_motion(self, limits, tolerances):
+    def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
         """Use these MotionLimits and Tolerances from the next leg on."""
         self._limits = limits
         self._tolerances = tolerances
 
-    def pose_at(self, now_ns):
+    def pose_at(self, now_ns: int) -> Pose2D:
         """Return the pose at ``now_ns`` [ns], which is the present or not too long ago.
 
         :raises TimeError: if that is further back than the robot remembers.
         """
         motion = self._motion
         if now_ns >= motion.depart_ns:  # the usual case
-            return motion.pose if self.leg is None else motion.pose_at(now_ns)
+            return motion.pose if self.leg is None else motion.pose_at(now_ns)  # type: ignore[union-attr]
         for motion in reversed(self._past):
             if now_ns >= motion.depart_ns:
                 return motion.pose_at(now_ns)
         raise TimeError('{}: the pose at {} ns is asked for, but nothing before {} ns is remembered'.format(
             self.name, now_ns, self._past[0].depart_ns))
 
-    def velocity_at(self, now_ns):
+    def velocity_at(self, now_ns: int) -> Tuple[float, float]:
         """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         return self._motion.velocity_at(now_ns)
 
-    def distance_at(self, now_ns):
+    def distance_at(self, now_ns: int) -> float:
         """Return the distance [m] driven up to ``now_ns`` [ns], which is not before the present leg."""
         return self._driven + self._motion.distance_at(now_ns)
 
-    def depart(self, goal, now_ns, corners=(), paced=None):
+    def depart(self, goal: Pose2D, now_ns: int, corners: Sequence[Tuple[float, float]] = (),
+               paced: Optional[Callable[[AnyLeg], AnyLeg]] = None) -> AnyLeg:
         """Start for ``goal`` (Pose2D) from rest, from the robot's pose at ``now_ns`` [ns], along ``corners``.
 
         ``corners`` is [(x, y), ...] [m] or a :class:`.PlannedWay`, which may have limits and a duration. If there is
@@ -103,7 +116,8 @@ class Robot:
             would arrive after the end of simulated time.
         """
         start = self.pose_at(now_ns)
-        way = corners if type(corners) is PlannedWay else None
+        way = corners if isinstance(corners, PlannedWay) else None
+        leg: AnyLeg
         if self._original is not None:
             leg = self._original.leg(start, goal, self._limits, now_ns)
         elif self._phases is not None:
@@ -125,7 +139,7 @@ class Robot:
         self._begin(leg, leg, now_ns)
         return leg
 
-    def stop(self, now_ns):
+    def stop(self, now_ns: int) -> Pose2D:
         """Stand still from ``now_ns`` [ns] on; return the exact pose at that instant."""
         leg = self.leg
         if leg is None or now_ns < leg.arrive_ns:
@@ -137,7 +151,7 @@ class Robot:
             self._begin(_Stand(pose, now_ns), None)
         return pose
 
-    def halt(self, now_ns):
+    def halt(self, now_ns: int) -> None:
         """Stop as :meth:`stop` does, even if the leg is faulty: if it has no pose now, stand at its start.
 
         The error of the leg is raised afterwards.
@@ -149,17 +163,17 @@ class Robot:
                 self._begin(_Stand(self.leg.start, now_ns), None)
             raise
 
-    def place(self, pose, now_ns):
+    def place(self, pose: Pose2D, now_ns: int) -> None:
         """Stand at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
         self._begin(_Stand(pose, now_ns), None, now_ns)
 
-    def reset(self, pose, now_ns):
+    def reset(self, pose: Pose2D, now_ns: int) -> None:
         """Stand at ``pose`` as if nothing had happened before ``now_ns`` [ns]."""
         self._past.clear()
         self._driven = 0.0
         self._begin(_Stand(pose, now_ns), None)
 
-    def restart(self, before_ns, now_ns):
+    def restart(self, before_ns: int, now_ns: int) -> None:
         """Stand from ``now_ns`` [ns] on, after a restart of the clock, where the robot was at ``before_ns`` [ns].
 
         ``before_ns`` is an instant of the clock before its restart.
@@ -168,7 +182,8 @@ class Robot:
         self._past.clear()
         self._begin(_Stand(pose, now_ns), None, before_ns)
 
-    def _begin(self, motion, leg, driven_ns=None):
+    def _begin(self, motion: _Motion, leg: Optional[AnyLeg],
+               driven_ns: Optional[int] = None) -> None:
         """Go on with ``motion``, which is ``leg`` or a stand; the distance driven counts up to ``driven_ns`` [ns]."""
         if driven_ns is not None and self.leg is not None:
             self._driven += self.leg.distance_at(driven_ns)
@@ -177,7 +192,7 @@ class Robot:
         if self._followers:
             self._tell_followers(motion)
 
-    def _tell_followers(self, motion):
+    def _tell_followers(self, motion: _Motion) -> None:
         fault = None
         for follower in self._followers:  # call each of them, whatever goes wrong in another one
             try:
@@ -193,15 +208,15 @@ class _Stand:
 
     __slots__ = ('depart_ns', 'pose')
 
-    def __init__(self, pose, since_ns):
+    def __init__(self, pose: Pose2D, since_ns: int) -> None:
         self.pose = pose
         self.depart_ns = since_ns
 
-    def pose_at(self, _now_ns):
+    def pose_at(self, _now_ns: int) -> Pose2D:
         return self.pose
 
-    def velocity_at(self, _now_ns):
+    def velocity_at(self, _now_ns: int) -> Tuple[float, float]:
         return 0.0, 0.0
 
-    def distance_at(self, _now_ns):
+    def distance_at(self, _now_ns: int) -> float:
         return 0.0

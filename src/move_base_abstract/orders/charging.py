@@ -8,7 +8,7 @@ drives to where it started.
 """
 from __future__ import annotations
 
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..motion.geometry import Pose2D
 from . import rows
@@ -128,7 +128,7 @@ class Charging:
         for one in robots:
             if one.charger:
                 taken[one.charger] = taken.get(one.charger, 0) + 1
-        found: List[tuple] = []
+        found: List[Tuple[Any, ...]] = []
         for index, charger in enumerate(self._chargers.values()):
             if (charger.capacity is not None and taken.get(charger.name, 0) >= charger.capacity) or (
                     robot.tried_now.get(charger.name) == now_ns):

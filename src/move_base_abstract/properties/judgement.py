@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from ..lockstep.property_names import ALL, BUILT_IN
+from ..lockstep.property_names import ALL, BUILT_IN, SOMETIMES
 from ..runs import ends, event_log
 from ..runs.event_log import EventLog
 from ..runs.story import Story
@@ -68,7 +68,7 @@ class Judgement(NamedTuple):
     def never_held(self) -> List[Tuple[str, str]]:
         """Return (node, text) of each ``sometimes`` that never held in this run."""
         return [(node, text) for (node, kind, text), outcome in self.statements.items()
-                if kind == statements.SOMETIMES and outcome != statements.HELD]
+                if kind == SOMETIMES and outcome != statements.HELD]
 
     def told(self) -> Dict[str, Any]:
         """Return everything as plain values, for files."""

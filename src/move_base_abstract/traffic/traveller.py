@@ -285,7 +285,8 @@ class Traveller:
         if self._may_enter(enters, self._looks_at(enters)):
             return False
         travel = self._navigator.travel
-        corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), travel.target)
+        target: Any = travel.target  # there is one, since the robot drives
+        corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), target)
         ahead = self._leg.corners_ahead(now_ns)
         if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
             return False
@@ -344,7 +345,8 @@ class Traveller:
     def gives_way(self, way: WayBack, now_ns: int) -> None:
         """Stop waiting, drive back by ``way``, and go on to the goal from there."""
         request: Any = self.request
-        reason, self._reason, self.request = self._reason, None, None
+        reason: Any = self._reason
+        self._reason = self.request = None
         request.withdraw()
         self.is_careful = True
         self._traffic.changed(*request.areas)
