@@ -28,6 +28,7 @@ from .arrivals import drawn_ns
 from .room import Guest, Rooms
 
 if TYPE_CHECKING:
+    from ..engine.event_queue import Event
     from ..engine.stream import Stream
     from ..goals.client import TaskClient
     from ..goals.ledger import GoalRecord
@@ -59,7 +60,7 @@ class PlaceTaskRunner:
         self._on_progress = client.progress
         self._progress = rooms.simulation.series(robot_index, progress_frequency, self._tell_progress,
                                                  only_tells=True, is_heard=client.is_progress_heard)
-        self._end = None  # the event at which the work ends
+        self._end: Optional[Event] = None  # the event at which the work ends
         self._began_ns = self._duration_ns = 0
         self._rooms = rooms
         self._robot = robot
