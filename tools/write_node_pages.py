@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Write docs/nodes/*.md, one page for each node, and the tables of parameters and of states within other pages.
+"""Write docs/nodes/*.md, one page for each node, and the tables of parameters, states and others within pages.
 
 usage: python3 tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
 docs/nodes/interfaces.yaml, which a test compares with the nodes. A table within a page is between
-`<!-- parameters: NAME -->`, or `<!-- states: robots -->`, and `<!-- end -->`. `make lint` compares the pages with
-the output of this program.
+`<!-- parameters: NAME -->`, or a kind of OTHERS as `<!-- states: robots -->`, and `<!-- end -->`. `make lint` compares
+the pages with the output of this program.
 """
 import ast
 import re
@@ -26,6 +26,7 @@ from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
 from move_base_abstract.lockstep import node_parameters  # noqa: E402
 from move_base_abstract.motion import durations  # noqa: E402
+from move_base_abstract.orders.policies import POLICIES  # noqa: E402
 from move_base_abstract.runs.states import STATES  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
 
@@ -145,11 +146,16 @@ def page(node, described):
 
 
 def filled(text):
-    """Return a page's text with new tables of parameters, and of the states of robots."""
+    """Return a page's text with new tables."""
     def fill(match):
-        lines = states() if match.group(2) == 'states' else table(WITHIN[match.group(3)])
+        lines = OTHERS[match.group(2)]() if match.group(2) in OTHERS else table(WITHIN[match.group(3)])
         return '\n'.join([match.group(1), *lines, match.group(4)])
-    return re.sub(r'(<!-- (parameters|states): (\w+) -->)\n.*?(<!-- end -->)', fill, text, flags=re.DOTALL)
+    return FILLED.sub(fill, text)
+
+
+def policies():
+    """Return the lines of the table of a dispatcher's policies."""
+    return ['| policy | rule |', '|---|---|', *(f'| `{name}` | {one.rule} |' for name, one in POLICIES.items())]
 
 
 def states():
@@ -162,13 +168,18 @@ def states():
     return lines
 
 
+#: what makes the other tables within pages, by their kind
+OTHERS = {'states': states, 'policies': policies}
+FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
+
+
 def pages():
     """Return {path: text} of all pages that this program writes, whole or in part."""
     interfaces = yaml.safe_load((NODES / 'interfaces.yaml').read_text(encoding='utf-8'))
     made = {NODES / (node + '.md'): page(node, described) for node, described in interfaces.items()}
     for path in sorted(DOCS.glob('*.md')):
         text = path.read_text(encoding='utf-8')
-        if '<!-- parameters: ' in text or '<!-- states: ' in text:
+        if FILLED.search(text):
             made[path] = filled(text)
     return made
 

@@ -12,6 +12,7 @@ from move_base_abstract.fleet import Dispatch
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.orders.order import Order, Stop
 from move_base_abstract.orders.policies import (
+    POLICIES,
     Auction,
     Batch,
     EarliestDeadline,
@@ -200,6 +201,24 @@ def question_of(seed, robots=4, orders=6, busy=0, priorities=1):
     return Question(given, free[:robots], free[robots:], 0, distance)
 
 
+def test_a_policy_knows_how_much_each_robot_has_done():
+    class Watching:
+        def choose(self, question):
+            seen.append((question.now_ns // S, [one[3:] for one in (*question.robots, *question.busy)]))
+            return [(question.robots[0].name, question.orders[0].order.order_id)]
+
+    seen = []
+    dispatch = dispatch_of(policy=Watching())
+    dispatch.order(order('a', (1.0, 0.0), (3.0, 0.0)))
+    dispatch.order(order('b', (12.0, 0.0)))
+    dispatch.fleet.at(2 * S, lambda fleet: fleet.robot('r_1').send(0.0, 0.0))
+    dispatch.fleet.at(20 * S, lambda _: dispatch.order(order('c', (0.0, 0.0))))
+    dispatch.run()
+    none = 0, 0, 0
+    assert seen[:2] == [(0, [none, none]), (0, [none, (1, 0, 0)])]
+    assert seen[-1] == (20, [(2, 2, 12 * S), (1, 0, 2 * S)])
+
+
 @pytest.mark.parametrize('seed', range(30))
 def test_a_batch_has_the_least_sum_of_all(seed):
     pytest.importorskip('scipy')
@@ -301,7 +320,7 @@ def hard_world(seed, policy):
                    {'name': 'p', 'every': 40.0, 'count': 10, 'priority': 1, 'stops': [{'place': 'b'}]}]}
 
 
-@pytest.mark.parametrize('policy', ['nearest', 'earliest_deadline', 'auction', 'batch'])
+@pytest.mark.parametrize('policy', POLICIES)
 @pytest.mark.parametrize('seed', range(times(2, 6)))
 def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     raw = hard_world(seed, policy)

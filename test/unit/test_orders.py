@@ -4,6 +4,7 @@ import itertools
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.orders.policies import POLICIES
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 S = 1_000_000_000
@@ -143,7 +144,7 @@ def test_a_dispatcher_has_robots_tell_of_the_charges_that_it_decides_by():
 
 
 @pytest.mark.parametrize('raw, text', [
-    ({'policy': 'best'}, "policy: got 'best'; allowed: nearest, earliest_deadline, auction, batch, or module:Class"),
+    ({'policy': 'best'}, "policy: got 'best'; allowed: {}, or module:Class".format(', '.join(POLICIES))),
     ({'polciy': 'batch'}, 'polciy'),
     ({'charge_below': 0.9}, 'charge_until: got 0.9 with charge_below: 0.9; allowed: more than that'),
     ({'attempts': 0}, 'attempts: got 0; allowed: a whole number in 1..1000'),

@@ -185,7 +185,9 @@ class Dispatcher:
         if robot.stop < len(one.order.stops):
             self._drive(robot)
             return
-        robot.order, robot.phase, robot.carries = None, FREE, 0
+        robot.let_go(FREE, now_ns)
+        robot.carries = 0
+        robot.done += 1
         is_late = one.deadline_ns is not None and now_ns > one.deadline_ns
         self._tell_done(robot, one, rows.LATE if is_late else rows.DONE, now_ns)
 
@@ -196,7 +198,7 @@ class Dispatcher:
     def _give_back(self, robot: RobotState, why: str, now_ns: int, phase: str = FREE) -> None:
         """Take the order back from the robot: another robot may do it, unless there were too many attempts."""
         self._charging.leave(robot)
-        one, robot.order, robot.phase = robot.order, None, phase
+        one = robot.let_go(phase, now_ns)
         if one is None:
             return
         is_robots_fault = why in (rows.ROBOT_FAILED, rows.ROBOT_EMPTY, rows.TAKEN)
@@ -237,18 +239,18 @@ class Dispatcher:
             return
         if self._in_turn is None:
             self._in_turn = sorted(self._open.values(), key=lambda one: (-one.order.priority, one.arrived_ns))
-        question = Question(list(self._in_turn), [robot.as_free() for robot in free],
-                            [robot.as_free() for robot in self.robots if robot.order is not None
+        question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
+                            [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
                              and not robot.must_charge], now_ns, self._distance)
         for robot, one in self._checked(question, free):
-            self._begin(robot, one)
+            self._begin(robot, one, now_ns)
 
-    def _begin(self, robot: RobotState, one: OpenOrder) -> None:
+    def _begin(self, robot: RobotState, one: OpenOrder, now_ns: int) -> None:
         del self._open[one.order.order_id]
         self._in_turn = None
         self._charging.leave(robot)
         robot.tried_now.clear()
-        robot.order, robot.stop, robot.carries = one, one.next_stop, 0
+        robot.begin(one, now_ns)
         self._seen[one.order.order_id] += 1
         robot.assigned = self._seen[one.order.order_id]
         self._tell(robot.name, 'order_assigned', one.order.order_id, robot.assigned)

@@ -51,6 +51,9 @@ class RobotState:
     stop: int = 0  # index of the present stop of its order
     assigned: int = 0  # the number of times that its order was assigned to a robot, including this one
     carries: int = 0
+    begun: int = 0  # the number of orders that it has begun
+    done: int = 0  # and done
+    busy_ns: int = 0  # how long it had orders [ns]; while it has one, less the instant at which that began
     ending: Optional[Ending] = None
     charger: str = ''
     is_charging: bool = False
@@ -116,12 +119,25 @@ class RobotState:
             elif what in (BELOW, EMPTY) and level <= known:
                 self.below[known] = True
 
-    def as_free(self) -> FreeRobot:
-        """Return what a policy gets to know: where the robot is, or will be when its order is done."""
+    def begin(self, one: OpenOrder, now_ns: int) -> None:
+        """Begin with an order at ``now_ns`` [ns]."""
+        self.order, self.stop, self.carries = one, one.next_stop, 0
+        self.begun += 1
+        self.busy_ns -= now_ns
+
+    def let_go(self, phase: str, now_ns: int) -> Optional[OpenOrder]:
+        """Return the order that the robot has, None: it has none, and have it without one at ``now_ns`` [ns]."""
+        one, self.order, self.phase = self.order, None, phase
+        if one is not None:
+            self.busy_ns += now_ns
+        return one
+
+    def as_free(self, now_ns: int) -> FreeRobot:
+        """Return what a policy gets to know at ``now_ns`` [ns]; a robot with an order is where the order ends."""
         if self.order is None:
-            return FreeRobot(self.name, *self.at)
+            return FreeRobot(self.name, *self.at, self.begun, self.done, self.busy_ns)
         pose = self.order.order.stops[-1].pose
-        return FreeRobot(self.name, pose.x, pose.y)
+        return FreeRobot(self.name, pose.x, pose.y, self.begun, self.done, self.busy_ns + now_ns)
 
 
 def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[str, RobotState]:

@@ -2,11 +2,13 @@
 
 A policy is an object with ``choose(question)``, which returns the pairs (robot's name, order's id) that begin now. All
 ties are broken by higher priority, then by earlier arrival, then by lower index of the robot.
+
+A class below ``@_policy`` is one of this package: settings, texts and pages have its name from :data:`POLICIES`.
 """
 from __future__ import annotations
 
 import importlib
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Tuple, Type
 
 from ..common.errors import ConfigurationError
 from .order import Order
@@ -39,12 +41,16 @@ class OpenOrder(NamedTuple):
 class FreeRobot(NamedTuple):
     """A robot that could begin with an order now, and where it is [m].
 
-    In ``Question.busy`` it is a robot that could begin later, and where it will be then.
+    In ``Question.busy`` it is a robot that could begin later, and where it will be then. ``begun``, ``done``: the
+    numbers of orders that it has begun and done so far; ``busy_ns``: for how long it has had orders [ns].
     """
 
     name: str
     x: float
     y: float
+    begun: int = 0
+    done: int = 0
+    busy_ns: int = 0
 
 
 class Question(NamedTuple):
@@ -74,6 +80,26 @@ class Policy(Protocol):
         ...
 
 
+class Known(NamedTuple):
+    """A policy of this package: what makes it, and its rule in words, for the page."""
+
+    make: Callable[[], Policy]
+    rule: str
+
+
+#: {name: Known}
+POLICIES: Dict[str, Known] = {}
+
+
+def _policy(name: str, rule: str) -> Callable[[Type[Any]], Type[Any]]:
+    """Return what adds a class to :data:`POLICIES`."""
+    def add(cls: Type[Any]) -> Type[Any]:
+        POLICIES[name] = Known(cls, rule)
+        return cls
+    return add
+
+
+@_policy('nearest', 'each order in turn goes to the free robot that is nearest to its first stop')
 class Nearest:
     """Each order goes to the free robot that is nearest to its next stop; orders by priority, then by arrival."""
 
@@ -82,6 +108,8 @@ class Nearest:
         return nearest_for(question, question.orders)
 
 
+@_policy('earliest_deadline', 'the same, but of one priority the order with the earliest deadline comes first, and '
+         'orders without a deadline come last')
 class EarliestDeadline:
     """As :class:`Nearest`, but among orders of one priority the order with the earliest deadline comes first."""
 
@@ -104,6 +132,8 @@ def nearest_for(question: Question, orders: Iterable[OpenOrder]) -> List[Pair]:
     return pairs
 
 
+@_policy('auction', 'each order is sold as it comes, to the robot whose whole tour is the shortest with it. Busy '
+         'robots bid, too, from the point where their order ends')
 class Auction:
     """Each order is sold, as it arrives, to the robot whose whole tour with it is the shortest; busy robots bid, too.
 
@@ -155,6 +185,8 @@ def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Ques
     return min(bids) if bids else None
 
 
+@_policy('batch', 'all open orders of one priority and all free robots are matched at once, with the least sum of '
+         'ways to first stops (`scipy.optimize.linear_sum_assignment`; this needs scipy)')
 class Batch:
     """Assigns all open orders of a priority to free robots at once, with the least sum of the ways to their next stops.
 
@@ -170,7 +202,8 @@ class Batch:
             from scipy.optimize import linear_sum_assignment
         except ImportError as error:
             raise ConfigurationError('policy: batch needs scipy, which is not installed ({}); allowed without it: '
-                                     'nearest, earliest_deadline, auction'.format(error)) from error
+                                     '{}'.format(error, ', '.join(name for name, one in POLICIES.items()
+                                                                  if one.make is not Batch))) from error
         self._assign = linear_sum_assignment
 
     def choose(self, question: Question) -> List[Pair]:
@@ -190,10 +223,6 @@ class Batch:
         return pairs
 
 
-POLICIES: Dict[str, Callable[[], Policy]] = {
-    'nearest': Nearest, 'earliest_deadline': EarliestDeadline, 'auction': Auction, 'batch': Batch}
-
-
 def make_policy(name: str, where: str) -> Policy:
     """Return a new policy: one of :data:`POLICIES`, or an instance of a user's class 'module:Class'.
 
@@ -201,7 +230,7 @@ def make_policy(name: str, where: str) -> Policy:
         begins with ``where``.
     """
     if name in POLICIES:
-        return POLICIES[name]()
+        return POLICIES[name].make()
     module, _, attribute = name.partition(':')
     try:
         made: Any = getattr(importlib.import_module(module), attribute)()

@@ -13,13 +13,13 @@ from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, integer, number, one_of, read_table
 from ..common.shown import shown
 from ..common.unknown_keys import check_keys
+from .policies import POLICIES
 
-POLICY_NAMES = ('nearest', 'earliest_deadline', 'auction', 'batch')
 RESTART, RESUME = 'restart', 'resume'
 
 
 def _policy(value: Any) -> str:
-    if not isinstance(value, str) or not (value in POLICY_NAMES or _is_reference(value)):
+    if not isinstance(value, str) or not (value in POLICIES or _is_reference(value)):
         raise ValueError
     return value
 
@@ -31,7 +31,7 @@ def _is_reference(value: str) -> bool:
 
 _SHARE = number(0.0, 1.0)
 DISPATCHER_TABLE = (
-    Parameter('policy', 'nearest', _policy, '{}, or module:Class'.format(', '.join(POLICY_NAMES))),
+    Parameter('policy', 'nearest', _policy, '{}, or module:Class'.format(', '.join(POLICIES))),
     Parameter('distances', 'ways', one_of('ways', 'straight'), "'ways' or 'straight'"),
     Parameter('attempts', 3, integer(1, 1000), 'a whole number in 1..1000'),
     Parameter('after_failure', RESTART, one_of(RESTART, RESUME), "'restart' or 'resume'"),

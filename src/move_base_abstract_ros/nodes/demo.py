@@ -20,6 +20,7 @@ import rospy
 from move_base_abstract import mission
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.orders.policies import POLICIES
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes.demo_run import nodes, report, warehouse
@@ -183,7 +184,7 @@ def _parse(words):
                         'orders that arrive and a dispatcher')
     parser.add_argument('--orders', type=_count, metavar='N', help='number of orders within an hour; only with --world '
                         f'(default: {warehouse.ORDERS})')
-    parser.add_argument('--policy', choices=warehouse.POLICIES, help="the dispatcher's policy; only with --world")
+    parser.add_argument('--policy', choices=POLICIES, help="the dispatcher's policy; only with --world")
     parser.add_argument('--robots', type=_count, metavar='N',
                         help='number of robots (default: 5, or all of the mission; with --world 50)')
     parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')

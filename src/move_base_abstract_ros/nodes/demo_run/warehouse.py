@@ -5,7 +5,6 @@ import time
 import rospy
 
 from move_base_abstract.msg import RobotEvent
-from move_base_abstract.orders.settings import POLICY_NAMES
 from move_base_abstract.runs.states import NAMES
 from move_base_abstract.runs.story import Story
 from move_base_abstract.scenario import read_scenario
@@ -15,7 +14,6 @@ from move_base_abstract_worlds.sites import KINDS, make_site
 from .nodes import WATCHED_POSES, shipped
 
 KIND = 'warehouse'
-POLICIES = POLICY_NAMES
 ORDERS = 200
 #: the participants in lockstep, besides the demo
 PARTICIPANTS = ['/fleet', '/task_source', '/dispatcher']
