@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "allocations.h"
+#include "launcher.h"
 #include "node.h"
 #include "turn.h"
 
@@ -28,9 +29,6 @@ namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
 
-/** "SEED NODE_NAME"; the launcher sets it if the time master is in lockstep. */
-const char* const kChanceVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE";
-const char* const kLayoutVariable = "MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT";
 const char* const kUnknownBefore =
     "the time master was not in lockstep yet when the program was started: the clocks and random "
     "numbers that it saw before ROS began were the machine's";
@@ -62,7 +60,7 @@ bool isFollowing() {
   }
   Following now = following.load(std::memory_order_relaxed);
   if (now == Following::kUnknown) {
-    now = std::getenv(kChanceVariable) == nullptr ? Following::kNo : Following::kYes;
+    now = told().chance == nullptr ? Following::kNo : Following::kYes;
     following = now;
   }
   return now == Following::kYes;
@@ -142,18 +140,11 @@ bool hasOrderedAddresses() {
   if (!isFollowing()) {
     return false;
   }
-  static const bool is_fixed = [] {
-    const char* const layout = std::getenv(kLayoutVariable);
-    return layout == nullptr || std::strcmp(layout, "random") != 0;
-  }();
-  return is_fixed;
+  return told().layout == nullptr || std::strcmp(told().layout, "random") != 0;
 }
 
 const std::string& seedText() {
-  static const auto* const text = [] {
-    const char* const value = std::getenv(kChanceVariable);
-    return new std::string(value == nullptr ? "0" : value);
-  }();
+  static const auto* const text = new std::string(told().chance == nullptr ? "0" : told().chance);
   return *text;
 }
 

@@ -16,7 +16,7 @@
 #include "allocations.h"
 #include "exchange.h"
 #include "interest.h"
-#include "move_base_abstract/lockstep_participant.h"
+#include "launcher.h"
 #include "parameters.h"
 #include "recorder.h"
 #include "roscpp_shim/machine/real.h"
@@ -28,9 +28,6 @@ using Lock = std::lock_guard<PlainMutex>;
 using lockstep::internal::readPresence;
 
 constexpr std::int64_t kPatience = 1'000'000'000;  // steady ns
-const char* const kRankVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_RANK";
-const char* const kStrictVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT";
-const char* const kSleepVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP";
 
 const char* const kMixed =
     "memory that was given back by threads without an order was used again: the addresses of what "
@@ -56,20 +53,20 @@ bool isManaged(const std::string& topic) {
 }
 
 Node::Node() {
-  const char* const sleep = std::getenv(kSleepVariable);
+  const char* const sleep = told().sleep;
   sleeps_simulated_ = sleep != nullptr && std::string(sleep) == "simulated";
 }
 
 bool Node::isWanted() {
   std::string mode;
-  return ros::param::get(lockstep::internal::kModeParameter, mode) &&
+  return told().looks_on == nullptr && ros::param::get(lockstep::internal::kModeParameter, mode) &&
          mode == lockstep::internal::kLockstepMode;
 }
 
 // ---- joining and leaving ---------------------------------------------------------------------
 
 bool Node::join() {
-  const char* const rank = std::getenv(kRankVariable);
+  const char* const rank = told().rank;
   try {
     membership_.present(
         readPresence(rank == nullptr ? std::nullopt : std::optional<int>(std::atoi(rank))));
@@ -77,12 +74,12 @@ bool Node::join() {
       return false;
     }
     membership_.join();
-    if (std::getenv(kStrictVariable) != nullptr) {
+    if (told().strict != nullptr) {
       membership_.append(wire::Note{wire::NoteKind::kStrict, "the launcher's option"});
     }
-  } catch (const lockstep::NotLockstep&) {
+  } catch (const lockstep::internal::NotLockstep&) {
     return false;  // the mode was changed meanwhile
-  } catch (const lockstep::Error& error) {
+  } catch (const lockstep::internal::Error& error) {
     ROS_FATAL("%s", error.what());
     std::fflush(nullptr);
     std::_Exit(1);  // no destructors, because roscpp's threads still run

@@ -11,7 +11,7 @@
 #include <set>
 #include <string>
 
-#include "participant/membership.h"
+#include "roscpp_shim/membership/membership.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

@@ -9,15 +9,14 @@
 #include <array>
 #include <utility>
 
+#include "lockstep/wire/utf8.h"
 #include "node.h"
-#include "participant/parameter_text.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
 namespace {
 
-namespace internal = lockstep::internal;
 using XmlRpc::XmlRpcValue;
 
 const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "getParam",
@@ -39,6 +38,26 @@ XmlRpcValue requestOf(const XmlRpcValue& request, const std::string& name) {
   made[0] = request[0];
   made[1] = name;
   return made;
+}
+
+/** @return whether @p text is allowed in XML 1.0, where xmlrpcpp puts it unchanged. */
+bool canStand(const std::string& text) {
+  const auto is_control = [](char letter) {
+    return static_cast<unsigned char>(letter) < ' ' && letter != '\t' && letter != '\n' &&
+           letter != '\r';
+  };
+  return isUtf8(text) && std::none_of(text.begin(), text.end(), is_control);
+}
+
+/**
+ * @return @p value as XML-RPC; empty if XML-RPC cannot express it: it, or a part of it, has no
+ * type, or a text in it is not UTF-8 or has control characters.
+ */
+std::string parameterText(const XmlRpcValue& value) {
+  const std::string text = value.toXml();
+  int offset = 0;
+  const bool is_whole = canStand(text) && XmlRpcValue(text, &offset).valid();
+  return is_whole ? text : "";
 }
 
 }  // namespace
@@ -68,7 +87,7 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
     return ask(method, request, answer) == Asked::kGood;  // there may be no more rounds
   }
   if (method == "setParam") {
-    const std::string text = internal::parameterText(request[2]);
+    const std::string text = parameterText(request[2]);
     if (text.empty()) {
       return ask(method, request, answer) == Asked::kGood;  // refused
     }

@@ -17,8 +17,8 @@
 #include "exchange.h"
 #include "node.h"
 #include "parameters.h"
-#include "participant/exchange.h"
 #include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/membership/exchange.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

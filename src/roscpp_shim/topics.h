@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "participant/exchange.h"
+#include "roscpp_shim/membership/exchange.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/shared_channel.h"
 #include "descriptor.h"
-#include "participant/shared_channel.h"
 
 namespace move_base_abstract {
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "participant/local_address.h"
+#include "common/local_address.h"
 
 namespace move_base_abstract {
 namespace {

@@ -33,12 +33,12 @@ def test_pure_folders_include_neither_ros_nor_threads_clocks_and_files(crossings
     ('src/clock', 'lockstep/wire/wire.h'), ('src/clock', 'lockstep/wire/wire_format.h'),
     ('src/lockstep/wire', 'lockstep/rounds/order.h'), ('src/lockstep/rounds', 'lockstep/routing/router.h'),
     ('src/lockstep/routing', 'lockstep/session.h'),
-    ('src/lockstep', 'participant/link.h'), ('src/lockstep', '../time_master/node.h'),
-    ('src/participant', 'lockstep/session.h'), ('src/participant', 'time_master/time_mode.h'),
-    ('src/roscpp_shim', 'participant/core.h'), ('src/roscpp_shim', 'roscpp_shim/libc/chance.h'),
+    ('src/lockstep', 'common/shared_channel.h'), ('src/lockstep', '../time_master/node.h'),
+    ('src/common', 'lockstep/session.h'), ('src/roscpp_shim/membership', 'time_master/time_mode.h'),
+    ('src/roscpp_shim', 'roscpp_shim/membership/link.h'), ('src/roscpp_shim', 'roscpp_shim/libc/chance.h'),
     ('src/roscpp_shim', 'roscpp_shim/tf2/buffer.h'), ('src/roscpp_shim/tf2', 'roscpp_shim/turn.h'),
     ('src/roscpp_shim/machine', 'roscpp_shim/turn.h'), ('src/roscpp_shim/roscpp', 'roscpp_shim/libc/chance.h'),
-    ('src/time_master', 'participant/core.h'),
+    ('src/time_master', 'roscpp_shim/membership/link.h'),
     ('include/move_base_abstract', 'clock/scaled_clock.h'), ('src/clock', 'none.h')])
 def test_folders_include_of_each_other_what_is_agreed_only(crossings, room, name):
     assert crossings(f'{room}/file.h', f'#include "{name}"\n') == [f'{room}/file.h: must not include {name}']

@@ -51,7 +51,8 @@ class Run:
 
     def __init__(self, path, code, outputs, parameters, why):
         with open(path, encoding='utf-8') as log:
-            records = [json.loads(line) for line in log]
+            self.text = log.read()
+        records = [json.loads(line) for line in self.text.splitlines()]
         self.head, end = records[0], records[-1]['end']
         self.labels = end['not_repeatable_because']
         self.reason = end['reason']
@@ -123,9 +124,10 @@ class Runs:
     def start(self, program):
         for key, value in program.parameters.items():
             self.ros.set_param(f'/{program.name}/{key}', value(self.ros) if callable(value) else value)
+        space, _, name = program.name.rpartition('/')
         return self.ros.spawn('/' + program.name, [
             *(program.launcher or [find_executable('lockstep')]), *program.options, program.path, *program.arguments,
-            *program.remaps, f'__name:={program.name}'])
+            *program.remaps, f'__name:={name}', *([f'__ns:=/{space}'] if space else [])])
 
 
 def wait_for_end(children):

@@ -17,6 +17,7 @@ import unittest
 import rosbag
 from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
+from own_sockets import closed_connections
 from scenarios import repeated
 from warm import Loopback
 
@@ -219,6 +220,34 @@ class OutsideTest(unittest.TestCase):
             listener.signal(signal.SIGKILL)
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertIn("'/listener' died", read(master))
+
+    def test_parameters_are_set_over_one_connection(self):
+        with Loopback() as ros:
+            self.start(ros, '/board')
+            child = RUNS.start(Program('board', own('shim_board')))
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
+            self.assertLess(closed_connections(ros.uri), 20)
+
+    def test_a_program_ends_with_its_time_master_whether_that_is_killed_or_ends(self):
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            with Loopback() as ros:
+                master = self.start(ros, '/rate')
+                child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
+                wait_for(lambda ros=ros: os.path.exists(self.note_of_start(ros)))
+                master.signal(number)
+                self.assertEqual(child.process.wait(GUARD), 1, read(child))  # although its main function returns 0
+                self.assertRegex(read(child), 'FATAL.*the run is over for /rate')
+
+    def test_sigint_ends_a_program_and_nobody_else(self):
+        with Loopback() as ros:
+            master = self.start(ros, '/rate', '/listener')
+            listener = RUNS.start(Program('listener', own('shim_listener')))
+            child = RUNS.start(rate(frequency=1.0, ticks=20000))
+            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
+            listener.signal(signal.SIGINT)
+            self.assertEqual(listener.process.wait(GUARD), 0, read(listener))
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
+            self.assertIsNone(master.process.poll())
 
     def test_a_program_whose_name_is_taken_says_so_and_ends_with_an_error(self):
         with Loopback() as ros:

@@ -101,7 +101,7 @@ class Sameness(unittest.TestCase):
         self.assert_same(self.run_once(COORDINATOR, processes=3, parameters={'delay': 0.002}, condition=condition))
 
     def test_with_the_coordinator_in_cpp(self):
-        self.assert_same(self.run_once([find_executable('lockstep_coordinator_cpp')]))
+        self.assert_same(self.run_once([find_executable('lockstep'), find_executable('shim_coordinator')]))
 
     def test_another_seed_makes_another_run(self):
         self.assertNotEqual(self.run_once(COORDINATOR, parameters={'seed': SEED + 1}).data, self.plain.data)

@@ -53,7 +53,6 @@ LAUNCH = """<launch>
   <node pkg="study_of_others" type="topic" name="topic"/>
   <node pkg="move_base_abstract" type="property_monitor" name="property_monitor"/>
   <node pkg="move_base_abstract" type="shim_statements" name="shim"/>
-  <node pkg="move_base_abstract" type="lockstep_statements" name="library"/>
 </launch>
 """
 ROWS = [
@@ -87,7 +86,7 @@ class PropertiesTest(unittest.TestCase):
         self.assertEqual(code, 4, said)
         with open(log) as stream:
             events = list(EventLog(stream, log))
-        for node in ('/stater', '/topic', '/shim', '/library'):
+        for node in ('/stater', '/topic', '/shim'):
             self.assertEqual([[one.time_ns // 10 ** 9, json.loads(one.values)] for one in events
                               if one.kind == 'property' and one.robot == node], ROWS, node + said)
             self.assertIn('broken: always: at 5.000000000 s, {}: k stays small (a "b"=0.5, k=3)'.format(node), said)

@@ -1,4 +1,4 @@
-#include "participant/link.h"
+#include "roscpp_shim/membership/link.h"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "participant/local_address.h"
+#include "common/local_address.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {

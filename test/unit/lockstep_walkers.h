@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lockstep_client.h"
-#include "participant/window.h"
+#include "roscpp_shim/membership/window.h"
 
 namespace move_base_abstract {
 

@@ -1,5 +1,5 @@
 // The secret of a run: where it is read from, and what is refused.
-#include "participant/run_secret.h"
+#include "common/run_secret.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

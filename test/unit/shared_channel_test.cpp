@@ -1,4 +1,4 @@
-#include "participant/shared_channel.h"
+#include "common/shared_channel.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

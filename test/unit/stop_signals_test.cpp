@@ -1,5 +1,5 @@
 // A signal that ends a process: the time master hears of it first, whatever is being sent.
-#include "participant/stop_signals.h"
+#include "roscpp_shim/membership/stop_signals.h"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

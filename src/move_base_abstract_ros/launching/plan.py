@@ -216,7 +216,7 @@ def _others(config):
 
 
 def _keep_local(nodes):
-    """Make roscpp programs that take no part, such as rosout, listen on 127.0.0.1 if ROS_IP is that."""
+    """Make roscpp programs that take no part, such as rosout, do so, and listen on 127.0.0.1 if ROS_IP is that."""
     try:
         name, value = binary.loopback_only(os.environ)
     except ValueError as error:
@@ -224,6 +224,7 @@ def _keep_local(nodes):
     for node in nodes:
         if name not in dict(node.env_args):
             node.env_args = [*node.env_args, (name, value)]
+        node.env_args = [*node.env_args, binary.LOOKS_ON]
 
 
 def _look_at_recorder(config, node, role):

@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <sstream>
 #include <string>
 
 #include "roscpp_shim/followed.h"
@@ -20,23 +19,6 @@ namespace {
 thread_local bool t_is_starting = false;
 
 }  // namespace
-
-/** Take this library out of LD_PRELOAD, so that programs which this one starts do not load it. */
-__attribute__((constructor)) void leaveEnvironment() {
-  const char* const preload = std::getenv("LD_PRELOAD");
-  std::istringstream names(preload == nullptr ? "" : preload);
-  std::string others;
-  for (std::string name; names >> name;) {
-    if (name.find("roscpp_shim") == std::string::npos) {
-      others += (others.empty() ? "" : " ") + name;
-    }
-  }
-  if (others.empty()) {
-    unsetenv("LD_PRELOAD");
-  } else {
-    setenv("LD_PRELOAD", others.c_str(), 1);
-  }
-}
 
 bool isStarting() { return t_is_starting; }
 

@@ -15,11 +15,11 @@
 #include "chaos_parameters.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
+#include "common/run_secret.h"
 #include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
 #include "parameter_reader.h"
-#include "participant/run_secret.h"
 
 namespace move_base_abstract {
 

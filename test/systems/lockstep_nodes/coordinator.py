@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Sends goals to robots, with cancels and pre-emptions: the policy of test/cpp_nodes/lockstep_coordinator_cpp.cpp.
+"""Sends goals to robots, with cancels and pre-emptions: the policy of test/cpp_nodes/shim_coordinator.cpp.
 
 Parameters: ~robots, ~goals (in all), ~seed, ~patient (the end of a goal leads to the next goal only if the robot has no
 other open goal), ~delay (the longest random pause [wall s] in callbacks, in sending and in connecting; the policy does

@@ -14,11 +14,12 @@ from . import recorders
 SHIM = 'libmove_base_abstract_roscpp_shim.so'
 _LOOPBACK_ONLY = 'libmove_base_abstract_loopback_only.so'
 _ROSCPP = 'libroscpp.so'
-_PARTICIPANT = 'libmove_base_abstract_lockstep.so'
 _RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
 _SLEEP = 'MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP'
 _CHANCE = 'MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE'
 _STRICT = 'MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT'
+#: (name, value) of the variable by which a program that is linked to the library looks on all the same
+LOOKS_ON = ('MOVE_BASE_ABSTRACT_LOOKS_ON', '1')
 _PRELOAD = 'LD_PRELOAD'
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 # Of the ELF format, 64 bits, little endian.
@@ -53,12 +54,9 @@ def prepare(path, rank, sleep, environment):
     :param environment: the environment without it.
     :raises ValueError: if the binary cannot take part.
     """
-    needed = needed_libraries(path)
-    if any(name.startswith(_PARTICIPANT) for name in needed):
-        return dict(environment)  # it takes part by itself
     if not links_to_roscpp(path):
         raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}. If it starts one, give that program "
-                         'instead'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
+                         'instead'.format(path, ', '.join(needed_libraries(path)) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system does not "
                          'preload a library into it'.format(path))

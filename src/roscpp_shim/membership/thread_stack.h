@@ -1,0 +1,23 @@
+// Describes what a thread of this process is doing, for a user who wonders why it takes so long.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H
+
+#include <string>
+
+namespace move_base_abstract::lockstep::internal {
+
+/**
+ * @return the thread's name, whether it computes or in which system call it waits, and its
+ * functions, the innermost last: "thread 'agent' computes: main in /path/agent+0x1a2b > plan() in
+ * ...".
+ *
+ * The thread is asked by a signal. If it waits in a system call that a signal would end early, it
+ * is not asked, and the text has no functions. Do not call this for the calling thread.
+ *
+ * @param id as gettid() gives it; for a thread that has ended, the text says that it has gone.
+ */
+std::string describeThread(int id);
+
+}  // namespace move_base_abstract::lockstep::internal
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H
