@@ -55,8 +55,9 @@ def prepare(path, rank, sleep, environment):
     :raises ValueError: if the binary cannot take part.
     """
     if not links_to_roscpp(path):
+        needed = ', '.join(needed_libraries(path)) or 'no library (it is static)'
         raise ValueError("'{}' is not a roscpp program: it needs {}, but not {}. If it starts one, give that program "
-                         'instead'.format(path, ', '.join(needed_libraries(path)) or 'no library (it is static)', _ROSCPP))
+                         'instead'.format(path, needed, _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system does not "
                          'preload a library into it'.format(path))
