@@ -27,6 +27,7 @@ from move_base_abstract.faults import buggify, failures  # noqa: E402
 from move_base_abstract.lockstep import node_parameters  # noqa: E402
 from move_base_abstract.motion import durations  # noqa: E402
 from move_base_abstract.orders.policies import POLICIES  # noqa: E402
+from move_base_abstract.runs import built_in  # noqa: E402
 from move_base_abstract.runs.states import STATES  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
 
@@ -168,8 +169,14 @@ def states():
     return lines
 
 
+def properties():
+    """Return the lines of the table of the built-in properties."""
+    rows = [f'| `{one.name}{"=NUMBER" if one.number else ""}` | {one.page} |' for one in built_in.BUILT_IN.values()]
+    return ['| property | holds if |', '|---|---|', *rows]
+
+
 #: what makes the other tables within pages, by their kind
-OTHERS = {'states': states, 'policies': policies}
+OTHERS = {'states': states, 'policies': policies, 'properties': properties}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
-from move_base_abstract.lockstep.property_names import ALL, NAMES
+from move_base_abstract.runs import built_in
 
 DEPARTURE, IDLE = 'test', 'idle'
 #: keywords of the marker that ``lockstep.start`` ignores
@@ -27,11 +27,11 @@ class Settings:
     seed: int = 0  # seed of the programs' global random generators
     sleep: str = 'wall'  # the time that time.sleep() takes in programs: 'wall' or 'simulated'
     log_messages: bool = True  # whether the log has a hash of each message between participants
-    properties: Tuple[str, ...] = (ALL,)  # the properties that the run must keep
+    properties: Tuple[str, ...] = (built_in.ALL,)  # the properties that the run must keep
     until: str = DEPARTURE  # 'test': the run ends with the test; 'idle': when no participant has anything left to do
 
     def __post_init__(self) -> None:
-        _check('properties', [name for name in self.properties if name not in NAMES], NAMES)
+        self.properties = tuple(built_in.KIND.check('lockstep: properties', name) for name in self.properties)
         _check('until', [self.until] if self.until not in (DEPARTURE, IDLE) else [], (DEPARTURE, IDLE))
         _check('sleep', [self.sleep] if self.sleep not in ('wall', 'simulated') else [], ('wall', 'simulated'))
         for name in [*self.nodes, *self.replace, *self.replace.values()]:

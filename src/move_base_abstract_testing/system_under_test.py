@@ -175,8 +175,8 @@ class Lockstep:
             if self._joined is not None:
                 self._joined.leave('the test is over')
             begin, found = time.monotonic(), self._system.end()
-            self._judged = _judged(self._system.log, found, time.monotonic() - begin)
-        return list(self._judged.chosen(self._settings.properties))
+            self._judged = _judged(Run(self._system.log, found, self._settings.properties), time.monotonic() - begin)
+        return list(self._judged.broken)
 
     @property
     def not_allowed(self) -> List[Broken]:
@@ -200,8 +200,8 @@ class Lockstep:
         return RunLog(self._system.log)
 
 
-def _judged(log: str, found: Any, seconds: float) -> Judgement:
-    if not os.path.exists(log):
+def _judged(run: Run, seconds: float) -> Judgement:
+    if not os.path.exists(run.log):
         raise SimulatorError('{}: is not there {:.1f} s after the end of the test: the run did not end'.format(
-            log, seconds))
-    return judgement_on(Run(log, found))
+            run.log, seconds))
+    return judgement_on(run)

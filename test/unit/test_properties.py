@@ -1,16 +1,19 @@
 """What a run has broken: each property broken once, and kept once."""
 import json
 import os
+import re
 import subprocess
 import sys
 
 import pytest
 
+from move_base_abstract.common import kinds
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.lockstep.property_names import BUILT_IN
 from move_base_abstract.properties import Broken, Gathering, Run, judge, judgement_on
 from move_base_abstract.properties.statements import MOST_STATEMENTS, StatementError, Statements
-from move_base_abstract.runs import ends
+from move_base_abstract.runs import built_in, ends
+from move_base_abstract.runs.built_in import BUILT_IN
 from move_base_abstract.scenario import make_scenario
 
 
@@ -161,7 +164,27 @@ def test_statements_of_a_node_are_judged_and_what_never_held_is_told(tmp_path):
     judged = judgement_on(Run(path))
     assert [one.words() for one in judged.broken] == ['always: at 3.000000000 s, /a: one owner (task=7)']
     assert judged.never_held() == [('/a', 'low')]
-    assert judged.chosen(['charged']) == () and judged.chosen(['always']) == judged.chosen(['all']) == judged.broken
+    for names, broken in ((['charged'], ()), (['always'], judged.broken)):
+        assert judgement_on(Run(path, properties=names)) == (broken, judged.statements, tuple(names))
+
+
+def test_a_property_that_takes_a_number_is_asked_for_with_it(tmp_path, monkeypatch):
+    def judge_it(facts, number):
+        yield 5, 'r0', 'it took more than {:g} s'.format(number), ()
+    for name, default in (('slow', None), ('late', 9.0)):
+        monkeypatch.setitem(built_in.BUILT_IN, name, built_in.Property(
+            name, 'all is quick', 'all is quick', judge_it, kinds.number(0.0, 100.0, unit='s'), default))
+    for right in ('late', 'late=3', 'slow=3', 'slow=1e1', 'charged', 'all', 'never_again'):
+        assert built_in.KIND.check('properties', right) == right
+    for wrong, says in (('slow', 'slow=NUMBER'), ('slow=x', 'slow=NUMBER'), ('slow=101', 'number in 0..100 [s]'),
+                        ('charged=3', 'charged, slow=NUMBER, late=NUMBER'), ('swift', 'slow=NUMBER'),
+                        (3, 'all, no_cr')):
+        with pytest.raises(ConfigurationError, match=re.escape(says)):
+            built_in.KIND.check('properties', wrong)
+    path = log_of(tmp_path)
+    for names, texts in ((['all'], [9]), (['late=3', 'all'], [3]), (['slow=2', 'all'], [9, 2]), (['charged'], [])):
+        found = judge(Run(path, properties=names))
+        assert [one.text for one in found] == ['it took more than {} s'.format(number) for number in texts]
 
 
 def test_rows_are_bounded():

@@ -2,9 +2,8 @@
 import pytest
 
 from experiment_folder import write
-from move_base_abstract.lockstep.property_names import BUILT_IN
-from move_base_abstract.properties import Judgement
-from move_base_abstract.properties.judgement import Broken
+from move_base_abstract.properties import Broken, Judgement
+from move_base_abstract.runs.built_in import BUILT_IN
 from move_base_abstract_experiments.report import outcome, page
 from move_base_abstract_experiments.report.sections import properties
 from test_report_page import NASTY, report
@@ -17,7 +16,7 @@ def trial(*broken, judged=('all',), status='complete', stated=(), **others):
     """Return a trial.json with what is broken: (property, node, text, instant [ns])."""
     told = Judgement(tuple(Broken(name, instant_ns, node, text, ('k=3',)) for name, node, text, instant_ns in broken), {
         (node, kind, text): outcome for kind, node, text, outcome in stated}).told()
-    return {'status': status, 'metrics': {'makespan_s': 1.0}, 'properties': {'judged': list(judged), **told}, **others}
+    return {'status': status, 'metrics': {'makespan_s': 1.0}, 'properties': {**told, 'judged': list(judged)}, **others}
 
 
 def counted(folder, *trials):
@@ -34,6 +33,12 @@ def test_each_property_is_counted_over_the_trials(tmp_path):
     assert list(found) == list(BUILT_IN)
     assert found['charged'] == (2, 2, '0002-abc') and found['no_crash'] == (2, 1, '0003-abc')
     assert found['every_goal_ends'] == (3, 0, None)
+
+
+def test_a_new_property_did_not_hold_in_trials_from_before_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(BUILT_IN, 'newer', BUILT_IN['charged']._replace(name='newer'))
+    found = counted(tmp_path, trial(judged=['all']), trial(judged=['charged', 'newer']))
+    assert found['charged'] == (2, 0, None) and found['newer'] == (1, 0, None)
 
 
 def test_statements_count_where_they_were_made(tmp_path):

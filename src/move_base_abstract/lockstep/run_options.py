@@ -10,7 +10,8 @@ from typing import Any, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
-from . import property_names, stored_topics
+from ..runs import built_in
+from . import stored_topics
 
 OF_NODES = ('launch', 'command')  # the systems of an experiment that have nodes
 FAIL, ALLOW = 'fail', 'allow'  # a crash makes the run fail, or it is only reported
@@ -65,5 +66,5 @@ class RunOptions:
         one_of(FAIL, ALLOW), FAIL, 'what happens if a node [crashes](lockstep_launch.md#crashes): the run fails '
         '(`fail`), or the crash is reported and the run counts if it comes to its end (`allow`)')
     properties: Tuple[str, ...] = option(
-        list_of(one_of(*property_names.NAMES)), [], 'the [properties](properties.md) that are checked when a run is '
-        'over: `all`, or names', systems=OF_NODES)
+        list_of(built_in.KIND), [], 'the [properties](properties.md) that are checked when a run is over: `all`, or '
+        'names', systems=OF_NODES)

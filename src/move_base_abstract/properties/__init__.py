@@ -5,9 +5,9 @@ For nodes: ``from move_base_abstract.properties import always, never_again, some
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..runs.built_in import Broken as Broken
     from .gathering import Gathering as Gathering
     from .judgement import (
-        Broken as Broken,
         Judgement as Judgement,
         Run as Run,
         judge as judge,

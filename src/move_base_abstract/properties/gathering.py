@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Iterator, List, Tuple
 
-from ..lockstep.property_names import BUILT_IN, SOMETIMES
+from ..runs.built_in import BUILT_IN, SOMETIMES
 from .statements import HELD
 
 

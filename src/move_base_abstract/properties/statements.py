@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.errors import SimulatorError
-from ..lockstep.property_names import ALWAYS, NEVER_AGAIN, SOMETIMES
+from ..runs.built_in import ALWAYS, NEVER_AGAIN, SOMETIMES
 
 ROW = 'property'  # the kind of the events
 KINDS = (ALWAYS, SOMETIMES, NEVER_AGAIN)

@@ -13,7 +13,7 @@ import logging
 from types import SimpleNamespace
 from typing import Any, Callable, List, Optional
 
-from ..lockstep.property_names import ALWAYS, NEVER_AGAIN, SOMETIMES
+from ..runs.built_in import ALWAYS, NEVER_AGAIN, SOMETIMES
 from .statements import BROKEN, Statements
 
 _made = Statements()

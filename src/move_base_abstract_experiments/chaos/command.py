@@ -12,7 +12,7 @@ from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.properties import Gathering
 
 from .. import ending
-from . import replay_file
+from . import failures, replay_file
 from .replay_file import Replay
 from .runs import PARTS, RunRequest, RunResult, Runs, document_of
 
@@ -40,7 +40,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
                         help='messages take up to S simulated seconds; 0: only the order of equal events changes')
     parser.add_argument('--property', action='append', default=[], metavar='NAME',
                         help='look only for this failure: a name of your own, crash, deadlock, zero_delay_loop, '
-                        'every_goal_ends, unfinished; repeat it for several')
+                        f'{", ".join(failures.OF_ROBOTS)}, unfinished; repeat it for several')
     parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one per core)')
     parser.add_argument('--output', default='chaos.json', metavar='FILE', help='file that replays the failure '

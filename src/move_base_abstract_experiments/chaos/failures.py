@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.faults.lapse import JUMP, MUTE
 from move_base_abstract.properties import Judgement, judge_log, statements
+from move_base_abstract.runs.built_in import ALL, BUILT_IN
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.runs.trace import TraceEntry
 
@@ -17,7 +18,9 @@ from ..records import Result
 _GOES_WRONG = ('failed', 'lapse_began')
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while',
               MUTE: 'drove on without a pose or feedback for a while'}
-_OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # other properties have finders of their own
+#: the built-in properties that fail under their own name; the finders of crashes and standstills have the others
+OF_ROBOTS = tuple(name for name in BUILT_IN if name not in (
+    'no_crash', 'no_exception', 'no_standstill', 'no_zero_delay_loop'))
 _STANDSTILLS = ('deadlock', 'zero_delay_loop')  # values of ended_by in the end record
 
 
@@ -41,15 +44,15 @@ class Evidence(NamedTuple):
     judged: Judgement
 
 
-def evidence_of(result: Result, log: Optional[bytes]) -> Evidence:
-    """Return the Evidence of a run. ``log``: the bytes of its event log, or None."""
+def evidence_of(result: Result, log: Optional[bytes], properties: Sequence[str] = (ALL,)) -> Evidence:
+    """Return the Evidence of a run. ``log``: the bytes of its event log, or None; ``properties``: those that count."""
     events: List[TraceEntry] = []
     end: Dict[str, Any] = {}
-    judged = Judgement((), {})
+    judged = Judgement()
     if log is not None:
         text = log.decode('utf-8', 'surrogateescape')
         read = EventLog(io.StringIO(text, newline='\n'), 'events.jsonl')
-        judged = judge_log(read, hear=lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
+        judged = judge_log(read, (), properties, lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
         end = read.end or {}
     return Evidence(result, events, end, judged)
 
@@ -94,7 +97,7 @@ def _standstill(run: Evidence) -> Iterator[Failure]:
 def _of_robots(run: Evidence) -> Iterator[Failure]:
     """Yield the broken properties of robots: goals that never end, overfull places, empty batteries."""
     for one in run.judged.broken:
-        if one.property in _OF_ROBOTS:
+        if one.property in OF_ROBOTS:
             yield Failure(one.property, one.words())
 
 

@@ -11,6 +11,7 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Se
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.properties import Judgement
+from move_base_abstract.runs.built_in import ALL
 
 from ..carrying import jobs
 from ..description import launch_files, plan, spec
@@ -159,7 +160,7 @@ class Runs:
             log, decisions = member(LOG), member('files-' + DECISIONS)
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
-        evidence = failures.evidence_of(result, log)
+        evidence = failures.evidence_of(result, log, self._job.trial.experiment.properties or (ALL,))
         made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(evidence)]
         return RunResult(chosen, failures.of_run(evidence, self._wanted),
                          sorted(made, key=lambda one: int(one['time_ns'])),

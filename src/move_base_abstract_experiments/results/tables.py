@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Optional, Sequence
 
-from move_base_abstract.lockstep.property_names import SOMETIMES
 from move_base_abstract.properties import Gathering
+from move_base_abstract.runs.built_in import SOMETIMES
 
 from ..description.metric_names import OCCASIONAL, Metric
 from ..records import DIFFERENT, FORMAT, IDENTICAL, Plan, Result

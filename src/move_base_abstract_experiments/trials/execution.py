@@ -124,9 +124,8 @@ def _look_at_properties(job: Job, result: Result, processes: List[ends.Process],
         return
     with contextlib.suppress(OSError, event_log.EventLogError):
         found = ends.judge(processes, ends.read_log(folders.log))
-        judged = judgement_on(Run(folders.log, found))
-        judged = judged._replace(broken=judged.chosen(names))
-        result.properties = {'judged': list(names), **judged.told()}
+        judged = judgement_on(Run(folders.log, found, names))
+        result.properties = judged.told()
         result.metrics['broken_properties'] = len(judged.broken)
 
 

@@ -245,8 +245,7 @@ def _conclude(parent, made, found, log, options):
     ends = parent.ends()
     crashed = [end for end in ends if end.crash is not None]
     names = ('all',) if options.check else tuple(options.properties)
-    judged = judgement_on(Run(log, ends)) if names else Judgement((), {})
-    broken = judged.chosen(names)
+    judged = judgement_on(Run(log, ends, names)) if names else Judgement()
     if options.outcome:
         with open(options.outcome, 'x', encoding='utf-8') as stream:
             json.dump({'bags': [[bag.node, bag.path] for bag in found], 'fleets': _fleets(made),
@@ -255,13 +254,13 @@ def _conclude(parent, made, found, log, options):
         print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
         for line in end.last_lines:
             print('    ' + shown_text(line), file=sys.stderr)
-    for one in broken:
+    for one in judged.broken:
         print('lockstep_launch: broken: ' + shown_text(one.words()), file=sys.stderr)
     for node, text in judged.never_held() if names else ():
         print('lockstep_launch: never held in this run: sometimes: {}: {}'.format(*map(shown_text, (node, text))))
     sys.stdout.flush()
     sys.stderr.flush()
-    if broken:
+    if judged.broken:
         return _BROKEN
     return _CRASHED if crashed and options.crashes == FAIL and not parent.code else parent.code
 

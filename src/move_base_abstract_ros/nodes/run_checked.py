@@ -16,7 +16,7 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract.lockstep.property_names import BUILT_IN, SOMETIMES
+from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
 from ..loopback import find_executable
 
@@ -65,13 +65,13 @@ def _run(words):
 
 
 def _cases(told):
-    cases = {'{}: {}'.format(*one): '' for one in BUILT_IN.items()}
+    cases = {'{}: {}'.format(one.name, one.sentence): '' for one in BUILT_IN.values() if one.is_usual}
     for node, kind, text, _outcome in told['statements']:
         if kind != SOMETIMES:  # a single run cannot break a `sometimes`
             cases['{}: {}: {}'.format(kind, node, text)] = ''
     for one in told['broken']:
         kind = one['property']
-        case = '{}: {}'.format(kind, BUILT_IN[kind]) if kind in BUILT_IN else '{}: {}: {}'.format(
+        case = '{}: {}'.format(kind, BUILT_IN[kind].sentence) if kind in BUILT_IN else '{}: {}: {}'.format(
             kind, one['node'], one['text'])
         cases[case] = cases.get(case) or one['words']
     return cases

@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from move_base_abstract.lockstep.property_names import ALL, BUILT_IN, SOMETIMES
 from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
+from move_base_abstract.runs.built_in import ALL, BUILT_IN, SOMETIMES
 
 from .. import notable_trials
 from ..listings import cut
@@ -11,6 +11,9 @@ from ..parts import Cell, Section, Table
 from ..wording import UNKNOWN, counted, listed, whole
 
 HEADING = 'Properties'
+#: what `all` meant in trials that do not say by which properties they were judged
+_ALL_OF_1_0 = ('no_crash', 'no_exception', 'no_standstill', 'no_zero_delay_loop', 'every_goal_ends', 'capacities_kept',
+               'charged')
 MOST_TOLD = 6
 _NOTE = 'Not judged: the trial has not run, has left no event log, or has never made the statement. The first break ' \
         'is the first in the order of the plan; instants are in simulated time. All breaks are in trials/*/trial.json.'
@@ -48,7 +51,7 @@ def read(told):
         row for row in _rows(told.get('statements'), list) if len(row) == 4)}
     stated.pop(None, None)
     names = _rows(told.get('judged'), str)
-    return Judged(frozenset(BUILT_IN if ALL in names else names) & frozenset(BUILT_IN), broken, stated)
+    return Judged(frozenset(_ALL_OF_1_0 if ALL in names else names) & frozenset(BUILT_IN), broken, stated)
 
 
 def _rows(value, kind):
@@ -152,4 +155,4 @@ def _stated(experiment, key):
 
 def _title(key):
     name, node, text = key
-    return f'{name}: {BUILT_IN[name]}' if name in BUILT_IN else f'{name}: {text} ({node})'
+    return f'{name}: {BUILT_IN[name].sentence}' if name in BUILT_IN else f'{name}: {text} ({node})'
