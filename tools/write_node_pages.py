@@ -29,7 +29,9 @@ from move_base_abstract.motion import durations  # noqa: E402
 from move_base_abstract.orders.policies import POLICIES  # noqa: E402
 from move_base_abstract.runs import built_in  # noqa: E402
 from move_base_abstract.runs.states import STATES  # noqa: E402
+from move_base_abstract.runs.trace import ROW_KINDS  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
+from move_base_abstract_experiments.chaos import failures as chaos_failures  # noqa: E402
 
 UNIT = re.compile(r' \[([^\[\]_]*)\]')
 CPP_TABLE = ROOT / 'src' / 'time_master' / 'parameters' / 'parameter_table.h'
@@ -149,17 +151,37 @@ def page(node, described):
 def filled(text):
     """Return a page's text with new tables."""
     def fill(match):
-        lines = OTHERS[match.group(2)]() if match.group(2) in OTHERS else table(WITHIN[match.group(3)])
+        kind, name = match.group(2), match.group(3)
+        lines = OTHERS[kind](name) if kind in OTHERS else table(WITHIN[name])
         return '\n'.join([match.group(1), *lines, match.group(4)])
     return FILLED.sub(fill, text)
 
 
-def policies():
+def rows_of(name):
+    """Return the lines of a table of kinds of rows: of robots, with log_motion, or of orders."""
+    return ['| kind | values | when |', '|---|---|---|',
+            *(f'| `{one.kind}` | {one.values} | {one.words} |' for one in ROW_KINDS if one.of == name)]
+
+
+def faults(_name):
+    """Return the lines of the table of deliberate faults."""
+    return ['| fault | what happens. If several are drawn for a goal, the first in this order happens |', '|---|---|',
+            *(f'| `{fault.name}` | {fault.happens} |' for fault in buggify.FAULTS)]
+
+
+def failures_of_runs(_name):
+    """Return the lines of the table of what fails a run of chaos."""
+    named = ((', '.join(f'`{name}`' for name in kind.names) or "a statement's text", kind.when)
+             for kind in chaos_failures.KINDS)
+    return ['| name | when |', '|---|---|', *(f'| {name} | {when} |' for name, when in named)]
+
+
+def policies(_name):
     """Return the lines of the table of a dispatcher's policies."""
     return ['| policy | rule |', '|---|---|', *(f'| `{name}` | {one.rule} |' for name, one in POLICIES.items())]
 
 
-def states():
+def states(_name):
     """Return the lines of the table of the states of robots, first those that come before others."""
     lines = ['| state | a robot is in it | from a row | to a row |', '|---|---|---|---|']
     for state in sorted(STATES, key=lambda state: state.precedence):
@@ -169,14 +191,15 @@ def states():
     return lines
 
 
-def properties():
+def properties(_name):
     """Return the lines of the table of the built-in properties."""
     rows = [f'| `{one.name}{"=NUMBER" if one.number else ""}` | {one.page} |' for one in built_in.BUILT_IN.values()]
     return ['| property | holds if |', '|---|---|', *rows]
 
 
 #: what makes the other tables within pages, by their kind
-OTHERS = {'states': states, 'policies': policies, 'properties': properties}
+OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'rows': rows_of, 'faults': faults,
+          'failures': failures_of_runs}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.parameter_table import Parameter, integer, number
 from ..common.units import seconds_to_ns
@@ -22,24 +22,51 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from .failing import Failing
 
-LATE_RESULT, STOP = 'late_result', 'stop'
-KINDS = (LATE_RESULT, ABORT, STOP, SILENT, JUMP, MUTE)  # a goal has at most one fault: the first that is drawn
+LATE_RESULT = 'late_result'
+
+
+class Fault(NamedTuple):
+    """A kind of deliberate faults.
+
+    ``place``: the draw of a goal that decides whether it comes; it must stay, since the meaning of a seed depends on
+    it. ``becomes``: the kind of failure or of lapse that the robot has. ``happens``: what happens, for the page;
+    ``said``: the same after the name of a robot, for a decision of chaos; of a jump, with how far [m] and by how much
+    [rad] it goes.
+    """
+
+    name: str
+    place: int
+    becomes: str
+    happens: str
+    said: str
+
+
+#: a goal has at most one fault: the first that is drawn
+FAULTS = (
+    Fault(LATE_RESULT, 0, STALL, "the robot stands for up to 10 s, one millisecond before the goal's end",
+          'stood still for a while'),
+    Fault('abort', 1, ABORT, 'the goal is ABORTED on the way, and the robot takes the next one', 'gave its goal up'),
+    Fault('stop', 2, STALL, 'the robot stands for up to 10 s on the way', 'stood still for a while'),
+    Fault('silent', 3, SILENT, 'the robot stands and is silent', 'said nothing for a while'),
+    Fault('jump', 6, JUMP, 'for up to 10 s on the way, the robot reports a pose that is wrong by up to 1 m in x and in '
+          'y and by up to 0.2 rad', 'took itself to be {:.2f} m and {:.2f} rad beside where it was, for a while'),
+    Fault('mute', 7, MUTE, 'for up to 10 s on the way, the robot reports no pose',
+          'drove on without a pose or feedback for a while'),
+)
+_BY_NAME = {fault.name: fault for fault in FAULTS}
+_SHARE, _SECONDS, _X, _Y, _YAW = 4, 5, 8, 9, 10  # the use of the other draws of a goal
 CAUSE = 'chaos '  # the beginning of the cause of such a failure; the name of the fault follows
 _LONGEST_S = 10.0  # s, simulated: the longest time of a stop, a silence, a delay, or a wrong or missing pose
 _FARTHEST_M, _FARTHEST_RAD = 1.0, 0.2  # the largest jump of a pose along each axis, and its largest turn
 _BEFORE_END_NS = 1_000_000  # a result is late because the robot stops this long before the end of its leg
-_FAILURES = {LATE_RESULT: STALL, STOP: STALL, ABORT: ABORT, SILENT: SILENT}
 _CHANCE = number(0.0, 1.0)
-#: the use of each draw of a goal. The numbers must stay, since the meaning of a seed depends on them
-_PLACES = {LATE_RESULT: 0, ABORT: 1, STOP: 2, SILENT: 3, JUMP: 6, MUTE: 7}
-_SHARE, _SECONDS, _X, _Y, _YAW = 4, 5, 8, 9, 10
 
 
 def _chances(value: Any) -> Tuple[Tuple[str, float], ...]:
-    """Return ((kind, chance), ...) of a mapping, in the order of KINDS."""
-    if not isinstance(value, dict) or not set(value) <= set(KINDS):
+    """Return ((kind, chance), ...) of a mapping, in the order of FAULTS."""
+    if not isinstance(value, dict) or not set(value) <= set(_BY_NAME):
         raise ValueError
-    return tuple((kind, _CHANCE(value[kind])) for kind in KINDS if kind in value)
+    return tuple((kind, _CHANCE(value[kind])) for kind in _BY_NAME if kind in value)
 
 
 def _names(value: Any) -> Tuple[str, ...]:
@@ -49,8 +76,8 @@ def _names(value: Any) -> Tuple[str, ...]:
 
 
 TABLE = (
-    Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent, jump, '
-              'mute; each a chance in 0..1 per goal',
+    Parameter('buggify', (), _chances,
+              'a mapping with some of {}; each a chance in 0..1 per goal'.format(', '.join(_BY_NAME)),
               'Chance per goal of each deliberate fault; if several are drawn, only the first one in this order '
               'comes.'),
     Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: no deliberate faults',
@@ -119,7 +146,7 @@ class Buggifying:
 
     def _drawn(self) -> Optional[str]:
         for kind, chance in self._buggify.chances:
-            if self._uniform(_PLACES[kind]) < chance:
+            if self._uniform(_BY_NAME[kind].place) < chance:
                 only = self._buggify.only
                 return kind if not only or name_of(self._robot.name, kind, self._goal) in only else None
         return None
@@ -131,13 +158,14 @@ class Buggifying:
         kind, self._kind = self._kind, None
         assert kind is not None
         cause = CAUSE + name_of(self._robot.name, kind, self._goal)
-        lasts_ns = 0 if kind == ABORT else seconds_to_ns(_LONGEST_S * self._uniform(_SECONDS))
-        if kind in LAPSES:
-            self._lapsing.begin(kind, cause, due_ns, due_ns + lasts_ns, (
+        becomes = _BY_NAME[kind].becomes
+        lasts_ns = 0 if becomes == ABORT else seconds_to_ns(_LONGEST_S * self._uniform(_SECONDS))
+        if becomes in LAPSES:
+            self._lapsing.begin(becomes, cause, due_ns, due_ns + lasts_ns, (
                 self._either_way(_X, _FARTHEST_M), self._either_way(_Y, _FARTHEST_M),
                 self._either_way(_YAW, _FARTHEST_RAD)))
         else:
-            self._failing.fail(cause, due_ns, _FAILURES[kind], lasts_ns * 1e-9)
+            self._failing.fail(cause, due_ns, becomes, lasts_ns * 1e-9)
 
     def _either_way(self, place: int, farthest: float) -> float:
         return farthest * (2.0 * self._uniform(place) - 1.0)

@@ -3,57 +3,108 @@ from __future__ import annotations
 
 from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Tuple
 
-#: the kinds of rows of robots, see :class:`TraceEntry`
-KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'gave_way', 'zone_limit',
-         'paced', 'priority', 'held', 'released', 'failed', 'repaired', 'battery', 'charging_began', 'charging_ended',
-         'charge', 'motion', 'phases', 'manner', 'waiting_began', 'waiting_ended', 'works_at', 'task_began',
-         'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began', 'lapse_ended')
-#: the kinds of rows of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
-ORDER_KINDS = ('order_arrived', 'order_refused', 'policy_failed', 'order_assigned', 'order_stop', 'order_returned',
-               'order_done', 'charge_assigned', 'charge_awaited', 'charge_over')
+
+class RowKind(NamedTuple):
+    """A kind of rows: its ``values`` and ``words``, which say when it comes, as the page has them.
+
+    ``of``: 'robots'; 'motion' if the rows come only with the parameter ``log_motion``; 'orders' if a dispatcher writes
+    them.
+    """
+
+    kind: str
+    values: str
+    words: str
+    of: str = 'robots'
+
+
+#: all kinds; positions are in m and yaws in rad, in the global frame
+ROW_KINDS = (
+    RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'),
+    RowKind('route', 'x, y, x, y, ...', 'after `departed`: the corners of the way, if it has any'),
+    RowKind('stands', 'x, y, yaw', 'the robot has arrived, was stopped, or was placed there'),
+    RowKind('ended', 'goal id, state, text', 'a goal has ended'),
+    RowKind('held',
+            'reason, ...',
+            'all reasons for which the robot is held, whenever they change. It stands with its goal ACTIVE, and '
+            'then goes on from rest, by a way that is planned again'),
+    RowKind('released', '', 'nothing holds the robot any more'),
+    RowKind('priority', 'number', 'the robot has this [priority](zones.md#priorities) from now on'),
+    RowKind('places', 'area, capacity', 'before the first `entered` of an area that has room for so many robots only'),
+    RowKind('entered', 'area', 'the robot got a place in a [zone](zones.md) or on a lane'),
+    RowKind('left', 'area', 'it gave that place back'),
+    RowKind('deadlock', 'robot, area, ...', 'the robot closed a circle of waiting'),
+    RowKind('gave_way', 'area, ...', 'the robot drives back out of these areas, to resolve such a circle'),
+    RowKind('zone_limit', 'zone, max_speed (0: none)', 'a zone has another limit; the row has the first robot by name'),
+    RowKind('paced', 'zone, max_speed', 'the robot goes on by that limit'),
+    RowKind('failed', 'kind, cause', 'the robot has [failed](failures.md)'),
+    RowKind('repaired', '', 'it is repaired'),
+    RowKind('lapse_began',
+            'kind, cause; for a jump also x, y, yaw',
+            'the robot reports a [wrong pose](failures.md#on-purpose), by so much, or none'),
+    RowKind('lapse_ended', 'kind, cause', 'it no longer does'),
+    RowKind('battery',
+            'state of charge, what',
+            'the charge has passed a [threshold](battery.md#thresholds-and-empty), or was set'),
+    RowKind('charging_began', 'zone', 'a charger begins to charge the robot'),
+    RowKind('charging_ended', 'zone', 'it no longer does'),
+    RowKind('waiting_began', 'goal id, place', 'a [task](tasks.md) waits for room'),
+    RowKind('waiting_ended', 'goal id, place', 'it no longer does'),
+    RowKind('works_at', 'goal id, place, capacity', 'before `task_began`: a task has got room there'),
+    RowKind('task_began', 'goal id, duration [ns]', 'work on a task begins'),
+    RowKind('task_ended', 'goal id, state, text', 'a task has ended'),
+    RowKind('meets', 'radius [m]', 'the robot takes part in [encounters](encounters.md)'),
+    RowKind('encounter',
+            'robot, kind, nearest distance [m], time for which it stands [s]',
+            'the robot meets another one'),
+    RowKind('recorded',
+            "'length', low, high [m], 'start_turn', low, high [rad], perhaps 'clearance', low, high [m]",
+            'the legs to which its [calibration](calibrate.md#goals-outside-of-what-was-recorded) was fitted, '
+            'when the robot is made'),
+    RowKind('beyond', 'name, value, ...', 'before `departed`: the goal lies outside of that'),
+    RowKind('motion',
+            'x, y, yaw of the robot, max_speed, acceleration, turn_rate (0: no limit), xy_goal_tolerance, '
+            'yaw_goal_tolerance',
+            'the limits from the next leg on: when the robot is made, and when they change', 'motion'),
+    RowKind('phases',
+            'start_turn_linear [s/rad], start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], '
+            'turning_speed [rad/s], turning_gain [1/s], turning_offset [rad], bow_length [m]',
+            'how a [calibrated](calibration_law.md) robot begins and ends its legs', 'motion'),
+    RowKind('manner',
+            'rest at first [ns], travel after it [ns], way backwards at first [m] and its speed [m/s], time of '
+            'spinning before the last turn [s] and its speed [rad/s]',
+            'after `departed`: a leg at its own pace', 'motion'),
+    RowKind('charge',
+            'state of charge, energy of a full battery [J], `used`, `charged` or `set`',
+            'the charge, and what has changed it', 'motion'),
+    RowKind('order_arrived',
+            'order, priority, deadline [ns, an instant; 0: none], then for each stop: place (or empty), x, y [m],'
+            ' action',
+            'of `/dispatcher`: an order has come', 'orders'),
+    RowKind('order_refused', 'order, what is wrong with it', 'of `/dispatcher`: it cannot be done', 'orders'),
+    RowKind('policy_failed',
+            'what is wrong',
+            'of `/dispatcher`: the policy failed, or chose what cannot be done; no robot got an order then', 'orders'),
+    RowKind('order_assigned',
+            'order, how many times it has been given so far (1: the first time)',
+            'the robot has got the order', 'orders'),
+    RowKind('order_stop',
+            'order, number of the stop (from 1 on), `drives`, `works` or `done`',
+            'how far the robot is at a stop', 'orders'),
+    RowKind('order_returned', 'order, why, number of the stop that comes next', 'the order came back', 'orders'),
+    RowKind('order_done',
+            'order, `done`, `late` or `failed`, ns since its arrival; with a deadline also the ns after it '
+            '(negative: before it)',
+            'the order is done or given up', 'orders'),
+    RowKind('charge_assigned', 'charger, `low` or `idle`', 'the robot is sent to charge', 'orders'),
+    RowKind('charge_awaited', '`low`', 'all chargers are taken', 'orders'),
+    RowKind('charge_over', 'charger', 'the robot leaves the charger', 'orders'),
+)
+#: the kinds of rows that robots write
+KINDS = tuple(row.kind for row in ROW_KINDS if row.of != 'orders')
 
 
 class TraceEntry(NamedTuple):
-    """Something that happened: when [ns], to which robot, its kind, and its values.
-
-    Positions are in m and yaws in rad, in the global frame. The kinds and their values:
-
-    - ``departed`` (x, y, yaw of the goal); if the way has corners, ``route`` (x, y, x, y, ...) follows it;
-    - ``stands`` (x, y, yaw);
-    - ``ended`` (goal id, state, text);
-    - ``entered`` (area) and ``left`` (area): the robot got a place in a zone or on a lane, or gave it back;
-    - ``places`` (area, capacity): before the first ``entered`` of an area that has room for so many robots only;
-    - ``deadlock`` (robot, area, ...): the robot closed a circle of waiting;
-    - ``gave_way`` (area, ...): the robot drives back out of these areas to resolve such a circle;
-    - ``zone_limit`` (zone, max_speed, 0: none): a zone has another limit; the row has the first robot by name;
-    - ``paced`` (zone, max_speed): the robot goes on by that limit;
-    - ``priority`` (number): the robot has this priority from now on;
-    - ``held`` (reason, ...): all reasons for which the robot is held, whenever they change; ``released`` (): none;
-    - ``failed`` (kind, cause), see :mod:`.failures`, and ``repaired`` ();
-    - ``lapse_began`` (kind, cause; for a jump also x, y, yaw: by how much the reported pose is wrong) and
-      ``lapse_ended`` (kind, cause), see :mod:`.lapse`;
-    - ``recorded`` ('length', low, high [m], 'start_turn', low, high [rad], perhaps 'clearance', low, high [m]): the
-      legs to which the robot's calibration was fitted, if it says so; the row comes when the robot is made;
-    - ``beyond`` (name, value, ...): before ``departed`` if the goal lies outside of that, see :mod:`.recorded_range`;
-    - ``meets`` (radius [m]): the robot takes part in encounters;
-    - ``encounter`` (robot, kind, nearest distance [m], time for which it stands [s]), see :mod:`.encounter_law`;
-    - ``battery`` (state of charge, what), see :class:`.events.ChargePassed`;
-    - ``charging_began`` (zone) and ``charging_ended`` (zone);
-    - ``waiting_began`` (goal id, place) and ``waiting_ended`` (goal id, place): a task waits for room;
-    - ``works_at`` (goal id, place, capacity): a task has got room there; it comes before ``task_began``;
-    - ``task_began`` (goal id, duration [ns]) and ``task_ended`` (goal id, state, text).
-
-    Four kinds come only with the parameter ``log_motion``:
-
-    - ``motion`` (x, y, yaw of the robot, then max_speed, acceleration, turn_rate, xy_goal_tolerance and
-      yaw_goal_tolerance from the next leg on, as the parameters of these names; an acceleration or a turn rate of 0 has
-      no limit);
-    - ``phases`` (start_turn_linear [s/rad], start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m],
-      turning_speed [rad/s], turning_gain [1/s], turning_offset [rad], bow_length [m] of the calibration);
-    - ``manner``, after ``departed`` (rest at first [ns], travel after it [ns], way backwards at first [m] and its speed
-      [m/s], time of spinning before the last turn [s] and its speed [rad/s]);
-    - ``charge`` (state of charge, energy of a full battery [J], what has changed it: ``used``, ``charged`` or ``set``).
-    """
+    """Something that happened: when [ns], to which robot, its kind, and its values, as :data:`ROW_KINDS` says."""
 
     time_ns: int
     robot: str

@@ -39,8 +39,8 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     parser.add_argument('--delay', type=_delay, default=0.0, metavar='S',
                         help='messages take up to S simulated seconds; 0: only the order of equal events changes')
     parser.add_argument('--property', action='append', default=[], metavar='NAME',
-                        help='look only for this failure: a name of your own, crash, deadlock, zero_delay_loop, '
-                        f'{", ".join(failures.OF_ROBOTS)}, unfinished; repeat it for several')
+                        help='look only for this failure: a name of your own, {}; repeat it for several'.format(
+                            ', '.join(failures.NAMES)))
     parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one per core)')
     parser.add_argument('--output', default='chaos.json', metavar='FILE', help='file that replays the failure '

@@ -1,12 +1,11 @@
-"""Find what is wrong with a run: one Failure, or none. To add a property, add a function to FINDERS."""
+"""Find what is wrong with a run: one Failure, or none. To add a kind of failure, add a row to KINDS."""
 from __future__ import annotations
 
 import io
 import math
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
-from move_base_abstract.faults.buggify import CAUSE
-from move_base_abstract.faults.lapse import JUMP, MUTE
+from move_base_abstract.faults.buggify import CAUSE, FAULTS
 from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
 from move_base_abstract.runs.event_log import EventLog
@@ -16,12 +15,10 @@ from ..records import Result
 
 #: the kinds of events in which something goes wrong with a robot, also on purpose by buggify
 _GOES_WRONG = ('failed', 'lapse_began')
-_BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while',
-              MUTE: 'drove on without a pose or feedback for a while'}
+_SAID = {fault.becomes: fault.said for fault in FAULTS}
 #: the built-in properties that fail under their own name; the finders of crashes and standstills have the others
 OF_ROBOTS = tuple(name for name in BUILT_IN if name not in (
     'no_crash', 'no_exception', 'no_standstill', 'no_zero_delay_loop'))
-_STANDSTILLS = ('deadlock', 'zero_delay_loop')  # values of ended_by in the end record
 
 
 class Failure(NamedTuple):
@@ -68,10 +65,8 @@ def buggified(run: Evidence) -> Iterator[Dict[str, Any]]:
 
 def _words(values: List[Any]) -> str:
     """Return in words what went wrong with a robot, from the values of its event."""
-    if values[0] == JUMP:
-        x, y, yaw = values[2:]
-        return f'took itself to be {math.hypot(x, y):.2f} m and {abs(yaw):.2f} rad beside where it was, for a while'
-    return str(_BUGGIFIED.get(values[0], values[0]))
+    said = _SAID.get(values[0], str(values[0]))
+    return said.format(math.hypot(*values[2:4]), abs(values[4])) if values[2:] else said
 
 
 def _broken_properties(run: Evidence) -> Iterator[Failure]:
@@ -88,10 +83,12 @@ def _crashes(run: Evidence) -> Iterator[Failure]:
         yield Failure(f'crash {text.split(" ")[0]}', text)
 
 
-def _standstill(run: Evidence) -> Iterator[Failure]:
-    """Yield a deadlock (a participant waits, but nothing happens any more) or a zero-delay loop (time stands still)."""
-    if run.end.get('ended_by') in _STANDSTILLS:
-        yield Failure(run.end['ended_by'], str(run.end.get('reason', '')))
+def _ended_by(name: str) -> Callable[[Evidence], Iterator[Failure]]:
+    """Return what yields a Failure of this name if the end record says that the run was ended by that."""
+    def find(run: Evidence) -> Iterator[Failure]:
+        if run.end.get('ended_by') == name:
+            yield Failure(name, str(run.end.get('reason', '')))
+    return find
 
 
 def _of_robots(run: Evidence) -> Iterator[Failure]:
@@ -107,8 +104,27 @@ def _unfinished(run: Evidence) -> Iterator[Failure]:
         yield Failure('unfinished', str(run.result.error))
 
 
-FINDERS: Sequence[Callable[[Evidence], Iterator[Failure]]] = (
-    _broken_properties, _crashes, _standstill, _of_robots, _unfinished)
+class Kind(NamedTuple):
+    """A kind of failures: the ``names`` that they have or begin with, and when they come, for the page."""
+
+    names: Sequence[str]
+    when: str
+    find: Callable[[Evidence], Iterator[Failure]]
+
+
+#: in the order in which they are looked for
+KINDS = (
+    Kind((), "a node's [`always` or `never_again`](properties.md) is broken", _broken_properties),
+    Kind(('crash',), 'a node [crashed](lockstep_launch.md#crashes); the name of the node follows', _crashes),
+    Kind(('deadlock',), 'no participant wants to wake up, and one of them waits for something that is '
+         '[owed](lockstep.md#idle-and-deadlock) to it', _ended_by('deadlock')),
+    Kind(('zero_delay_loop',), 'there are too many rounds at one instant', _ended_by('zero_delay_loop')),
+    Kind(OF_ROBOTS, 'one of these [properties](properties.md) is broken', _of_robots),
+    Kind(('unfinished',), 'the run did not come to its end: it took more than 120 s of wall time, or could not go on',
+         _unfinished),
+)
+#: the names of failures, without those of statements
+NAMES = [name for kind in KINDS for name in kind.names]
 
 
 def of_run(run: Evidence, wanted: Sequence[str] = ()) -> Optional[Failure]:
@@ -116,8 +132,8 @@ def of_run(run: Evidence, wanted: Sequence[str] = ()) -> Optional[Failure]:
 
     wanted: the names that count, or their first words; empty: all count.
     """
-    for find in FINDERS:
-        for failure in find(run):
+    for kind in KINDS:
+        for failure in kind.find(run):
             if not wanted or any(failure.name == name or failure.name.startswith(name + ' ') for name in wanted):
                 return failure
     return None
