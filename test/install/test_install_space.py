@@ -24,6 +24,33 @@ ONE_ROBOT = """
   <param name="/use_sim_time" value="true"/>
 </launch>
 """
+PATROL = {
+    'package.xml': """
+<package format="2">
+  <name>patrol</name> <version>0.0.0</version> <description>-</description> <maintainer email="a@example.com">a</maintainer>
+  <license>-</license> <buildtool_depend>catkin</buildtool_depend> <depend>move_base_abstract</depend>
+</package>
+""",
+    'CMakeLists.txt': """
+cmake_minimum_required(VERSION 3.16)
+project(patrol)
+find_package(catkin REQUIRED COMPONENTS move_base_abstract roscpp)
+catkin_package()
+include_directories(${catkin_INCLUDE_DIRS})
+add_executable(patrol patrol.cpp)
+move_base_abstract_take_part(patrol)
+target_link_libraries(patrol ${catkin_LIBRARIES})
+add_executable(old EXCLUDE_FROM_ALL old.cpp)
+""",
+    'patrol.cpp': """
+#include <ros/ros.h>
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "patrol");
+  ros::NodeHandle node;
+  ros::Duration(1000.0).sleep();
+}
+""",
+    'old.cpp': '#include <move_base_abstract/lockstep_participant.h>'}
 GUARD_S = 120.0  # wall seconds; only a guard
 # Variables that another workspace, or the devel space of the tests, would set.
 FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPATH', 'ROSLISP_PACKAGE_DIRECTORIES',
@@ -184,3 +211,26 @@ def test_a_stock_client_drives_one_goal_in_the_install_space(installed, tmp_path
         launch.wait(timeout=GUARD_S)
     # Debian 11's rospy adds a traceback at the end of each program, since it calls a function that its Python lacks.
     assert 'SUCCEEDED Goal reached.' in said.splitlines(), f'{said}\n{log_path.read_text()}'
+
+
+def test_a_users_package_takes_part_by_one_line_and_the_old_header_says_so(installed, prefix, tmp_path):
+    for name, text in PATROL.items():
+        (tmp_path / name).write_text(text.lstrip())
+    build = tmp_path / 'build'
+    run('cmake', '-S', tmp_path, '-B', build, f'-DPYTHON_EXECUTABLE={configured("PYTHON_EXECUTABLE")}', env=installed)
+    run('cmake', '--build', build, env=installed)
+    program = build / 'devel' / 'lib' / 'patrol' / 'patrol'
+    found = [line.split()[0] for line in run('ldd', program, env=installed).splitlines() if '=>' in line]
+    assert found[0] == 'libmove_base_abstract_roscpp_shim.so'
+    assert f'{prefix}/lib/{found[0]} ' in run('ldd', program, env=installed)
+    old = subprocess.run(['cmake', '--build', str(build), '--target', 'old'], env=installed, timeout=GUARD_S, text=True,
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert old.returncode and 'use plain roscpp and move_base_abstract_take_part(TARGET)' in old.stdout
+    port = installed['ROS_MASTER_URI'].rsplit(':', 1)[1]
+    file, note = tmp_path / 'patrol.launch', tmp_path / 'end.json'
+    file.write_text(f"""<launch><node pkg="move_base_abstract" type="time_master" name="time_master" required="true">
+        <rosparam>{{mode: lockstep, participants: [/patrol], end_with: [/patrol], note_of_end: {note}}}</rosparam>
+        </node><node pkg="patrol" type="patrol" name="patrol"/><param name="use_sim_time" value="true"/></launch>""")
+    env = sourced(build / 'devel' / 'setup.sh', {**installed, '_CATKIN_SETUP_DIR': str(build / 'devel')})
+    run('roslaunch', '-p', port, file, env=env)
+    assert '1001' in note.read_text()

@@ -32,10 +32,13 @@ def linked(what='agent', launcher=ROSRUN, path='linked_chance'):
 
 class LockstepLinkedTest(unittest.TestCase):
 
-    def log(self, program):
+    def run_it(self, program):
         run = RUNS.run([program, RATE, recorder('/site/told')])
         self.assertEqual((run.code, run.labels), (0, []), run.outputs)
-        return run.text
+        return run
+
+    def log(self, program):
+        return self.run_it(program).text
 
     def test_started_by_rosrun_and_by_the_launcher_it_has_the_same_log_as_the_preloaded_program(self):
         expected = self.log(preloaded())
@@ -53,8 +56,10 @@ class LockstepLinkedTest(unittest.TestCase):
         # roslaunch passes the namespace on, as it takes it for its own.
         self.assertEqual(self.log(linked(launcher=(shutil.which('roslaunch'),), path=path)), self.log(preloaded()))
 
-    def test_its_addresses_are_the_same_in_each_run(self):
-        self.assertEqual(self.log(linked('addresses')), self.log(linked('addresses')))
+    def test_its_addresses_are_the_same_in_each_run_and_programs_that_it_starts_are_told_nothing(self):
+        run = self.run_it(linked('addresses'))
+        self.assertEqual(self.log(linked('addresses')), run.text)
+        self.assertTrue(run.printed(-1)[-1].endswith('hands on 0 0'), run.printed(-1)[-1])
 
     def test_where_the_time_master_is_not_in_lockstep_it_is_an_ordinary_node(self):
         with Loopback() as RUNS.ros:
