@@ -27,7 +27,7 @@ def main(scenario_file, log=None):
     """Run for ten minutes of simulated time, print the deliveries, and write the log if it is named."""
     scenario = read_scenario(scenario_file, {'log_motion': True})
     chart = load_map(read_description(scenario_file.replace('scenario.yaml', 'map.yaml')))
-    env = Environment(scenario, start_ns=0, occupancy=chart)
+    env = Environment(scenario, occupancy=chart)
     bays = [place for name, place in scenario.places.items() if name.startswith('bay')]
     stations = [place for name, place in scenario.places.items() if name.startswith('station')]
     delivered = []

@@ -3,7 +3,7 @@
 robot_0: 4 targets, 13.1 m
 robot_1: 3 targets, 12.0 m
 robot_2: 5 targets, 11.5 m
-all visited after 13.1 s
+all visited after 12.1 s
 """
 import random
 

@@ -10,7 +10,7 @@ from move_base_abstract import Environment, make_scenario
 
 def makespan(seed, **settings):
     """Return the time that ten goals take [s]."""
-    env = Environment(make_scenario({'seed': seed, 'robots': [{'name': 'bot', **settings}]}), start_ns=0)
+    env = Environment(make_scenario({'seed': seed, 'robots': [{'name': 'bot', **settings}]}))
     chance = random.Random(1)
     goals = [(chance.uniform(0, 20), chance.uniform(0, 20)) for _ in range(10)]
 

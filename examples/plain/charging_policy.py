@@ -26,7 +26,7 @@ for low, high in ((0.2, 1.0), (0.5, 1.0), (0.5, 0.8)):
     env = Environment(make_scenario({
         'defaults': {'max_speed': 1.0, 'battery_capacity': 0.3, 'charging_current': 5.0},
         'robots': [{'name': 'bot'}],
-        'zones': [{'name': 'dock', 'rectangle': [-1.0, -1.0, 1.0, 1.0], 'charger': True}]}), start_ns=0)
+        'zones': [{'name': 'dock', 'rectangle': [-1.0, -1.0, 1.0, 1.0], 'charger': True}]}))
     done = []
     working = env.process(work(env, env.robot('bot'), low, high, done))
     env.run(until=8 * 3600.0)

@@ -33,7 +33,7 @@ def expected_wait():
     return in_system / throughput - SERVICE
 
 
-env = Environment(make_scenario({'robots': [{'name': 'bot', 'count': ROBOTS}]}), start_ns=0)
+env = Environment(make_scenario({'robots': [{'name': 'bot', 'count': ROBOTS}]}))
 dock, measured = simpy.Resource(env), []
 for bot in env.robots:
     env.process(visit(env, bot, random.Random(bot.name), measured))

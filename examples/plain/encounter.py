@@ -22,7 +22,7 @@ def run(encounters, log=None):
     ends = [{'start_x': x, 'start_y': y} for x, y in PLACES]
     env = Environment(make_scenario({
         'seed': 3, 'encounters': encounters, 'defaults': {'calibration': 'move_base_dwa_stage', 'log_motion': True},
-        'robots': [{'name': 'robot_0', **ends[0]}, {'name': 'robot_1', **ends[1], 'start_yaw': 3.14}]}), start_ns=0)
+        'robots': [{'name': 'robot_0', **ends[0]}, {'name': 'robot_1', **ends[1], 'start_yaw': 3.14}]}))
     done = []
     env.process(there_and_back(env.robot('robot_0'), PLACES[1], PLACES[0], done))
     env.process(there_and_back(env.robot('robot_1'), PLACES[0], PLACES[1], done))

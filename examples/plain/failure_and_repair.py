@@ -21,7 +21,7 @@ def deliver(env, main, spare, goals, done):
 env = Environment(make_scenario({
     'seed': 5, 'defaults': {'max_speed': 1.0},
     'robots': [{'name': 'main', 'failure_kind': 'stall', 'failures_per_km': 10.0, 'repair_time': 60.0},
-               {'name': 'spare', 'start_y': 1.0}]}), start_ns=0)
+               {'name': 'spare', 'start_y': 1.0}]}))
 counts = {'main': 0, 'spare': 0}
 env.process(deliver(env, env.robot('main'), env.robot('spare'), [10.0, 0.0] * 10, counts))
 env.run()

@@ -20,7 +20,7 @@ def watch(env, robot):
     print('at {:.1f} s {} entered the crossing'.format(env.now, entry.robot))
 
 
-env = Environment(read_scenario(FILE), start_ns=0)
+env = Environment(read_scenario(FILE))
 for bot in env.robots:
     env.process(watch(env, bot))
 outcomes = list(env.run(env.all_of([bot.go(*GOALS[bot.name]) for bot in env.robots])).values())

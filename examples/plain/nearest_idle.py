@@ -32,7 +32,7 @@ def dispatch(env, idle, waits):
         env.process(serve(env, robot, task, idle, waits))
 
 
-env = Environment(SCENARIO, start_ns=0)
+env = Environment(SCENARIO)
 idle_robots, waited = simpy.FilterStore(env), []
 for one in env.robots:
     idle_robots.put(one)

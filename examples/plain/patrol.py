@@ -19,7 +19,7 @@ def patrol(env, robot, corners, visits):
             yield env.timeout(1.0)
 
 
-env = Environment(make_scenario({'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'a'}, {'name': 'b'}]}), start_ns=0)
+env = Environment(make_scenario({'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'a'}, {'name': 'b'}]}))
 counts = {'a': 0, 'b': 0}
 env.process(patrol(env, env.robot('a'), CORNERS, counts))
 env.process(patrol(env, env.robot('b'), CORNERS[::-1], counts))

@@ -27,7 +27,7 @@ def carry(env, robot, orders, delivered):
 
 
 env = Environment(make_scenario({'defaults': {'max_speed': 1.5, 'acceleration': 0.7},
-                                 'robots': [{'name': 'cart', 'count': 3, 'step_y': 1.0}]}), start_ns=0)
+                                 'robots': [{'name': 'cart', 'count': 3, 'step_y': 1.0}]}))
 gate = simpy.Resource(env)
 waiting, done = [(number, SHELVES[number % 3]) for number in range(10)], []
 for cart in env.robots:

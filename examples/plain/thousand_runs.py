@@ -17,7 +17,7 @@ def run(job):
     """Return the makespan [s] of one run."""
     robots, seed = job
     env = Environment(make_scenario({'defaults': {'max_speed': 1.0}, 'robots': [{'name': 'robot', 'count': robots}]}),
-                      start_ns=0, trace=None)
+                      trace=None)
     chance = random.Random(seed)
     targets = [(chance.uniform(0, 30), chance.uniform(0, 30)) for _ in range(20)]
 

@@ -37,7 +37,7 @@ def run_mission(level, policy, robots, mission, occupancy, seed):
     starts = mission['starts'][:robots]
     env = Environment(make_scenario({
         'seed': seed, 'encounters': 'calibrated' if level == 'encounters' else 'none', 'defaults': LEVELS[level],
-        'robots': scenario_robots(starts)}), start_ns=0, trace=None, occupancy=occupancy)
+        'robots': scenario_robots(starts)}), trace=None, occupancy=occupancy)
     dispatcher = Dispatcher(policy, [start[:2] for start in starts], [tuple(task[:2]) for task in mission['tasks']])
     over = env.event()
 

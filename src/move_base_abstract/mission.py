@@ -4,12 +4,13 @@ A mission comes from a YAML file (read_mission) or from a field's readings (read
 All places are in the map frame, in metres (x east, y north) and radians (yaw from x, counter-clockwise).
 This module needs only the standard library and PyYAML. Everything is checked when it is read and immutable afterwards.
 """
+from __future__ import annotations
 
 import csv
 import difflib
 import math
 import random
-from typing import NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from .common.bounded_yaml import load_yaml_file
 from .common.csv_files import open_csv
@@ -17,6 +18,9 @@ from .common.errors import ConfigurationError
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
 from .motion.geometry import Pose2D
+
+if TYPE_CHECKING:
+    from .common.type_names import StrPath
 
 WGS84_SEMI_MAJOR_M = 6378137.0  # equatorial radius a [m]
 WGS84_ECCENTRICITY_SQUARED = 0.00669437999014  # e^2
@@ -43,11 +47,11 @@ class Mission(NamedTuple):
     robots: Tuple[RobotPlan, ...]
 
     @property
-    def goal_count(self):
+    def goal_count(self) -> int:
         """Number of goals of all robots together."""
         return sum(len(robot.goals) for robot in self.robots)
 
-    def first_robots(self, count):
+    def first_robots(self, count: Optional[int]) -> Mission:
         """Return the mission of the first ``count`` robots, or of all if it is None.
 
         :raises MissionError: if ``count`` is not in 1..the number of robots.
@@ -66,7 +70,7 @@ class FieldPoint(NamedTuple):
     value: float  # in the unit of the file's value column
 
 
-def _facing_travel(previous, place):
+def _facing_travel(previous: Pose2D, place: Pose2D) -> Pose2D:
     """Return ``place`` with the heading of the way from ``previous``, or with ``previous.yaw`` if the two coincide."""
     same = (previous.x, previous.y) == (place.x, place.y)
     return Pose2D(place.x, place.y, previous.yaw if same else previous.bearing_to(place))
@@ -74,7 +78,7 @@ def _facing_travel(previous, place):
 
 # ---------------------------------------------------------------------------------------------- the mission file
 
-def read_mission(path):
+def read_mission(path: StrPath) -> Mission:
     """Return the Mission in the YAML file ``path``.
 
     :raises MissionError: if the file cannot be used.
@@ -86,7 +90,7 @@ def read_mission(path):
     return parse_mission(document, str(path))
 
 
-def parse_mission(document, source):
+def parse_mission(document: Any, source: str) -> Mission:
     """Return the Mission in a loaded YAML document; error texts begin with ``source``.
 
     :raises MissionError: if the document is not a mission.
@@ -96,7 +100,7 @@ def parse_mission(document, source):
     if not isinstance(entries, list) or not entries:
         raise MissionError(f'{source}: robots: must be a list of at least one robot, got {shown(entries)}')
     robots = tuple(_parse_robot(entry, f'{source}: robots[{i}]') for i, entry in enumerate(entries))
-    seen = {}
+    seen: Dict[str, int] = {}
     for i, robot in enumerate(robots):
         if robot.name in seen:
             raise MissionError(f"{source}: robots[{i}].name: '{robot.name}' is already the name of "
@@ -105,7 +109,7 @@ def parse_mission(document, source):
     return Mission(robots)
 
 
-def _parse_robot(entry, where):
+def _parse_robot(entry: Any, where: str) -> RobotPlan:
     _check_mapping(entry, ROBOT_KEYS, ROBOT_KEYS, where)
     name = entry['name']
     if not is_robot_name(name):
@@ -120,7 +124,7 @@ def _parse_robot(entry, where):
     return RobotPlan(name, start, tuple(places[1:]))
 
 
-def _parse_place(value, previous, where):
+def _parse_place(value: Any, previous: Optional[Pose2D], where: str) -> Pose2D:
     """Return [x, y] or [x, y, yaw] as a Pose2D.
 
     Without a yaw the heading is that of the way from the previous place; 0 if there is none.
@@ -135,7 +139,7 @@ def _parse_place(value, previous, where):
     return _facing_travel(previous, place) if len(value) == 2 and previous is not None else place
 
 
-def _check_mapping(value, known, required, where):
+def _check_mapping(value: Any, known: Sequence[str], required: Sequence[str], where: str) -> None:
     if not isinstance(value, dict):
         raise MissionError(f'{where}: must be a mapping with the keys {", ".join(known)}, got {shown(value)}')
     for key in value:
@@ -150,7 +154,7 @@ def _check_mapping(value, known, required, where):
 
 # ---------------------------------------------------------------------------------------------- field readings
 
-def read_field_points(path, value_column=None):
+def read_field_points(path: StrPath, value_column: Optional[str] = None) -> Tuple[FieldPoint, ...]:
     """Read the columns lat, lon [degrees, WGS84] and a value from a CSV file; return a tuple of FieldPoint.
 
     value_column: the name of the value's column. If it is None, the column is 'value', or, if there is none, the first
@@ -176,7 +180,7 @@ def read_field_points(path, value_column=None):
                  for lat, lon, value in rows)
 
 
-def _metres_per_radian(latitude):
+def _metres_per_radian(latitude: float) -> Tuple[float, float]:
     """Return the metres per radian of longitude and of latitude at a latitude [rad], on the WGS84 ellipsoid."""
     shrink = 1.0 - WGS84_ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
     parallel = WGS84_SEMI_MAJOR_M / math.sqrt(shrink)
@@ -184,7 +188,7 @@ def _metres_per_radian(latitude):
     return parallel * math.cos(latitude), meridian
 
 
-def _read_csv(path, value_column):
+def _read_csv(path: StrPath, value_column: Optional[str]) -> List[Tuple[float, ...]]:
     """Return the (lat, lon, value) rows of the file."""
     with open_csv(path, MissionError) as stream:
         reader = csv.reader(stream, strict=True)
@@ -199,7 +203,7 @@ def _read_csv(path, value_column):
         return rows
 
 
-def _find_columns(header, value_column, path):
+def _find_columns(header: List[str], value_column: Optional[str], path: StrPath) -> List[int]:
     """Return the indices of the columns lat, lon and value in the header."""
     names = ['lat', 'lon']
     if value_column is None:
@@ -216,7 +220,7 @@ def _find_columns(header, value_column, path):
     return [header.index(name) for name in names]
 
 
-def _read_cell(cells, index, name, where):
+def _read_cell(cells: Sequence[str], index: int, name: str, where: str) -> float:
     if index >= len(cells):
         raise MissionError(f"{where}: column '{name}' is missing; the line has {len(cells)} columns")
     try:
@@ -228,7 +232,7 @@ def _read_cell(cells, index, name, where):
     return number
 
 
-def _check_degrees(row, where):
+def _check_degrees(row: Sequence[float], where: str) -> None:
     for name, number, limit in (('lat', row[0], 90.0), ('lon', row[1], 180.0)):
         if abs(number) > limit:
             raise MissionError(f"{where}: column '{name}' must lie in -{limit:g}..{limit:g} degrees, got {number!r}")
@@ -236,7 +240,7 @@ def _check_degrees(row, where):
 
 # ---------------------------------------------------------------------------------------------- chance
 
-def mission_from_points(points, robot_count, goals_each, seed=1):
+def mission_from_points(points: Sequence[Any], robot_count: int, goals_each: int, seed: int = 1) -> Mission:
     """Return a mission robot_0, robot_1, ... in which each robot starts at one point and visits goals_each others.
 
     points: a sequence of objects with x and y [m]. Robot k draws from a generator of its own, made of (seed, k), so
@@ -252,7 +256,7 @@ def mission_from_points(points, robot_count, goals_each, seed=1):
     return Mission(tuple(_draw_plan(points, k, goals_each, seed) for k in range(robot_count)))
 
 
-def _draw_plan(points, index, goals_each, seed):
+def _draw_plan(points: Sequence[Any], index: int, goals_each: int, seed: int) -> RobotPlan:
     rng = random.Random(f'{seed}/{index}')  # text is hashed with SHA-512: the same on every machine
     stops = [Pose2D(point.x, point.y) for point in rng.sample(list(points), goals_each + 1)]
     for i in range(1, len(stops)):

@@ -15,10 +15,13 @@
 
 The settings are the private parameters of the ``move_base`` node. A robot's own settings override the defaults.
 """
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass, field, replace
-from typing import Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
 
+from .common.arguments import check_kind
 from .common.bounded_yaml import load_yaml_file
 from .common.errors import ConfigurationError
 from .common.parameter_table import Parameter, checked, integer, number, one_of
@@ -36,6 +39,11 @@ from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
 from .traffic.rules import KEYS as RULES, TrafficRules, read_rules
 from .traffic.zones import Zone, read_zones
+
+if TYPE_CHECKING:
+    from .common.type_names import StrPath
+    from .orders.order import Order
+    from .tasks.arrivals import Task
 
 _NETWORKS = ('lanes', 'travel_matrix')  # settings that describe the world, so they are keys of the scenario itself
 _TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *RULES, 'encounters', *_NETWORKS, 'places', 'arrivals', 'orders',
@@ -55,7 +63,7 @@ class RobotSpec:
     """One robot: its name, its parameters as they were given, and the settings that follow from them."""
 
     name: str
-    parameters: dict
+    parameters: Dict[str, Any]
     settings: RobotSettings
 
 
@@ -70,7 +78,7 @@ class Scenario:
     """
 
     robots: Tuple[RobotSpec, ...]
-    defaults: dict = field(default_factory=dict)
+    defaults: Dict[str, Any] = field(default_factory=dict)
     seed: int = 0
     zones: Tuple[Zone, ...] = ()
     traffic: TrafficRules = TrafficRules()
@@ -80,48 +88,62 @@ class Scenario:
     order_sources: Tuple[Any, ...] = ()
     dispatcher: Optional[DispatchSettings] = None
 
-    def tasks(self, seed=None):
+    def tasks(self, seed: Optional[int] = None) -> Iterable[Task]:
         """Yield the tasks (Task) that arrive, in order, by ``seed`` or the scenario's seed; they may be endless."""
-        return merged(self.arrivals, self.seed if seed is None else seed)
+        return merged(self.arrivals, self._seed(seed))
 
-    def orders(self, seed=None):
+    def orders(self, seed: Optional[int] = None) -> Iterator[Order]:
         """Yield the orders (Order) that arrive, in the same way."""
-        return order_arrivals.merged(self.order_sources, self.seed if seed is None else seed)
+        return iter(order_arrivals.merged(self.order_sources, self._seed(seed)))
+
+    def _seed(self, seed: Optional[int]) -> int:
+        return self.seed if seed is None else checked(seed, 'seed', _SEED, 'scenario')
 
 
-def read_scenario(path, overrides=None, base=None):
+def read_scenario(path: StrPath, overrides: Optional[Mapping[str, Any]] = None,
+                  base: Optional[Mapping[str, Any]] = None) -> Scenario:
     """Return the :class:`Scenario` in the YAML file ``path``; ``overrides``, ``base``: see :func:`make_scenario`.
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
-    raw = load_yaml_file(path)
-    _find_files(raw, os.path.dirname(os.path.abspath(path)))
+    raw = _with_files(load_yaml_file(path), os.path.dirname(os.path.abspath(path)))
     return make_scenario(raw, str(path), overrides, base)
 
 
-def _find_files(raw, folder):
-    """Resolve the relative paths in a scenario, in place; they are relative to ``folder``, where its file lies."""
-    if not isinstance(raw, dict):
-        return
-    groups = raw.get('robots')
-    for setting in [raw, raw.get('defaults'), *(groups if isinstance(groups, list) else [])]:
-        for key in _FILES if isinstance(setting, dict) else ():
-            if isinstance(setting.get(key), str) and (key != 'calibration' or setting[key].endswith('.yaml')):
-                setting[key] = os.path.join(folder, setting[key])
-    for key in ('arrivals', 'orders'):
-        for entry in raw[key] if isinstance(raw.get(key), list) else []:
-            if isinstance(entry, dict) and isinstance(entry.get('file'), str):
-                entry['file'] = os.path.join(folder, entry['file'])
+def _with_files(raw: Any, folder: str) -> Any:
+    """Return a scenario with the relative paths in it as paths from ``folder``; '': the working folder."""
+    found = _with_paths(raw, _FILES, folder)
+    if isinstance(found, dict):
+        found['defaults'] = _with_paths(found.get('defaults'), _FILES, folder)
+        for key, names in (('robots', _FILES), ('arrivals', ('file',)), ('orders', ('file',))):
+            if isinstance(found.get(key), list):
+                found[key] = [_with_paths(entry, names, folder) for entry in found[key]]
+    return found
 
 
-def make_scenario(raw, where='scenario', overrides=None, base=None):
+def _with_paths(settings: Any, names: Sequence[str], folder: str) -> Any:
+    """Return settings with the relative paths among the values of ``names`` as paths from ``folder``."""
+    if not isinstance(settings, dict):
+        return settings
+    return {key: os.path.join(folder or os.getcwd(), value)
+            if key in names and isinstance(value, str) and (key != 'calibration' or value.endswith('.yaml')) else value
+            for key, value in settings.items()}
+
+
+def make_scenario(raw: Mapping[str, Any], where: str = 'scenario', overrides: Optional[Mapping[str, Any]] = None,
+                  base: Optional[Mapping[str, Any]] = None) -> Scenario:
     """Return the :class:`Scenario` that the dictionary ``raw`` describes; error texts begin with ``where``.
 
     ``overrides`` are settings that replace the defaults of the same name, but not a robot's own settings. ``base`` are
     settings that the defaults replace.
 
+    Relative paths are paths from the working folder.
+
     :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots have the same name.
     """
+    check_kind(where, str, 'where')
+    base, overrides = _given(base, 'base'), _given(overrides, 'overrides')
+    raw = _with_files(raw, '')
     _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
     check_keys(raw, _TOP_KEYS, where, '')
     defaults = {} if raw.get('defaults') is None else raw['defaults']  # 0 and false are not allowed
@@ -129,7 +151,7 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
     of_all = {**({'seed': seed} if seed else {}), **{key: raw[key] for key in _NETWORKS if key in raw}}
-    defaults = {**of_all, **(base or {}), **defaults, **(overrides or {})}
+    defaults = {**of_all, **base, **defaults, **overrides}
     groups = [] if raw.get('robots') is None else raw['robots']
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
@@ -138,19 +160,26 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     dispatcher = None if raw.get('dispatcher') is None else read_dispatcher(raw['dispatcher'], where)
     levels = () if dispatcher is None else dispatcher.levels
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
-    settings = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
+    settings: List[Any] = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
     _check_different(specs, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
     if places is None and raw.get('orders') is not None:
         places = {}  # robots that do orders work
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
     orders = () if raw.get('orders') is None else order_arrivals.read_orders(raw['orders'], places or {}, where)
-    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
+    return Scenario(tuple(specs), defaults, overrides.get('seed', seed), read_zones(raw.get('zones'), where),
                     read_rules(raw, where), places, arrivals, _read_encounters(raw, settings, where), orders,
                     dispatcher)
 
 
-def _read_encounters(raw, settings, where):
+def _given(settings: Optional[Mapping[str, Any]], name: str) -> Mapping[str, Any]:
+    if settings is None:
+        return {}
+    _check_type(settings, dict, 'None, or a mapping of settings', name)
+    return settings
+
+
+def _read_encounters(raw: Mapping[str, Any], settings: Sequence[Any], where: str) -> Optional[EncounterLaw]:
     """Return the EncounterLaw of the robots' calibrations, which must agree; None if there are no encounters.
 
     ``settings``: the RobotSettings of all robots.
@@ -163,10 +192,11 @@ def _read_encounters(raw, settings, where):
             "parameter {}/encounters: got 'calibrated' with robots whose {}; allowed: if all robots have a calibration "
             'with the same section encounters'.format(where, (
                 'calibration has no section encounters' if None in laws else 'calibrations have different laws')))
-    return laws[0]
+    law: EncounterLaw = laws[0]
+    return law
 
 
-def check_one_process(scenario, parts, where):
+def check_one_process(scenario: Scenario, parts: int, where: str) -> None:
     """Check that a scenario in which robots are counted in zones, lanes or places is not split into several processes.
 
     :raises ConfigurationError: if ``parts`` > 1 and the scenario has zones, encounters, or lanes or places that have a
@@ -179,7 +209,7 @@ def check_one_process(scenario, parts, where):
                 where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
 
 
-def counted_places(scenario):
+def counted_places(scenario: Scenario) -> Optional[str]:
     """Return why the robots of a scenario depend on each other's positions, so that one process must know them all.
 
     One of 'encounters', 'zones', 'lanes' and 'places' (the last two: with a capacity), or None.
@@ -193,7 +223,7 @@ def counted_places(scenario):
     return 'places' if any(place.capacity is not None for place in (scenario.places or {}).values()) else None
 
 
-def make_robot(name, parameters, where='robot'):
+def make_robot(name: Any, parameters: Mapping[str, Any], where: str = 'robot') -> RobotSpec:
     """Return the :class:`RobotSpec` of one robot.
 
     :raises ConfigurationError: if the name is not a ROS name, a key is unknown, or a value is not allowed.
@@ -201,10 +231,12 @@ def make_robot(name, parameters, where='robot'):
     if not is_robot_name(name):
         raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
     check_keys(parameters, OWN_NAMES, where, '')
-    return RobotSpec(name, dict(parameters), read_settings(parameters, where))
+    settings: Any = read_settings(parameters, where)
+    return RobotSpec(name, dict(parameters), settings)
 
 
-def _expand(group, index, defaults, levels, where):
+def _expand(group: Mapping[str, Any], index: int, defaults: Mapping[str, Any],
+            levels: Tuple[float, ...], where: str) -> List[RobotSpec]:
     """Return the robots of one entry of the list; ``levels``: states of charge whose crossing they must report."""
     place = 'robots[{}]'.format(index)
     _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
@@ -223,22 +255,23 @@ def _expand(group, index, defaults, levels, where):
             for number_ in range(count)]
 
 
-def _size(group):
+def _size(group: object) -> int:
     """Return the number of robots that an entry of the list stands for; 1 if the entry or its count is not allowed."""
     count = group.get('count', 1) if isinstance(group, dict) else 1
     return count if isinstance(count, int) and 1 <= count <= MAX_ROBOTS else 1
 
 
-def frame_of(spec):
+def frame_of(spec: RobotSpec) -> str:
     """Return the tf frame of a robot's base, with the robot's tf prefix, which is its name if none is set."""
     settings = spec.settings
     prefix = spec.name if settings.tf_prefix is None else settings.tf_prefix
     return replace(settings, tf_prefix=prefix).frame(settings.values['robot_base_frame'])
 
 
-def _check_different(specs, where):
+def _check_different(specs: Sequence[RobotSpec], where: str) -> None:
     """Refuse two robots with the same name or with the same tf frame."""
-    names, frames = set(), {}
+    names: Set[str] = set()
+    frames: Dict[str, str] = {}
     for spec in specs:
         if spec.name in names:
             raise ConfigurationError("{}: robots: the name '{}' is given to more than one robot".format(
@@ -247,7 +280,7 @@ def _check_different(specs, where):
         check_frame(spec, frames, '{}: robots'.format(where))
 
 
-def check_frame(spec, frames, where):
+def check_frame(spec: RobotSpec, frames: Dict[str, str], where: str) -> None:
     """Note the tf frame of a robot in ``frames``, {frame: name of its robot}.
 
     :raises ConfigurationError: if another robot has the same frame.
@@ -260,6 +293,6 @@ def check_frame(spec, frames, where):
             'its own for each robot'.format(where, other, spec.name, shown_text(frame)))
 
 
-def _check_type(value, kind, allowed, where):
+def _check_type(value: object, kind: type, allowed: str, where: str) -> None:
     if not isinstance(value, kind):
         raise ConfigurationError('{}: got {}; allowed: {}'.format(where, shown(value), allowed))

@@ -44,3 +44,23 @@ def test_no_public_name_is_any(tmp_path):
     types = [line.partition('note: Revealed type is ')[2] for line in found if 'Revealed type' in line]
     assert len(types) == len(names) > 100
     assert [name for name, own in zip(names, types) if own == '"Any"'] == []
+
+
+def test_a_wrong_call_of_a_user_is_an_error(tmp_path):
+    lines = checked(tmp_path, """
+import move_base_abstract
+from move_base_abstract import Fleet, make_scenario
+fleet = Fleet()
+move_base_abstract.Flet
+fleet.send('bot', '1', None, colour='red')
+fleet.robot('bot').send(1.0, 2.0, colour='red')
+Fleet('x.yaml')
+fleet.robot('bot').pose.z
+make_scenario(bots={})
+""")
+    wrong = ['Module has no attribute "Flet"', '"Fleet" has no attribute "send"',
+             'argument "colour" for "send" of "Member"', 'Argument 1 to "Fleet"', '"Pose2D" has no attribute "z"',
+             'argument "bots" for "make_scenario"']
+    errors = [line for line in lines if ': error: ' in line]
+    assert [part for part, line in zip(wrong, errors) if part not in line] == [], errors
+    assert len(errors) == len(wrong)

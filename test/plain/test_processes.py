@@ -14,7 +14,7 @@ S = 1_000_000_000
 
 def make(*robots, **more):
     named = [{'name': name, 'max_speed': 2.0} for name in robots]
-    return Environment(make_scenario({'robots': named, **more}), start_ns=0)
+    return Environment(make_scenario({'robots': named, **more}))
 
 
 class Shop:

@@ -100,7 +100,7 @@ def test_a_file_says_when_and_where(tmp_path):
     ([DOCK], [{'name': 'a', 'area': [2, 0, 1, 1], 'rate': 1.0, 'duration': 1.0}], ('area', 'x_min <= x_max')),
     ([DOCK], [{'place': 'dock', 'rate': 1.0}] * 2, ('arrivals[1]', "'dock' is given to more than one entry")),
     ([DOCK], [{'name': 'a', 'file': 'x.csv', 'rate': 1.0}], ('rate', 'with a file, which determines it')),
-    ([DOCK], [{'name': 'a', 'file': 'x.txt'}], ('file', "got 'x.txt'", '.csv, .yaml or .yml')),
+    ([DOCK], [{'name': 'a', 'file': 'x.txt'}], ('file', 'x.txt', '.csv, .yaml or .yml')),
     ([DOCK], [{'name': 'a', 'file': '/nowhere/x.csv'}], ('/nowhere/x.csv', 'cannot be read')),
 ])
 def test_what_is_wrong_is_said_with_place_and_what_is_allowed(places, arrivals, words):

@@ -132,3 +132,17 @@ def test_robots_of_one_tf_prefix_may_have_frames_of_their_own():
 def test_only_names_of_the_ros_graph_name_robots(name):
     with pytest.raises(ConfigurationError, match='a letter first'):
         make_scenario({'robots': [{'name': name}]})
+
+
+def test_relative_paths_are_paths_from_the_working_folder_or_from_the_folder_of_the_file(tmp_path, monkeypatch):
+    (tmp_path / 'tasks.yaml').write_text('tasks: [{place: dock, time: 1.0, duration: 2.0}]')
+    text = '{places: [{name: dock}], arrivals: [{name: t, file: tasks.yaml}]}'
+    (tmp_path / 'scenario.yaml').write_text(text)
+    raw = {'places': [{'name': 'dock'}], 'arrivals': [{'name': 't', 'file': 'tasks.yaml'}]}
+    assert len(list(read_scenario(tmp_path / 'scenario.yaml').tasks())) == 1
+    monkeypatch.chdir(tmp_path)
+    assert len(list(make_scenario(raw).tasks())) == 1
+    assert raw['arrivals'] == [{'name': 't', 'file': 'tasks.yaml'}]
+    monkeypatch.chdir('/')
+    with pytest.raises(ConfigurationError, match='/tasks.yaml: cannot be read'):
+        make_scenario(raw)

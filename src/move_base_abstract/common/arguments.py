@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import numbers
 import operator
-from typing import Dict
+import os
+from typing import Dict, Optional
 
 from .errors import ConfigurationError, TimeError
 from .shown import shown
@@ -52,13 +53,39 @@ def as_instant(value: object, name: str) -> int:
     return time_ns
 
 
-def check_kind(value: object, kind: type, name: str) -> None:
-    """Check that ``value`` is an instance of ``kind``.
+def check_kind(value: object, kind: type, name: str, allowed: Optional[str] = None) -> None:
+    """Check that ``value`` is an instance of ``kind``; ``allowed``: that in words, with a way to get one.
 
     :raises ConfigurationError: if it is not; the text begins with ``name``.
     """
     if not isinstance(value, kind):
-        raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), _KINDS.get(kind, kind.__name__)))
+        raise ConfigurationError('{}: got {}; allowed: {}'.format(
+            name, shown(value), allowed or _KINDS.get(kind, kind.__name__)))
 
 
-_KINDS: Dict[type, str] = {str: 'a text'}
+_KINDS: Dict[type, str] = {str: 'a text', bool: 'True or False'}
+
+
+def check_path(value: object, name: str) -> None:
+    """Check that ``value`` is the path of a file. :raises ConfigurationError: if not; the text begins with ``name``."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise ConfigurationError('{}: got {}; allowed: the path of a file'.format(name, shown(value)))
+
+
+def check_function(value: object, call: str) -> None:
+    """Check that ``value`` can be called; ``call``: how it is called, 'name(argument, ...)', for the error.
+
+    :raises ConfigurationError: if it cannot be called.
+    """
+    if not callable(value):
+        raise ConfigurationError('{}: got {}; allowed: a function that is called as {}'.format(
+            call.partition('(')[0], shown(value), call))
+
+
+def check_method(value: object, method: str, name: str, allowed: str) -> None:
+    """Check that ``value`` is an object with this ``method``, and not a class; ``allowed``: that in words.
+
+    :raises ConfigurationError: if it is not; the text begins with ``name``.
+    """
+    if isinstance(value, type) or not callable(getattr(value, method, None)):
+        raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), allowed))

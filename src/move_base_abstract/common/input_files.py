@@ -11,6 +11,7 @@ import os
 import stat
 from typing import IO, TYPE_CHECKING, Any, Callable, Iterator, Optional
 
+from .arguments import check_path
 from .errors import ConfigurationError
 from .shown import shown_text
 
@@ -30,6 +31,7 @@ def open_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[
 
     :raises error_type: if it is not a regular file, is too large, or cannot be read; the text names the path.
     """
+    check_path(path, 'path')
     shown_path = shown_text(os.fspath(path))
     try:
         # O_NONBLOCK: do not wait for a pipe's writer; it changes nothing for a regular file.

@@ -6,9 +6,12 @@
 
 The decisions are those of the node ``dispatcher``: both use the same core, :class:`.Dispatcher`.
 """
-from dataclasses import replace
+from __future__ import annotations
 
-from ..common.arguments import check_kind
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple, Union
+
+from ..common.arguments import check_function, check_kind, check_method
 from ..common.errors import ConfigurationError
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 from ..orders.dispatcher import Drive, GiveUp, PolicyError
@@ -18,10 +21,16 @@ from ..orders.rows import DISPATCHER
 from ..orders.settings import DispatchSettings
 from ..runs.fleet_metrics import fleet_metrics
 from ..runs.story import Story
+from ..scenario import Scenario
 from .dispatch_world import Decisions, check_levels
-from .fleet import Fleet
+from .fleet import SCENARIO, Fleet
 from .member import FleetWarning
 from .user_calls import AFTER_USERS
+
+if TYPE_CHECKING:
+    from ..orders.dispatcher import Command
+    from ..orders.policies import Policy
+    from ..runs.trace import TraceEntry
 
 #: the place of a decision at its instant: after the events of robots and users, before those of processes
 _DECISION = AFTER_USERS - 1
@@ -39,33 +48,36 @@ class Dispatch:
         level that the dispatcher uses.
     """
 
-    def __init__(self, scenario, policy=None, seed=None, on_event=None, **options):
+    def __init__(self, scenario: Scenario, policy: Union[None, str, Policy] = None, seed: Optional[int] = None,
+                 on_event: Optional[Callable[[TraceEntry], object]] = None, **options: Any) -> None:
+        check_kind(scenario, Scenario, 'scenario', SCENARIO)
+        if on_event is not None:
+            check_function(on_event, 'on_event(entry)')
         settings = scenario.dispatcher or DispatchSettings()
         check_levels(scenario, settings, 'dispatcher')
         if policy is None or isinstance(policy, str):
             policy = make_policy(policy or settings.policy, 'dispatcher')
-        elif not callable(getattr(policy, 'choose', None)):
-            raise ConfigurationError('policy: got {!r}; allowed: a name, or an object with choose(question)'.format(
-                policy))
+        else:
+            check_method(policy, 'choose', 'policy', 'a name, or an object with choose(question)')
         self._on_event = on_event
         self.fleet = Fleet(scenario, on_event=self._happened, **options)
         self._decisions = Decisions(scenario, settings, policy, self.fleet.simulation.queue, _DECISION, self._tell,
                                     self._act)
         self.core = self._decisions.core
-        self._failure = None  # the first fault of the policy, as a text
+        self._failure: Optional[str] = None  # the first fault of the policy, as a text
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
         self._decisions.soon(self.fleet.now_ns)
 
-    def order(self, order):
+    def order(self, order: Order) -> None:
         """Have an :class:`.Order` arrive now, whatever its time of arrival is; one that cannot be done is refused."""
         check_kind(order, Order, 'order')
         is_wrong = fault_of(order, self.fleet.scenario.places or {}) is not None
         self.core.arrived(order if is_wrong else _as_message(order), self.fleet.now_ns)
         self._decisions.soon(self.fleet.now_ns)
 
-    def run(self, until_ns=None, until=None):
+    def run(self, until_ns: Optional[int] = None, until: Optional[float] = None) -> int:
         """Run as :meth:`Fleet.run` does; return the time [ns].
 
         If nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
@@ -80,7 +92,7 @@ class Dispatch:
             raise PolicyError(failure)
         return now_ns
 
-    def _tell_undone(self, now_ns):
+    def _tell_undone(self, now_ns: int) -> None:
         texts = ['{} with {}, {}'.format(robot.order.order.order_id, robot.name, self._what_holds(robot.name))
                  for robot in self.core.robots if robot.order is not None]
         texts += ['{} with nobody'.format(order) for order in self.core.open_orders]
@@ -89,11 +101,11 @@ class Dispatch:
                 len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
             self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
 
-    def _what_holds(self, robot):
+    def _what_holds(self, robot: str) -> str:
         held_for = self.fleet.robot(robot).navigator.travel.held_for
         return 'held for ' + ', '.join(held_for) if held_for else 'which waits'
 
-    def metrics(self):
+    def metrics(self) -> Dict[str, Optional[float]]:
         """Return {name: number}: the metrics of orders and of the robots' time so far, as in experiments.
 
         :raises ConfigurationError: if nothing is recorded (``trace=None``).
@@ -106,29 +118,29 @@ class Dispatch:
         story.close(self.fleet.now_ns)
         return fleet_metrics(story)
 
-    def _expect(self):
+    def _expect(self) -> None:
         order = next(self._orders, None)
         if order is not None:
             self.fleet.at(self._begin_ns + order.arrival_ns, lambda _: self._arrives(order))
 
-    def _arrives(self, order):
+    def _arrives(self, order: Order) -> None:
         self.order(order)
         self._expect()
 
-    def _happened(self, entry):
+    def _happened(self, entry: TraceEntry) -> None:
         if self.core.hears(entry.robot, entry.kind):
             self.core.happened(entry.robot, entry.kind, entry.values)
             self._decisions.soon(self.fleet.now_ns)
         if self._on_event is not None:
             self._on_event(entry)
 
-    def _act(self, commands, now_ns):
+    def _act(self, commands: Sequence[Command], now_ns: int) -> None:
         """Carry out the commands one by one, like messages: all that one causes at once comes before the next."""
         for command in commands:
-            self.fleet.simulation.queue.schedule(now_ns, _DECISION, lambda _due_ns, _now_ns, command=command: (
+            self.fleet.simulation.queue.schedule(now_ns, _DECISION, lambda _due_ns, _now_ns, command=command: (  # type: ignore[misc]
                 self._do(command)))
 
-    def _do(self, command):
+    def _do(self, command: Command) -> None:
         robot = self.fleet.robot(command.robot)
         if isinstance(command, Drive):
             pose = command.pose
@@ -140,7 +152,7 @@ class Dispatch:
         else:
             robot.send_task(command.task, command.goal_id)
 
-    def _tell(self, row):
+    def _tell(self, row: Tuple[Any, ...]) -> None:
         if row[1] == 'policy_failed' and self._failure is None:
             self._failure = row[2]
         row = (self.fleet.now_ns, *row)
@@ -149,8 +161,8 @@ class Dispatch:
         self.fleet._user_calls.tell(row)
 
 
-def _as_message(order):
+def _as_message(order: Order) -> Order:
     """Return an order as it is after being sent as a message: its headings were converted to quaternions and back."""
-    def through(pose):
+    def through(pose: Pose2D) -> Pose2D:
         return Pose2D(pose.x, pose.y, yaw_of_quaternion(quaternion_of_yaw(pose.yaw)))
     return replace(order, stops=tuple(replace(stop, pose=through(stop.pose)) for stop in order.stops))

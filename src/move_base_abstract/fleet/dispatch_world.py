@@ -147,7 +147,8 @@ class Distances:
             settings = spec.settings
             if settings.values['routes'] not in ('lanes', 'matrix'):
                 continue
-            key = settings.values['routes'], settings.network.source, settings.limits.max_speed, settings.bounds
+            network: Any = settings.network
+            key = settings.values['routes'], network.source, settings.limits.max_speed, settings.bounds
             if key not in planners:
                 planners[key] = make_planner(settings), {}, settings.limits.max_speed
             self._ways[spec.name] = planners[key]
@@ -169,7 +170,7 @@ def _length(planner: Any, begin: Point, end: Point, speed: float) -> Optional[in
     way = planner.corners(Pose2D(*begin), Pose2D(*end))
     if way is None:
         return None
-    seconds = getattr(way, 'seconds', None)
+    seconds: Optional[float] = getattr(way, 'seconds', None)
     if seconds is not None:
         return round(_MM * seconds * speed)
     points = [begin, *way, end]

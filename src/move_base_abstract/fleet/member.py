@@ -109,7 +109,7 @@ class Member:
 
     def distance_to(self, x: float, y: float) -> float:
         """Return the straight-line distance [m] from the robot to (x, y) [m]."""
-        pose = self.pose
+        pose, x, y = self.pose, as_float(x, 'x'), as_float(y, 'y')
         return ((x - pose.x) ** 2 + (y - pose.y) ** 2) ** 0.5  # type: ignore[no-any-return]
 
     def send(self, x: float, y: float, yaw: float = 0.0, goal_id: str = '', frame: str = 'map') -> str:
@@ -133,6 +133,7 @@ class Member:
 
     def cancel(self, goal_id: str = '') -> None:
         """Cancel the goal ``goal_id``, or, without an id, whatever goal the robot has."""
+        check_kind(goal_id, str, 'goal_id')
         self.navigator.cancel(goal_id, 0, self._now_ns())
 
     def send_task(self, task: Task, goal_id: str = '') -> str:
@@ -148,6 +149,7 @@ class Member:
 
     def cancel_task(self, goal_id: str = '') -> None:
         """Cancel the task ``goal_id``, or, without an id, whatever task the robot has."""
+        check_kind(goal_id, str, 'goal_id')
         self._worker().cancel(goal_id, 0, self._now_ns())
 
     def place(self, pose: Pose2D) -> None:
@@ -162,6 +164,7 @@ class Member:
 
     def release(self, reason: str) -> None:
         """End the hold for ``reason``. If no other reason holds the robot, its way is planned anew and it goes on."""
+        check_kind(reason, str, 'reason')
         self.navigator.travel.release(reason, self._now_ns())
 
     def fail(self, kind: Optional[str] = None, repair: Optional[float] = None) -> bool:
@@ -196,6 +199,7 @@ class Member:
 
         :raises ConfigurationError: if the robot has no battery.
         """
+        check_kind(works, bool, 'works')
         self._battery().set_tool(works, self._now_ns())
 
     def set_priority(self, priority: int) -> None:
@@ -244,11 +248,13 @@ class Member:
         if self.condition.battery is None:
             raise ConfigurationError('{}: battery_capacity: got 0; allowed, for a battery: > 0 [Ah]'.format(
                 self._words()))
-        return self.condition.battery
+        battery: Battery = self.condition.battery
+        return battery
 
-    def _warned(self, event: Any) -> None:
+    def _warned(self, event: Warned) -> None:
         active = self._ledger.active
-        self._fleet._note(FleetWarning(*event[:2], active.goal_id if active is not None else '', event.text))
+        self._fleet._note(FleetWarning(
+            event.time_ns, event.robot, active.goal_id if active is not None else '', event.text))
 
     def _reset(self, now_ns: int) -> None:
         """Put the robot back to its start, without goals."""

@@ -1,5 +1,7 @@
 """Makes one robot with all its parts, both for the nodes and for the plain Python fleet."""
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Sequence, Union
 
 from ..common.errors import ConfigurationError
 from ..common.units import seconds_to_ns
@@ -20,6 +22,16 @@ from ..motion.frames import RobotFrames
 from ..motion.robot import Robot
 from ..motion.route import CornerLaw
 
+if TYPE_CHECKING:
+    from ..config.settings import RobotSettings
+    from ..encounters.control import Encounters
+    from ..engine.simulation import Simulation
+    from ..engine.stream import Stream
+    from ..goals.client import GoalClient
+    from ..maps.map_check import MapCheck
+    from ..motion.geometry import Pose2D
+    from ..traffic.zones import Zone
+
 
 class RobotParts(NamedTuple):
     """The robot, its frames, the ledger of its goals, the navigator that works on them, and the robot's condition."""
@@ -31,8 +43,10 @@ class RobotParts(NamedTuple):
     condition: Condition
 
 
-def make_robot_parts(settings, name, index, simulation, stream, client, lookup, planner=None, zones=(),
-                     remembered_legs=64, encounters=None):
+def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation: Simulation, stream: Stream,
+                     client: GoalClient, lookup: Callable[[str, int], Pose2D],
+                     planner: Optional[StraightLinePlanner] = None, zones: Sequence[Zone] = (),
+                     remembered_legs: int = 64, encounters: Optional[Encounters] = None) -> RobotParts:
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``stream`` (Stream of :mod:`.events`) gets the robot's events, ``client`` (GoalClient) all other answers.
@@ -49,16 +63,11 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
         stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text))), client.new_id,
         seconds_to_ns(values['status_list_timeout']))
     planner = planner or make_planner(settings)
-    durations = None
-    if settings.durations is not None:
-        durations = GoalDurations(settings.durations, values['seed'], name, planner, lambda recorded, found, at_ns: (
-            stream.tell(Beyond(at_ns, name, found, recorded.words(found)))))
-    elif settings.attempts is not None:
-        durations = GoalAttempts(settings.attempts, values['seed'], name)
+    durations = _durations(settings, name, planner, stream)
     navigator = Navigator(robot, simulation, ledger, frames, stream, client, planner,
                           settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)
-    failing = None
+    failing: Any = None
     if settings.failures is not None or settings.buggify is not None:
         failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation,
                           Chance(values['seed'], name), stream)
@@ -68,24 +77,36 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
                                 Chance(settings.buggify.seed, name), failing, stream)
     battery = None
     if settings.battery is not None:
-        battery = Battery(settings.battery, robot, navigator, simulation, zones, stream)
+        battery = Battery(settings.battery, robot, navigator, simulation, tuple(zones), stream)
     meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
     return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)))
 
 
-def make_planner(settings, map_check=None):
+def _durations(settings: RobotSettings, name: str, planner: StraightLinePlanner,
+               stream: Stream) -> Union[None, GoalDurations, GoalAttempts]:
+    if settings.durations is not None:
+        return GoalDurations(
+            settings.durations, settings.values['seed'], name, planner, lambda recorded, found, at_ns: stream.tell(
+                Beyond(at_ns, name, found, recorded.words(found))))
+    if settings.attempts is not None:
+        return GoalAttempts(settings.attempts, settings.values['seed'], name)
+    return None
+
+
+def make_planner(settings: RobotSettings, map_check: Optional[MapCheck] = None) -> StraightLinePlanner:
     """Return the planner that ``settings`` (RobotSettings) ask for; ``map_check`` (MapCheck): the map, or None.
 
     :raises ConfigurationError: if ways are to be planned on a map and there is none.
     """
     routes = settings.values['routes']
+    network: Any = settings.network
     if routes == 'none':
         return StraightLinePlanner(settings.bounds, map_check)
     if routes == 'matrix':
-        return MatrixPlanner(settings.network, settings.bounds, map_check)
+        return MatrixPlanner(network, settings.bounds, map_check)
     if routes == 'lanes':
         from ..maps.lane_planner import LanePlanner, LaneWays  # imports numpy, which only planning needs
-        return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
+        return LanePlanner(LaneWays.on(network, settings.limits.max_speed), settings.bounds, map_check)
     if map_check is None:
         raise ConfigurationError("routes: got 'grid' for a robot without a map; allowed: with a map only")
     from ..maps.grid_planner import GridPlanner  # imports numpy, too

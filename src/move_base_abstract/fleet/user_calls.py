@@ -1,10 +1,23 @@
 """Calls of the functions that a fleet's user has given: for events and endings, at the end of their instant."""
-import warnings
+from __future__ import annotations
 
+import warnings
+from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple
+
+from ..common.arguments import check_function
 from ..goals.events import Beyond, Ended, TaskEnded
 from ..motion.recorded_range import WARNING
 from ..runs.trace import as_entries
 from .robot_rows import write
+
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..engine.stream import Stream
+    from ..goals.outcome import GoalState
+    from ..runs.trace import TraceEntry
+
+    Row = Tuple[Any, ...]
+    OnEnd = Callable[[str, str, GoalState, str, int], object]
 
 #: above all robot indices, so that a user's calls come after the robots' events of the same instant
 _USER_INDEX = 2 ** 31 - 1
@@ -15,44 +28,50 @@ AFTER_USERS = _USER_INDEX + 2
 class UserCalls:
     """The calls of one fleet's user: ``on_event``, ``on_end``, ``on_worked`` of :class:`.Fleet`; each may be None."""
 
-    def __init__(self, simulation, on_event, on_end, on_worked):
+    def __init__(self, simulation: Simulation, on_event: Optional[Callable[[TraceEntry], object]],
+                 on_end: Optional[OnEnd], on_worked: Optional[OnEnd]) -> None:
+        for given, call in ((on_event, 'on_event(entry)'), (on_end, 'on_end(robot, goal_id, state, text, now_ns)'),
+                            (on_worked, 'on_worked(robot, goal_id, state, text, now_ns)')):
+            if given is not None:
+                check_function(given, call)
         self._simulation = simulation
         self._on_event = on_event
         self._hears = {kind: self._teller(listener)  # shared by all robots
                        for kind, listener in ((Ended, on_end), (TaskEnded, on_worked)) if listener is not None}
         self._has_warned = False  # whether the user was warned of a goal outside the ranges of its calibration
 
-    def subscribe(self, stream, with_motion):
+    def subscribe(self, stream: Stream, with_motion: bool) -> None:
         """Call the user's functions for the events of a robot's ``stream`` (Stream): ``on_event`` before the others."""
         if self._on_event is not None:
             write(stream, 'users', self._tell_event, with_motion)
         stream.subscribe('shown', {Beyond: self._warn_of_beyond})
         stream.subscribe('users', self._hears)
 
-    def at(self, time_ns, call):
+    def at(self, time_ns: int, call: Callable[[int, int], Any]) -> None:
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which must not be past."""
         self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
 
-    def tell(self, row):
+    def tell(self, row: Row) -> None:
         """Call the user's ``on_event`` for a row that belongs to no robot's stream."""
         if self._on_event is not None:
             self._tell_event(row)
 
-    def _tell_event(self, row):
+    def _tell_event(self, row: Row) -> None:
         """Call ``on_event`` for a row of the trace, at the end of its instant, when all that belongs to it is over."""
-        self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
+        on_event: Any = self._on_event
+        self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: on_event(*as_entries([row])))
 
-    def _teller(self, listener):
+    def _teller(self, listener: OnEnd) -> Callable[[Any], None]:
         """Return a function that has ``listener`` called for the end of a goal or a task, at the end of its instant."""
         simulation = self._simulation
 
-        def tell_end(event):
-            def call(_due_ns, _now_ns):
+        def tell_end(event: Any) -> None:
+            def call(_due_ns: int, _now_ns: int) -> None:
                 listener(event[1], event[2], event[4], event[5], simulation.now_ns)
             simulation.queue.schedule(max(event[0], simulation.now_ns), _USER_INDEX, call)
         return tell_end
 
-    def _warn_of_beyond(self, event):
+    def _warn_of_beyond(self, event: Beyond) -> None:
         if not self._has_warned:
             self._has_warned = True
             warnings.warn(WARNING.format(event.robot, event.words), stacklevel=2)

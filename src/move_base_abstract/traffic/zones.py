@@ -9,7 +9,7 @@ in it.
 """
 from __future__ import annotations
 
-from typing import Any, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, integer, number
@@ -64,7 +64,7 @@ class Zone(NamedTuple):
         return passages(leg, self.outline)
 
 
-def read_zones(raw: Mapping[str, Any], where: str) -> Tuple[Zone, ...]:
+def read_zones(raw: Any, where: str) -> Tuple[Zone, ...]:
     """Return the :class:`Zone` objects in the list ``raw``, in its order; the text of an error begins with ``where``.
 
     :raises ConfigurationError: for unknown keys, values that are not allowed, and a name that is given twice.
@@ -75,7 +75,7 @@ def read_zones(raw: Mapping[str, Any], where: str) -> Tuple[Zone, ...]:
         raise ConfigurationError('{}: zones: got {}; allowed: a list of at most {} zones'.format(
             where, shown(raw), MAX_ZONES))
     zones = tuple(_read_zone(entry, '{}: zones[{}]'.format(where, index)) for index, entry in enumerate(raw))
-    names = {}
+    names: Dict[str, int] = {}
     for index, zone in enumerate(zones):
         first = names.setdefault(zone.name, index)
         if first != index:
