@@ -27,8 +27,9 @@ ONE_ROBOT = """
 PATROL = {
     'package.xml': """
 <package format="2">
-  <name>patrol</name> <version>0.0.0</version> <description>-</description> <maintainer email="a@example.com">a</maintainer>
-  <license>-</license> <buildtool_depend>catkin</buildtool_depend> <depend>move_base_abstract</depend>
+  <name>patrol</name> <version>0.0.0</version> <description>-</description> <license>-</license>
+  <maintainer email="a@example.com">a</maintainer> <buildtool_depend>catkin</buildtool_depend>
+  <depend>move_base_abstract</depend>
 </package>
 """,
     'CMakeLists.txt': """
