@@ -4,6 +4,8 @@ import os
 import sys
 
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.options import add_arguments, given
+from move_base_abstract.lockstep.run_options import RunOptions
 
 from . import ending
 from .ending import CANNOT, INTERRUPTED
@@ -35,6 +37,9 @@ def _parse(words):
     run.add_argument('--dashboard', action='store_true', help="serve Dask's dashboard on 127.0.0.1")
     run.add_argument('--keep-old', action='store_true', help='keep complete trials whose program has changed since, '
                      'with a label; without this option they run again')
+    add_arguments(run.add_argument_group(
+        "options of the trials' runs",
+        "they take precedence over the file's keys; values of lists and mappings are added to the file's"), RunOptions)
     run.set_defaults(act=_run)
     status = verbs.add_parser('status', help='print how far the experiment has come')
     status.add_argument('output', metavar='OUT')
@@ -43,7 +48,8 @@ def _parse(words):
     rerun.add_argument('output', metavar='OUT')
     rerun.add_argument('trial', metavar='TRIAL', help='the trial, by its id or the number that the id begins with')
     rerun.add_argument('--rviz', action='store_true', help='show the trial in RViz')
-    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='T', help='end after T simulated seconds')
+    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='S', help='end at this instant of simulated time '
+                       '[s]')
     rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='run at most F times as fast as '
                        'real time')
     rerun.add_argument('--logs', metavar='FOLDER', help='keep the logs of this run in this new folder')
@@ -74,7 +80,7 @@ def _run(options):
     from . import sweep
     try:
         bad = sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1, options.scheduler,
-                        keep_old=options.keep_old, has_dashboard=options.dashboard)
+                        keep_old=options.keep_old, has_dashboard=options.dashboard, given=given(RunOptions, options))
         try:
             _write_report(options.output)
         except SimulatorError as error:  # the trials are complete nevertheless

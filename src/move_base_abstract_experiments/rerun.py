@@ -8,8 +8,8 @@ import sys
 import tarfile
 from typing import List, NamedTuple, Optional, TextIO, Tuple
 
-from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import unknown
 from move_base_abstract.runs import event_log, run_difference
 
 from . import records
@@ -33,9 +33,9 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
     It is 0 if the trial is the same, and 1 if it is different or failed; then it is 3 instead if something on which the
     trial depends has changed. Such a change is printed first.
 
-    output: the experiment's folder. name: the trial's ID, or the number at its beginning. until: simulated s from the
-    start; 0: to the trial's own end. speed: the largest number of times real time; 0: no limit, or 1 with rviz. rviz:
-    whether RViz shows it. logs: a new folder for the logs of this run, or None.
+    output: the experiment's folder. name: the trial's ID, or the number at its beginning. until: the instant [s,
+    simulated] at which it ends; 0: its own end. speed: the largest number of times real time; 0: no limit, or 1 with
+    rviz. rviz: whether RViz shows it. logs: a new folder for the logs of this run, or None.
     :raises SimulatorError: if the trial cannot be run again.
     """
     folder = _folder_of(records.read_plan(output), output)
@@ -65,8 +65,8 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
 def _job_of(trial: Trial, until: float, speed: float, rviz: bool) -> Job:
     experiment = trial.experiment
     if until:
-        until = min(until, experiment.until.seconds or until)
-        experiment = dataclasses.replace(experiment, until=dataclasses.replace(experiment.until, seconds=until))
+        until = min(until, experiment.until.at or until)
+        experiment = dataclasses.replace(experiment, until=dataclasses.replace(experiment.until, at=until))
     return jobs.make_job(dataclasses.replace(trial, experiment=experiment, verified_by=''),
                          speed_limit=speed or (1.0 if rviz else 0.0), onlooker=_rviz_words() if rviz else ())
 
@@ -84,7 +84,7 @@ def _find(trials: List[Trial], name: str) -> Trial:
         if name == one.id or name == one.id.partition('-')[0] or name.isdecimal() and (
                 int(name) == int(one.id.partition('-')[0])):
             return one
-    raise kinds.unknown('TRIAL', name, [one.id for one in trials][:20])
+    raise unknown('TRIAL', name, [one.id for one in trials][:20])
 
 
 def _rviz_words() -> Tuple[str, ...]:

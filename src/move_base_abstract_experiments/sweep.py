@@ -5,14 +5,16 @@ import contextlib
 import dataclasses
 import importlib
 import os
+import shlex
 import subprocess
 import sys
 import tarfile
 import threading
-from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set, TextIO, Tuple
 
-from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.kinds import unknown
+from move_base_abstract.common.options import words_of
 from move_base_abstract.common.shown import shown_text
 
 from .carrying import cluster, jobs, warm_ros
@@ -28,7 +30,8 @@ from .trials import execution
 
 
 def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: TextIO = sys.stdout,
-        folder: Optional[str] = None, keep_old: bool = False, has_dashboard: bool = False) -> int:
+        folder: Optional[str] = None, keep_old: bool = False, has_dashboard: bool = False,
+        given: Optional[Dict[str, Any]] = None) -> int:
     """Run the missing trials of the experiment in a file; return the number of bad trials of all.
 
     Bad are trials that are not complete, or that were different when they ran a second time.
@@ -36,12 +39,15 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
     output: the folder of the experiment. workers: the number of processes on this computer. scheduler: the address of a
     running Dask scheduler instead, or None. folder: where relative paths in the file start; None: in its own folder.
     keep_old: whether complete trials of another program stay. has_dashboard: whether Dask's page about the workers is
-    served on 127.0.0.1.
+    served on 127.0.0.1. given: {key: value} from the command line, which change the
+    file's.
     :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: on Ctrl-C, after everything has ended.
     """
-    experiment = spec.read(path, folder)
+    experiment = spec.read(path, folder, given)
     with open(path, 'rb') as source:
         text = source.read()
+    if given:
+        text = spec.changed_text(text, given)
     chosen = plan.trials(experiment)
     if scheduler is None:
         for note in check(experiment, chosen):
@@ -67,11 +73,11 @@ def check(experiment: Experiment, chosen: List[Trial]) -> List[str]:
     if not (experiment.function or warm_ros.is_there()):
         raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not installed; without ROS a trial must "
                                  "be a 'function'")
-    notes: Dict[Tuple[str, str], str] = {}
+    notes: Dict[str, str] = {}
     with _asked_functions(experiment) as complain:
         seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():
-            key = (one.launch, *one.arguments)
+            key = (one.launch, *one.arguments, *words_of(one.run_options))
             if one.replication == 0 and key not in seen:  # other replications differ only in their seeds
                 seen.add(key)
                 _check_launch(one, notes)
@@ -122,33 +128,34 @@ def _asked_functions(experiment: Experiment) -> Iterator[Callable[[], None]]:
             process.kill()
 
 
-def _check_launch(trial: Trial, notes: Dict[Tuple[str, str], str]) -> None:
+def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     """Check a trial's launch file. Add a note for the user to ``notes`` for each kind of node, '' if there is none."""
     from roslaunch.arg_dump import get_args
 
-    from move_base_abstract_ros.launching import roles
-    from move_base_abstract_ros.launching.plan import LaunchOptions
+    from move_base_abstract_ros.launching import given, plan, roles
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
     # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
-    declared = launch_files.arguments_of(path) if experiment.adopt else get_args([path])
+    is_tolerant = experiment.adopt or experiment.tolerant
+    declared = launch_files.arguments_of(path) if is_tolerant else get_args([path])
     for name in experiment.args:
         if name not in declared:
-            raise kinds.unknown('args: the argument', name, declared)
+            raise unknown('args: the argument', name, declared)
     try:
-        config = launch_files.read([(path, arguments)], experiment.adopt)
-        if experiment.adopt:
-            launch_files.adopted(config, LaunchOptions(parameters={}, left_out=experiment.leave_out))
+        config = launch_files.read([(path, arguments)], is_tolerant)
+        options = plan.launch_options(trial.run_options)
+        given.add_to(config, launch_files.adopted(config, options) if experiment.adopt else options)
     except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]
-    for key, nodes in (('participants', experiment.participants or ()), ('leave_out', experiment.leave_out)):
+    for key, nodes in (('participants', experiment.participants or ()), ('participant', experiment.participant),
+                       ('onlooker', experiment.onlooker), ('leave_out', experiment.leave_out)):
         for name in nodes:
             if name not in names:
-                raise kinds.unknown(f'{key}: the node', name, names)
+                raise unknown(f'{key}: the node', name, names)
     for node, name in zip(config.nodes, names):
-        kind = (node.package, node.type)
-        if kind not in notes and name not in experiment.leave_out and '/'.join(kind) not in experiment.replace:
+        kind = roles.kind_of(node)
+        if kind not in notes and name not in experiment.leave_out and kind not in experiment.replace:
             notes[kind] = roles.choice_of_program(node)
 
 
@@ -226,6 +233,9 @@ def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) ->
         print(f'  failed: {one.id}: {one.error}', file=stream)
     for one in told.different:
         print(f'  different: {one.id}: {one.difference}', file=stream)
+    for one in [*told.failed, *told.different][:1]:
+        print(f'next: the first of them again: rosrun move_base_abstract experiment rerun '
+              f'{shlex.quote(str(folder.path))} {one.id}', file=stream)
     for line in told.properties.lines():
         print(f'  {shown_text(line)}', file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)

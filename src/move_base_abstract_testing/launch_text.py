@@ -9,7 +9,7 @@ TEST = '/test'  # the name of the test's own node
 def launch_text(settings: Settings) -> str:
     """Return the launch file as XML."""
     lines = ['<launch>']
-    if settings.scenario is not None:
+    if settings.scenario:
         lines += ['  <node pkg="move_base_abstract" type="fleet" name="fleet">',
                   '    <param name="scenario" value={}/>'.format(quoteattr(settings.scenario)), '  </node>']
     for number, words in enumerate(settings.nodes):
@@ -20,7 +20,7 @@ def launch_text(settings: Settings) -> str:
             quoteattr(package), quoteattr(name),
             quoteattr(name.partition('.')[0] + ('_{}'.format(len(others) + 1) if others else '')),
             ' args=' + quoteattr(args) if args.strip() else ''))
-    if settings.launch is not None:
+    if settings.launch:
         lines.append('  <include file={}>'.format(quoteattr(settings.launch)))
         lines += ['    <arg name={} value={}/>'.format(quoteattr(name), quoteattr(_word(value)))
                   for name, value in settings.args.items()]

@@ -1,43 +1,54 @@
 """The keywords of ``@pytest.mark.lockstep`` and of ``lockstep.start``, by which a test says what to start."""
 import os
-from dataclasses import dataclass, field, fields
-from typing import Any, Dict, List, Optional, Tuple, Union
+import warnings
+from dataclasses import dataclass, replace
+from typing import Any, Dict, List, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import FLAG, SCALAR, Kind, either, list_of, map_of, number, one_of, text
+from move_base_abstract.common.options import option, read
 from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.run_options import ADDED, LAST_INSTANT_S, PARAMETERS, ROS_VALUE, RunOptions
 from move_base_abstract.runs import built_in
 
 DEPARTURE, IDLE = 'test', 'idle'
 #: keywords of the marker that ``lockstep.start`` ignores
 OF_TESTS = ('chaos_seeds', 'wall_limit')
+#: options of a run that mean nothing here, and why
+REFUSED = {'crashes': "lockstep.allow('no_crash') allows crashes",
+           'no_respawn': 'nodes with respawn are started once in any case'}
 _MOST_SEEDS = 100_000  # each seed is a test
+_INSTANT = number(1e-9, LAST_INSTANT_S, unit='s, simulated')
+_PATH = Kind(lambda where, value: text().check(where, os.fspath(value) if isinstance(value, os.PathLike) else value),
+             text().schema)
 
 
-@dataclass
-class Settings:
-    """The settings of one run. Paths are relative to the folder of the test's file."""
+@dataclass(frozen=True)
+class Settings(RunOptions):
+    """The settings of one run: the options of a run, and those of a test. Paths are relative to the test's file."""
 
-    scenario: Optional[str] = None  # path of a fleet's file
-    launch: Optional[str] = None  # path of a launch file
-    args: Dict[str, Any] = field(default_factory=dict)  # arguments of the launch file
-    nodes: List[str] = field(default_factory=list)  # 'PACKAGE/TYPE', optionally followed by arguments
-    replace: Dict[str, str] = field(default_factory=dict)  # 'PACKAGE/TYPE': the 'PACKAGE/TYPE' started instead
-    parameters: Dict[str, Any] = field(default_factory=dict)  # ROS parameters, by full name
-    time_master: Dict[str, Any] = field(default_factory=dict)  # parameters of the time master
-    seed: int = 0  # seed of the programs' global random generators
-    sleep: str = 'wall'  # the time that time.sleep() takes in programs: 'wall' or 'simulated'
-    log_messages: bool = True  # whether the log has a hash of each message between participants
-    properties: Tuple[str, ...] = (built_in.ALL,)  # the properties that the run must keep
-    until: str = DEPARTURE  # 'test': the run ends with the test; 'idle': when no participant has anything left to do
+    folder: str = ''
+    scenario: str = option(_PATH, None, 'the file of a [fleet](fleet.md)')
+    launch: str = option(_PATH, None, 'a launch file')
+    args: Dict[str, Any] = option(map_of(SCALAR), {}, 'arguments of the launch file')
+    nodes: Tuple[str, ...] = option(list_of(ADDED), [], 'nodes that are started: `PACKAGE/TYPE [ARGUMENTS]`')
+    time_master: Dict[str, Any] = option(map_of(ROS_VALUE), {}, 'parameters of the '
+                                         '[time master](time_master.md#parameters)')
+    parameters: Dict[str, Any] = option(PARAMETERS, {}, '`param` by its name of earlier releases')
+    log_messages: bool = option(FLAG, True, 'the log has a hash of each message between participants, so '
+                                '`assert_identical` compares messages too')
+    properties: Tuple[str, ...] = option(list_of(built_in.KIND), [built_in.ALL], 'the [properties](properties.md) that '
+                                         'the run must keep')
+    until: Union[str, float] = option(
+        either(one_of(DEPARTURE, IDLE), (float, float, _INSTANT), (int, float, _INSTANT)), DEPARTURE, '`test`: the run '
+        'ends with the test; `idle`: when no participant has anything left to do; a number: at this instant [s, '
+        'simulated]; `lockstep.log`, `lockstep.finish()` and the end of the test wait for that')
 
-    def __post_init__(self) -> None:
-        self.properties = tuple(built_in.KIND.check('lockstep: properties', name) for name in self.properties)
-        _check('until', [self.until] if self.until not in (DEPARTURE, IDLE) else [], (DEPARTURE, IDLE))
-        _check('sleep', [self.sleep] if self.sleep not in ('wall', 'simulated') else [], ('wall', 'simulated'))
-        for name in [*self.nodes, *self.replace, *self.replace.values()]:
-            if not isinstance(name, str) or name.split()[:1] == [] or name.split()[0].count('/') != 1:
-                raise ConfigurationError('lockstep: nodes, replace: must be PACKAGE/TYPE, got '
-                                         + shown(name))
+    @property
+    def end(self) -> Dict[str, Any]:
+        """The parameters of the time master that end the run, besides the test's own departure."""
+        return {} if self.until == DEPARTURE else {'end_when_idle': True} if self.until == IDLE else {
+            'end_at': self.until}
 
 
 def chaos_seeds(given: Any) -> List[int]:
@@ -53,28 +64,30 @@ def chaos_seeds(given: Any) -> List[int]:
     return list(seeds)
 
 
-def _check(what: str, wrong: List[Any], allowed: Tuple[str, ...]) -> None:
-    if wrong:
-        raise ConfigurationError('lockstep: {}: must be one of {}, got {}'.format(
-            what, ', '.join(allowed), shown(wrong[0])))
-
-
 def settings_of(given: Dict[str, Any], folder: str) -> Settings:
     """Return the Settings of the keywords ``given``; ``folder`` is the one to which paths are relative.
 
     :raises ConfigurationError: if a keyword is not known, a value is not allowed, or a file is not there.
     """
-    known = {one.name for one in fields(Settings)}
-    unknown = sorted(set(given) - known - set(OF_TESTS))
-    if unknown:
-        raise ConfigurationError('lockstep: there is no {}; there are {}'.format(
-            shown(unknown[0]), ', '.join(sorted({*known, *OF_TESTS}))))
-    found = Settings(**{key: value for key, value in given.items() if key in known})
+    for key in given:
+        if key in REFUSED:
+            raise ConfigurationError('lockstep: {}: not here; {}'.format(key, REFUSED[key]))
+    found = read(Settings, 'lockstep', {key: value for key, value in given.items() if key not in OF_TESTS},
+                 folder=folder)
+    if found.parameters:
+        warnings.warn('lockstep: parameters is called param now', DeprecationWarning, stacklevel=2)
+        found = replace(found, param={**found.parameters, **found.param}, parameters={})
     for key in ('scenario', 'launch'):
-        path: Union[str, os.PathLike, None] = getattr(found, key)
-        if path is not None:
-            full = os.path.join(folder, os.fspath(path))
-            if not os.path.isfile(full):
-                raise ConfigurationError('lockstep: {}: {} is not there'.format(key, full))
-            setattr(found, key, full)
+        if getattr(found, key):
+            path = os.path.join(folder, getattr(found, key))
+            if not os.path.isfile(path):
+                raise ConfigurationError('lockstep: {}: {} is not there'.format(key, path))
+            found = replace(found, **{key: path})
     return found
+
+
+def with_seed(settings: Settings, seed: int) -> Settings:
+    """Return settings with a seed of chaos. 0 is the stated order, in which no message is late."""
+    given = {name: value for name, value in settings.time_master.items() if seed or not name.startswith('chaos_')}
+    late = {} if seed else {'chaos_delay': 0.0, 'chaos_only': ()}
+    return replace(settings, time_master={**given, 'chaos_seed': seed}, **late)

@@ -18,7 +18,10 @@ from roslaunch.node_args import NodeParamsException, create_local_process_args
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.options import parameters_of
+from move_base_abstract.radio import network
 from move_base_abstract.runs import ends
+from move_base_abstract_experiments.description import launch_files
 from move_base_abstract_ros.launching import look_ups, plan, roles, ros_master, warm_nodes
 from move_base_abstract_ros.loopback import find_executable
 
@@ -72,19 +75,15 @@ class System:
         plan.name_anonymous_ones_alike()
         settings = self._settings
         try:
-            config = plan.read([path])
-            for key, value in settings.parameters.items():
-                config.params[key] = Param(key, value)
+            config = plan.read([path], settings.tolerant or settings.adopt)
             named = plan.TIME_MASTER + '/participants'
             others = config.params[named].value if named in config.params else ()
             config.params[named] = Param(named, [*others, TEST])
-            end = {'end_with': [TEST]} if settings.until == DEPARTURE else {'end_when_idle': True}
-            return plan.plan_of(config, plan.LaunchOptions(
-                parameters={'event_log': self.log, 'log_messages': settings.log_messages, **end,
-                            **settings.time_master},
-                replaced=tuple((tuple(old.split('/')), tuple(new.split('/')))
-                               for old, new in sorted(settings.replace.items())),
-                launcher=('--sleep', settings.sleep, '--seed', str(settings.seed)), with_respawned=True))
+            end = {'end_with': [TEST]} if settings.until == DEPARTURE else settings.end
+            options = plan.launch_options(settings, {
+                **network.resolve(parameters_of(settings), settings.folder), 'event_log': self.log,
+                'log_messages': settings.log_messages, **end, **settings.time_master}, no_respawn=True)
+            return plan.plan_of(config, launch_files.adopted(config, options) if settings.adopt else options)
         except RLException as error:
             raise ConfigurationError(str(error)) from None
 

@@ -17,7 +17,7 @@ from move_base_abstract_ros.replacing import rospy_start
 
 from .launch_text import TEST
 from .run_log import RunLog
-from .settings import settings_of
+from .settings import settings_of, with_seed
 from .system import System
 
 IDENTICAL = 'assert_identical'  # a file of this name says that the test must be run once more
@@ -93,9 +93,7 @@ class Lockstep:
             raise SimulatorError('lockstep: one test has one run, and it has been started')
         self._settings = settings_of(given, self._base)
         if self.chaos_seed is not None:
-            asked = self._settings.time_master  # seed 0 is the stated order, in which no message is late
-            kept = {name: value for name, value in asked.items() if self.chaos_seed or not name.startswith('chaos_')}
-            self._settings.time_master = {**kept, 'chaos_seed': self.chaos_seed}
+            self._settings = with_seed(self._settings, self.chaos_seed)
         try:
             self._system = System(self._settings, self.folder)
             rospy_start.prepare()

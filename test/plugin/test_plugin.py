@@ -58,7 +58,7 @@ def test_of_seeds(lockstep):
 
 
 def test_what_is_broken_may_be_allowed(lockstep):
-    lockstep.start(scenario='two.yaml', parameters={'/asked': 7})
+    lockstep.start(scenario='two.yaml', param={'/asked': 7})
     assert rospy.get_param('/asked') == 7
     always(False, 'no is yes')
     lockstep.allow('no is yes')
@@ -123,7 +123,7 @@ FAILS = {
     'test_a_node_that_ends_too_soon_is_named': '/recorder ended (exit code 1) before time started; it printed last:',
     'test_a_time_master_that_ends_too_soon_is_named': '/time_master ended (exit code 1) before time started; it',
     'test_a_file_that_is_not_there_is_named': 'three.yaml is not there',
-    'test_a_word_that_is_not_known_is_named': "lockstep: there is no 'robot'; there are args, chaos_seeds, launch",
+    'test_a_word_that_is_not_known_is_named': "lockstep: the key 'robot' is unknown",
     'test_a_test_that_hangs_is_ended': 'the test was not over after 3 s of wall time (wall_limit)'}
 
 

@@ -190,7 +190,7 @@ class LaunchFiles(unittest.TestCase):
 
     def test_programs_of_others_in_roscpp_listen_where_ros_ip_is(self):
         variable, library = binary.loopback_only(os.environ)
-        made = plan.make_plan([(os.path.join(LAUNCH, 'simulator.launch'), [])], plan.LaunchOptions({}))
+        made = plan.make_plan([(os.path.join(LAUNCH, 'simulator.launch'), [])], plan.LaunchOptions())
         self.assertEqual([dict(node.env_args).get(variable) for node in made.config.nodes_core], [library])
         with Loopback() as ros:
             for name, command in (

@@ -51,7 +51,7 @@ def package_fixture(tmp_path, monkeypatch):
 def adopt(path, *arguments, **others):
     """Return the Adopted of a launch file."""
     config = plan.read([(path, list(arguments))], True)
-    return adoption.adopt(config, plan.LaunchOptions(parameters={}, **others), read_settings)
+    return adoption.adopt(config, plan.LaunchOptions(**others), read_settings)
 
 
 def write_map(package, origin='[0.0, 0.0, 0.0]', columns=40, rows=30):

@@ -1,4 +1,5 @@
 """Launch files of others, in the patterns of public packages: what is made of them, and where their robots start."""
+import dataclasses
 import math
 import shlex
 
@@ -6,12 +7,12 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract_ros.launching import adoption, plan
+from move_base_abstract_ros.launching import adoption, command_line, plan
 from move_base_abstract_ros.nodes import lockstep_launch
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
-OUR_ROBOT = (('move_base', 'move_base'), ('move_base_abstract', 'move_base'))
-OUR_MAP = (('map_server', 'map_server'), ('move_base_abstract', 'map_server'))
+OUR_ROBOT = ('move_base/move_base', 'move_base_abstract/move_base')
+OUR_MAP = ('map_server/map_server', 'move_base_abstract/map_server')
 NAVIGATION = """<launch>
   <arg name="x" default="0.0"/>
   <arg name="y" default="0.0"/>
@@ -45,10 +46,12 @@ def test_robots_of_gazebo_in_groups_start_where_they_are_spawned(package):
     </launch>""".format(GROUP.format('tb3_0', '-7.0', '1.5', '1.57'), GROUP.format('tb3_1', '7', '-1', '0')))
     made = adopt(path)
     assert made.problems == ()
-    assert made.wishes.starts == (('/tb3_0/move_base', (-7.0, 1.5, 1.57)), ('/tb3_1/move_base', (7.0, -1.0, 0.0)))
-    assert made.wishes.replaced == (OUR_ROBOT,)
-    assert set(made.wishes.left_out) >= {'/tb3_0/spawn', '/tb3_1/spawn', '/tb3_0/amcl', '/tb3_1/amcl'}
-    assert made.wishes.set == (('/tb3_0/move_base/tf_prefix', 'tb3_0'), ('/tb3_1/move_base/tf_prefix', 'tb3_1'))
+    assert made.options.param == {
+        '/tb3_0/move_base/tf_prefix': 'tb3_0', '/tb3_1/move_base/tf_prefix': 'tb3_1'}
+    assert tuple(made.options.replace.items()) == (OUR_ROBOT,)
+    assert set(made.options.leave_out) >= {'/tb3_0/spawn', '/tb3_1/spawn', '/tb3_0/amcl', '/tb3_1/amcl'}
+    assert made.options.param == {
+        '/tb3_0/move_base/tf_prefix': 'tb3_0', '/tb3_1/move_base/tf_prefix': 'tb3_1'}
     missing = [line for line in made.remarks if 'gazebo_ros/launch/empty_world.launch is not here' in line]
     assert len(missing) == 1 and 'two.launch:3' in missing[0]
     assert any("no TURTLEBOT3_MODEL, and 'burger' is taken" in line for line in made.remarks)
@@ -61,7 +64,7 @@ def test_a_pose_of_amcl_that_is_not_zero_comes_before_that_of_the_spawner_and_bo
     path = package('one.launch', """<launch>{}<group ns="r"><include file="$(dirname)/nav.launch">
       <arg name="x" value="2.0"/></include></group></launch>""".format(GROUP.format('r', '5', '0', '0')))
     made = adopt(path)
-    assert made.wishes.starts == (('/r/move_base', (2.0, 0.0, 0.5)),)
+    assert tuple(made.options.start.items()) == (('/r/move_base', (2.0, 0.0, 0.5)),)
     assert any('could start elsewhere: (5, 0, 0) of the spawner /r/spawn' in line
                and '--start /r/move_base=5,0,0' in line for line in made.remarks)
 
@@ -76,23 +79,23 @@ def test_arguments_and_conditions_count(package, arguments, expected):
         <param name="initial_pose_y" value="$(eval 3 * 3)" if="$(arg far)"/>
         <param name="initial_pose_y" value="0" unless="$(arg far)"/>
       </node></launch>""")
-    assert adopt(path, *arguments).wishes.starts == (('/move_base', expected),)
+    assert tuple(adopt(path, *arguments).options.start.items()) == (('/move_base', expected),)
 
 
 def test_robots_of_stage_start_in_the_frame_of_the_map(package):
     write_map(package, '[-2.0, -1.0, 0.0]')
     made = adopt(write_stage(package, '10.0 20.0 0 0'))  # its lower left corner (8, 18.5) is the map's (-2, -1)
-    assert made.wishes.starts == (('/robot_0/move_base', (1.0 - 10.0, 2.0 - 19.5, math.pi / 2)),
+    assert tuple(made.options.start.items()) == (('/robot_0/move_base', (1.0 - 10.0, 2.0 - 19.5, math.pi / 2)),
                                   ('/robot_1/move_base', (-1.0 - 10.0, 1.0 - 19.5, math.pi)))
-    assert ('/robot_0/move_base/stage_offset_x', '10.0') in made.wishes.set
-    assert ('/robot_1/move_base/stage_offset_y', '19.5') in made.wishes.set
-    assert made.wishes.replaced == (OUR_MAP, OUR_ROBOT)
+    assert ('/robot_0/move_base/stage_offset_x', 10.0) in made.options.param.items()
+    assert ('/robot_1/move_base/stage_offset_y', 19.5) in made.options.param.items()
+    assert tuple(made.options.replace.items()) == (OUR_MAP, OUR_ROBOT)
 
 
 def test_a_floor_plan_that_is_turned_turns_the_places_too(package):
     write_map(package)
     made = adopt(write_stage(package, '-1.5 2.0 0 90.0', first='-1.0 3.0 0 90.0'))
-    assert made.wishes.starts[0] == ('/robot_0/move_base', (3.0, 1.0, 0.0))
+    assert [*made.options.start.items()][0] == ('/robot_0/move_base', (3.0, 1.0, 0.0))
 
 
 def test_fake_localization_says_where_the_map_lies_if_no_map_is_served(package):
@@ -101,7 +104,7 @@ def test_fake_localization_says_where_the_map_lies_if_no_map_is_served(package):
         text = stream.read().replace('</launch>', """<node pkg="fake_localization" type="fake_localization" name="fake">
       <param name="delta_x" value="3.0"/><param name="delta_y" value="1.0"/></node></launch>""")
     made = adopt(package('stage.launch', text))
-    assert made.wishes.starts[0] == ('/robot_0/move_base', (-2.0, 1.0, math.pi / 2))
+    assert [*made.options.start.items()][0] == ('/robot_0/move_base', (-2.0, 1.0, math.pi / 2))
     assert any("the map's frame is at (3, 1, 0) in Stage's world, by delta_* of fake_localization" in line
                for line in made.done)
 
@@ -110,13 +113,13 @@ def test_poses_in_a_mapping_count_too(package):
     path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
       <node pkg="amcl" type="amcl" name="amcl"><rosparam>{initial_pose: {x: 4.0, y: 2, yaw: 0.5}}</rosparam></node>
     </launch>""")
-    assert adopt(path).wishes.starts == (('/move_base', (4.0, 2.0, 0.5)),)
+    assert tuple(adopt(path).options.start.items()) == (('/move_base', (4.0, 2.0, 0.5)),)
 
 
 def test_the_origin_of_a_floor_plan_moves_its_middle(package):
     write_map(package)
     made = adopt(write_stage(package, '0 0 0 0 ] origin [ 2.0 1.5 0 0'))
-    assert made.wishes.starts[0] == ('/robot_0/move_base', (1.0, 2.0, math.pi / 2))
+    assert [*made.options.start.items()][0] == ('/robot_0/move_base', (1.0, 2.0, math.pi / 2))
 
 
 def test_the_drawn_part_of_an_image_is_what_stage_stretches(package):
@@ -127,20 +130,20 @@ def test_the_drawn_part_of_an_image_is_what_stage_stretches(package):
     package('maps/walls.yaml', 'image: walls.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n'
             'occupied_thresh: 0.65\nfree_thresh: 0.196\n')
     made = adopt(write_stage(package, '2.0 1.5 0 0'))  # what is drawn begins 1 m and 0.5 m within the map
-    assert made.wishes.starts[0][1][:2] == (2.0, 2.5)
+    assert [*made.options.start.values()][0][:2] == (2.0, 2.5)
 
 
 def test_stage_names_robots_as_the_world_does_if_asked(package):
     write_map(package)
     made = adopt(write_stage(package, '2.0 1.5 0 0', options='-g -u', names=('bob', 'alice')))
-    assert made.wishes.starts == (('/bob/move_base', (-1.0, 1.0, math.pi)),
+    assert tuple(made.options.start.items()) == (('/bob/move_base', (-1.0, 1.0, math.pi)),
                                   ('/alice/move_base', (1.0, 2.0, math.pi / 2)))
 
 
 def test_a_map_that_is_not_the_floor_plans_is_said_and_places_stay_as_they_are(package):
     write_map(package, columns=50)
     made = adopt(write_stage(package, '2.0 1.5 0 0'))
-    assert made.wishes.starts[0] == ('/robot_0/move_base', (1.0, 2.0, math.pi / 2))
+    assert [*made.options.start.items()][0] == ('/robot_0/move_base', (1.0, 2.0, math.pi / 2))
     assert any('the floor plan is 4 m x 3 m, the map 5 m x 3 m' in line and 'stage.launch:3' in line
                for line in made.remarks)
 
@@ -153,8 +156,8 @@ def test_a_navigation_that_is_not_installed_is_a_robot_with_the_pose_handed_to_i
         <arg name="scan_topic" value="scan"/></include>
     </launch>""")
     made = adopt(path)
-    assert made.wishes.added == (('/move_base', ('move_base_abstract', 'move_base'), ''),)
-    assert made.wishes.starts == (('/move_base', (2.0, -3.0, 0.0)),)
+    assert made.options.add == {'/move_base': 'move_base_abstract/move_base'}
+    assert tuple(made.options.start.items()) == (('/move_base', (2.0, -3.0, 0.0)),)
     assert made.problems == ()
 
 
@@ -163,8 +166,8 @@ def test_robots_that_are_only_spawned_get_a_move_base_each_and_things_do_not(pac
       <node pkg="gazebo_ros" type="spawn_model" name="box" args="-sdf -file $(dirname)/box.sdf -model box -x 9 -y 9"/>
     </launch>""".format(GROUP.format('a', '1', '0', '0'), GROUP.format('b', '2', '0', '0')))
     made = adopt(path)
-    assert [name for name, _kind, _arguments in made.wishes.added] == ['/a/move_base', '/b/move_base']
-    assert made.wishes.starts == (('/a/move_base', (1.0, 0.0, 0.0)), ('/b/move_base', (2.0, 0.0, 0.0)))
+    assert list(made.options.add) == ['/a/move_base', '/b/move_base']
+    assert tuple(made.options.start.items()) == (('/a/move_base', (1.0, 0.0, 0.0)), ('/b/move_base', (2.0, 0.0, 0.0)))
 
 
 def test_nodes_of_other_machines_run_here(package):
@@ -172,7 +175,7 @@ def test_nodes_of_other_machines_run_here(package):
       <node pkg="move_base" type="move_base" name="move_base" machine="robot"/>
       <node pkg="amcl" type="amcl" name="amcl" machine="of_nobody"/></launch>""")
     made = adopt(path)
-    assert made.problems == () and made.wishes.is_tolerant
+    assert made.problems == () and made.options.tolerant
     with pytest.raises(Exception, match='unknown machine'):
         plan.read([(path, [])])
 
@@ -192,8 +195,8 @@ def test_a_script_that_publishes_the_clock_cannot_work_and_a_clock_is_left_out(p
     assert len(made.problems) == 1
     assert '/world (of_a_stranger/world.py) publishes /clock' in made.problems[0]
     assert 'one.launch:3' in made.problems[0] and '--leave-out /world' in made.problems[0]
-    assert {'/ticker', '/player'} <= set(made.wishes.left_out)
-    assert adopt(path, left_out=('/world',)).problems == ()
+    assert {'/ticker', '/player'} <= set(made.options.leave_out)
+    assert adopt(path, leave_out=('/world',)).problems == ()
 
 
 def test_robots_that_would_end_with_an_error_are_named_and_those_of_a_simulator_are_ours(package):
@@ -207,8 +210,8 @@ def test_robots_that_would_end_with_an_error_are_named_and_those_of_a_simulator_
     made = adopt(path)
     assert len(made.problems) == 1
     assert '/a/move_base would end with an error' in made.problems[0] and 'three.launch:2' in made.problems[0]
-    assert ('/b/move_base/backend', 'builtin') in made.wishes.set
-    assert made.wishes.arguments == (('/c/move_base', 'c builtin 2.0 4.0 5.0 0.5 0.1'),)
+    assert ('/b/move_base/backend', 'builtin') in made.options.param.items()
+    assert made.options.node_args == {'/c/move_base': 'c builtin 2.0 4.0 5.0 0.5 0.1'}
 
 
 def test_what_cannot_start_here_is_left_out_and_told(package):
@@ -223,7 +226,7 @@ def test_what_cannot_start_here_is_left_out_and_told(package):
       <node pkg="of_a_stranger" type="good.py" name="good"/> <node pkg="of_a_stranger" type="not_built" name="cpp"/>
     </launch>""")
     made = adopt(path)
-    assert made.wishes.left_out == ('/shell', '/old', '/needs', '/cpp')
+    assert made.options.leave_out == ('/shell', '/old', '/needs', '/cpp')
     text = '\n'.join(made.remarks)
     assert 'it is a program for shell_of_nobody, which is not here' in text
     assert 'it is not written for this Python (old.py, line 2' in text
@@ -261,21 +264,20 @@ def test_the_command_line_says_the_same(package):
     write_map(package)
     path = write_stage(package, '10.0 20.0 0 0')
     _parser, options = lockstep_launch.read_words(['--adopt', '--until', '9', path])
-    before = lockstep_launch.wishes_of(options, {})
-    made = adoption.adopt(plan.read([(path, [])], True), before, read_settings)
-    words = shlex.split(' '.join(map(shlex.quote, ['--until', '9', *adoption.words_of(before, made.wishes), path])))
-    _parser, options = lockstep_launch.read_words(words)
-    assert lockstep_launch.wishes_of(options, {}) == made.wishes
-    given = ' '.join(lockstep_launch.words_of(options))  # which `verify` hands on
-    assert all(word in given for word in ('--tolerant', '--start', '--param', '--replace'))
+    made = adoption.adopt(plan.read([(path, [])], True), plan.launch_options(options.run), read_settings)
+    typed = command_line.typed('lockstep_launch', options.one, made.options, options.command)
+    _parser, options = lockstep_launch.read_words(shlex.split(typed)[3:])
+    assert dataclasses.replace(plan.launch_options(options.run), is_told=True) == made.options
+    assert all(word in typed for word in ('--tolerant', '--start', '--param', '--replace', '--until 9'))
+
 
 
 def test_what_was_asked_for_stays(package):
     path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
       <node pkg="amcl" type="amcl" name="amcl"><param name="initial_pose_x" value="4"/></node></launch>""")
-    made = adopt(path, starts=(('/move_base', (1.0, 1.0, 1.0)),), kept_out=('/amcl',))
-    assert made.wishes.starts == (('/move_base', (1.0, 1.0, 1.0)),)
-    assert made.wishes.left_out == ()
+    made = adopt(path, start={'/move_base': (1.0, 1.0, 1.0)}, onlooker=('/amcl',))
+    assert tuple(made.options.start.items()) == (('/move_base', (1.0, 1.0, 1.0)),)
+    assert made.options.leave_out == ()
 
 
 @pytest.mark.parametrize('words', [['--start', '/a=1,2'], ['--start', 'a'], ['--param', 'x'], ['--add', 'a=b'],
@@ -288,4 +290,4 @@ def test_options_that_say_nothing_are_refused(words):
 def test_a_robot_that_is_not_there_cannot_start_anywhere(package):
     path = package('one.launch', '<launch><node pkg="move_base_abstract" type="move_base" name="move_base"/></launch>')
     with pytest.raises(ConfigurationError, match='--start /b: the launch file has no node of this name; it has /m'):
-        plan.plan_of(plan.read([(path, [])]), plan.LaunchOptions(parameters={}, starts=(('/b', (0.0, 0.0, 0.0)),)))
+        plan.plan_of(plan.read([(path, [])]), plan.LaunchOptions(start={'/b': (0.0, 0.0, 0.0)}))

@@ -39,7 +39,7 @@ def test_an_include_without_a_folder_is_found_beside_its_file_and_told(package, 
     package('amcl.launch', '<launch><node pkg="amcl" type="amcl" name="amcl">'
             '<param name="initial_pose_x" value="3"/></node></launch>')
     made = adopt(package('one.launch', '<launch>{}<include file="amcl.launch"/></launch>'.format(ROBOT)))
-    assert made.wishes.starts == (('/move_base', (3.0, 0.0, 0.0)),)
+    assert tuple(made.options.start.items()) == (('/move_base', (3.0, 0.0, 0.0)),)
     assert any('amcl.launch is taken from beside the file that includes it' in line and 'one.launch:1' in line
                for line in made.remarks)
 
@@ -80,13 +80,13 @@ def test_a_localizer_outside_of_namespaces_is_no_robot_where_robots_are_put_into
       <node pkg="amcl" type="amcl" name="amcl_jackal0"><param name="initial_pose_x" value="0.0"/></node>
       <node pkg="amcl" type="amcl" name="amcl_jackal1"><param name="initial_pose_x" value="7.0"/></node></launch>
       """.format(SPAWNED.format('jackal0', 2), SPAWNED.format('jackal1', 5)))
-    assert adopt(path).wishes.starts == (
+    assert tuple(adopt(path).options.start.items()) == (
         ('/jackal0/move_base', (2.0, 0.0, 0.0)), ('/jackal1/move_base', (7.0, 0.0, 0.0)))
 
 
 def test_a_navigation_that_is_not_here_is_known_however_its_name_is_written(package):
     made = adopt(package('one.launch', '<launch><include file="$(find of_nobody)/launch/movebase.launch"/></launch>'))
-    assert [name for name, _kind, _arguments in made.wishes.added] == ['/move_base']
+    assert list(made.options.add) == ['/move_base']
 
 
 @pytest.mark.parametrize('name', ['r 1', 'a-b', '../x', '--record', 'r$x', 'rö'])
@@ -100,7 +100,7 @@ def test_names_that_ros_does_not_take_are_told(package, name):
 def test_numbers_that_are_no_place_do_not_count(package, number):
     made = adopt(package('one.launch', """<launch>{}<node pkg="amcl" type="amcl" name="amcl">
       <param name="initial_pose_x" value="{}"/></node></launch>""".format(ROBOT, number)))
-    assert made.wishes.starts == () and made.problems == ()
+    assert tuple(made.options.start.items()) == () and made.problems == ()
 
 
 @pytest.mark.parametrize(('text', 'expected'), [
@@ -111,7 +111,7 @@ def test_a_map_that_cannot_be_served_is_left_out_and_told(package, text, expecte
         package('maps/a.yaml', text)
     made = adopt(package('one.launch', """<launch>{}<node pkg="map_server" type="map_server" name="map_server"
       args="$(dirname)/../maps/a.yaml"/></launch>""".format(ROBOT)))
-    assert made.wishes.left_out == ('/map_server',)
+    assert made.options.leave_out == ('/map_server',)
     assert any(expected in line and 'one.launch:1' in line for line in made.remarks)
 
 

@@ -4,6 +4,7 @@ import json
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.options import words_of
 from move_base_abstract.properties import Gathering
 from move_base_abstract_experiments.chaos import command, failures, replay_file, runs, shrinking
 from move_base_abstract_experiments.records import COMPLETE, Result
@@ -100,19 +101,25 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
     for one in (made(), made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
         replay_file.write(path, one)  # in the place of the one before
         assert replay_file.read(path) == one
-    assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
-                            '--crashes', 'allow', '--seed', '0']
-    nodes = {'participant': ['/a'], 'onlooker': ['/b'], 'leave_out': ['/c'], 'replace': {'p/a': 'p/b'}}
-    assert made(document=nodes, seed=0).words == [
-        '--crashes', 'allow', '--participant', '/a', '--onlooker', '/b', '--leave-out', '/c', '--replace', 'p/a=p/b',
-        '--seed', '0']
-    assert '--chaos-only' in made(only=[]).words and 'none' in made(only=[]).words
-    assert not any('chaos' in word for word in made(seed=0).words)
+    assert words_of(made().run) == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
+                                    '--crashes', 'allow']
+    nodes = {'participant': ['/a'], 'onlooker': ['/b'], 'leave_out': ['/c'], 'replace': {'p/a': 'p/b'}, 'seed': 3}
+    assert words_of(made(document=nodes, seed=0).run) == [
+        '--participant', '/a', '--onlooker', '/b', '--leave-out', '/c', '--replace', 'p/a=p/b', '--seed', '3',
+        '--crashes', 'allow']
+    assert made(only=[]).run.chaos_only == ('none',)
+
+
+def test_a_replay_of_an_earlier_release_ends_where_it_ended(tmp_path):
+    path = tmp_path / 'chaos.json'
+    path.write_text(json.dumps({'chaos': 1, **vars(made(document={'until': 30.0}))}))
+    assert replay_file.read(str(path)).run.until == 31.0
 
 
 @pytest.mark.parametrize(('change', 'says'), [
-    ({'chaos': 2}, 'format 1'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
-    ({'launch': []}, 'launch must name'), ({'happened': [1]}, 'list of texts')])
+    ({'chaos': 3}, 'format 2'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
+    ({'launch': []}, 'launch must name'), ({'happened': [1]}, 'list of texts'),
+    ({'document': {'param': 3}}, 'param: got 3')])
 def test_a_file_that_is_none_is_refused(tmp_path, change, says):
     path = tmp_path / 'chaos.json'
     path.write_text(json.dumps({'chaos': 1, **vars(made()), **change}))

@@ -183,6 +183,31 @@ def test_options_of_the_time_master_are_its_parameters_and_its_own_are_left_to_i
                               record={'hashes': True})) == {
         **fixed, 'cores': 'all', 'stored_topics': ['/a'], 'end_when_idle': True, 'end_at': 3.5, 'log_messages': True}
     assert parameters_of(read(lookahead=0.5)) == {**fixed, 'lookahead': 0.5}
+    assert parameters_of(read(until=7)) == {**fixed, 'end_at': 7.0}
+    assert parameters_of(read(until={'seconds': 2, 'at': 7})) == {**fixed, 'end_at': 3.0}
+
+
+def test_a_trial_has_the_options_of_a_run_with_its_factors_filled_in():
+    experiment = read_used({'speed': [0.5], 'x': [3]}, param={'robot/max_speed': '{speed}', '/all': ['{x}', 'a{x}']},
+                           start={'robot': ['{x}', 0, 1.5], '/other': '1,2,3'}, leave_out=['rviz'], seed=4)
+    run = first(experiment).run_options
+    assert (run.param, run.seed, run.leave_out) == ({'/robot/max_speed': 0.5, '/all': [3, 'a3']}, 4, ('/rviz',))
+    assert run.start == {'/robot': (3.0, 0.0, 1.5), '/other': (1.0, 2.0, 3.0)}
+    with pytest.raises(ConfigurationError, match='start./robot: got .a,0,0.; allowed: X,Y,YAW'):
+        assert first(read_used({'x': ['a']}, start={'robot': ['{x}', 0, 0]})).run_options
+    assert read(factors={'x': [1]}, param={'/a': '{x}'}).factors  # what a parameter uses is used
+    with pytest.raises(ConfigurationError, match="param./a: the factor 'y' is unknown"):
+        read(param={'/a': '{y}'})
+
+
+def test_options_of_the_command_line_take_precedence_over_the_files_keys(tmp_path):
+    path = tmp_path / 'a.yaml'
+    path.write_text('experiment: x\nlaunch: x.launch\nsleep: simulated\nparam: {/a: 1}\n')
+    given = {'sleep': 'wall', 'param': {'/b': [1, 2]}, 'start': {'/r': '1,2,0'}}
+    experiment = spec.read(str(path), given=given)
+    assert (experiment.sleep, experiment.param, experiment.start) == ('wall', {'/a': 1, '/b': [1, 2]}, {'/r': '1,2,0'})
+    (tmp_path / 'b.yaml').write_bytes(spec.changed_text(path.read_bytes(), given))
+    assert spec.read(str(tmp_path / 'b.yaml')) == experiment
 
 
 def test_on_which_cores_nodes_run_makes_no_trial_another_one():
@@ -199,7 +224,9 @@ def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
     assert digest == plan.made_of(first(read()))
     for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'}, {'metrics': 'a:b'},
                    {'lookahead': 0.05}, {'stored_topics': ['/a']}, {'launch': 'y.launch'}, {'record': {'hashes': True}},
-                   {'participants': ['/a']}, {'leave_out': ['/a']}, {'replace': {'a/b': 'c/d'}}):
+                   {'participants': ['/a']}, {'leave_out': ['/a']}, {'replace': {'a/b': 'c/d'}}, {'param': {'/a': 1}},
+                   {'start': {'/a': '1,2,3'}}, {'tolerant': True}, {'add': {'/a': 'b/c'}}, {'onlooker': ['/a']},
+                   {'until': {'at': 3}}):
         assert plan.made_of(first(read(**others))) != digest, others
     assert plan.made_of(dataclasses.replace(one, seed=1)) != digest
 

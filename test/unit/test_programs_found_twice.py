@@ -23,7 +23,7 @@ def twins_fixture(package, monkeypatch):
 
 
 def said_of(path):
-    return [note for note in plan.make_plan([path], plan.LaunchOptions(parameters={})).notes if 'programs' in note]
+    return [note for note in plan.make_plan([path], plan.LaunchOptions()).notes if 'programs' in note]
 
 
 def test_both_are_named_and_the_one_that_roslaunch_takes_is_started(twins):
@@ -35,12 +35,12 @@ def test_both_are_named_and_the_one_that_roslaunch_takes_is_started(twins):
     assert note.endswith('and not {}. On another disk it may be another one'.format(other))
 
 
-@pytest.mark.parametrize('others', [{'left_out': ('/walker',)}, {'replaced': (
-    (('of_a_stranger', 'walker.py'), ('move_base_abstract', 'move_base')),)}])
+@pytest.mark.parametrize('others', [{'leave_out': ('/walker',)}, {'replace': {
+    'of_a_stranger/walker.py': 'move_base_abstract/move_base'}}])
 def test_nothing_is_said_of_a_program_that_is_not_started(twins, others):
     with open(twins, 'w', encoding='utf-8') as stream:
         stream.write(LAUNCH.replace('</launch>', '<node pkg="move_base_abstract" type="move_base" name="b"/></launch>'))
-    notes = plan.make_plan([twins], plan.LaunchOptions(parameters={}, **others)).notes
+    notes = plan.make_plan([twins], plan.LaunchOptions(**others)).notes
     assert not any('programs' in note for note in notes)
 
 

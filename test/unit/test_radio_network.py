@@ -6,7 +6,7 @@ from textwrap import indent
 
 import pytest
 
-from move_base_abstract.common import kinds
+from move_base_abstract.common import options
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.motion.approach import MotionPhases
@@ -161,9 +161,9 @@ def test_links_of_a_replay():
 
 def test_command_lines_without_a_network():
     parser = argparse.ArgumentParser()
-    kinds.add_arguments(parser, RunOptions)
-    assert kinds.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
-    given = kinds.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
-    assert kinds.words_of(given) == ['--network', 'n.yaml loss:=1']
+    options.add_arguments(parser, RunOptions)
+    assert options.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
+    given = options.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
+    assert options.words_of(given) == ['--network', 'n.yaml loss:=1']
     for word, value in (('network', 'network'), ('0.5', 0.5)):
-        assert kinds.of_arguments(RunOptions, parser.parse_args(['--lookahead', word])).lookahead == value
+        assert options.of_arguments(RunOptions, parser.parse_args(['--lookahead', word])).lookahead == value

@@ -70,16 +70,14 @@ def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial
     made = []
     for first in ('1.0 2.0 0 90.0', '1.0 2.5 0 90.0'):
         write_stage(package, '2.0 1.5 0 0', first=first)
-        config = launch_files.read([(path, [])], adopts=True)
-        wishes = launch_files.adopted(config, plan.LaunchOptions(parameters={}, kept_out=('/stage', '/map_server')))
-        assert wishes.left_out == ('/stage',)
-        assert wishes.kept_out == ('/stage', '/map_server')
+        config = launch_files.read([(path, [])], is_tolerant=True)
+        assert launch_files.adopted(config, plan.LaunchOptions()).leave_out == ('/stage',)
         ingredients.forget()
-        made.append(ingredients._of_launch(path, (), os.path.dirname(path), (), (), True)[ingredients.PARAMETERS])
+        made.append(ingredients._of_launch(path, (), os.path.dirname(path), ('--adopt',))[ingredients.PARAMETERS])
     assert made[0] != made[1]
 
 
 def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
     path = package('none.launch', '<launch/>')
     with pytest.raises(ConfigurationError, match='adopt: this file has no robot'):
-        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.LaunchOptions(parameters={}))
+        launch_files.adopted(launch_files.read([(path, [])], is_tolerant=True), plan.LaunchOptions())

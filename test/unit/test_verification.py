@@ -24,17 +24,18 @@ def test_a_fleet_that_crashed_or_counts_robots_is_not_compared_with_one_in_two_p
     assert (run._can_split(), told) == (can, said)
 
 
-def concluded(folder, names, events=1, bags=()):
+def concluded(folder, names, events=1, bags=(), broken=()):
     """Return (exit code, lines) of a verification whose runs were equal, under these conditions."""
     told = []
-    verify = verification.Verification([], ['x.launch'], str(folder), 1.0, told.append)
+    next_steps = {verification.LABELLED: 'look', verification.IDENTICAL: 'search'}
+    verify = verification.Verification([], next_steps, str(folder), 1.0, told.append)
     log = folder / 'events.jsonl'
     row = '{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n'
     sent = '{"time_ns":2,"robot":"/a","kind":"message","values":["/a","/b",4,"00"]}\n'
     end = {'events': events + 1, 'not_repeatable_because': [], 'degraded_because': []}
     log.write_text('{"event_log":1}\n' + row * events + sent + json.dumps({'end': end}) + '\n')
-    verify.runs += [verification.Run(one, str(log), '', end, 1.0, str(folder / 'none'), dict.fromkeys(bags), [], [])
-                    for one in CONDITIONS if one.name in names]
+    verify.runs += [verification.Run(one, str(log), '', end, 4.0, 1.0, str(folder / 'none'), dict.fromkeys(bags), [],
+                                     [], list(broken)) for one in CONDITIONS if one.name in names]
     return verify._conclude(), told
 
 
@@ -53,13 +54,21 @@ def test_what_was_not_compared_is_not_called_identical(tmp_path):
     assert (code, told[0]) == (verification.LABELLED, 'nothing is compared: only one run was made (plain)')
 
 
+def test_broken_properties_and_what_to_type_next_are_said(tmp_path):
+    code, told = concluded(tmp_path, ['plain', 'again'], broken=['no robot waits'])
+    assert (code, told[-2:]) == (verification.BROKEN, ['but broken: no robot waits', 'next: search'])
+    code, told = concluded(tmp_path, ['plain', 'split'], events=0, broken=['no robot waits'])
+    assert (code, told[-1]) == (verification.LABELLED, 'next: look')
+
+
 def test_bags_are_numbered_by_their_nodes():
     assert verification._by_number([['/a', 'x'], ['/b', 'y'], ['/a', 'z: 1\n']]) == {
         ('/a', 1): 'x', ('/b', 1): 'y', ('/a', 2): 'z: 1\n'}
 
 
 def test_a_run_that_says_nothing_has_nothing(tmp_path):
-    assert verification._outcome(str(tmp_path / 'outcome.json')) == {'bags': [], 'fleets': [], 'crashes': []}
+    assert verification._outcome(str(tmp_path / 'outcome.json')) == {
+        'bags': [], 'fleets': [], 'crashes': [], 'properties': {'broken': []}}
 
 
 def test_what_a_run_says_for_programs_is_read_once_and_gone(tmp_path):

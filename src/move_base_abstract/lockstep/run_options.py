@@ -1,20 +1,37 @@
-"""Options of a run that an experiment's file and the command lines of lockstep_launch and verify have in common.
+"""The options of a run: the same, with the same words, for all that start runs.
 
-To add an option, add a field here. Then all three read it, the time master gets its ``parameter``, and the schema and
-the table in docs/experiments.md have the text that it ``says``.
+They are read by lockstep_launch, verify, chaos, run_checked, lockstep_series, experiments' files and commands, and the
+pytest plugin. To add an option, add a field here. Then all of them have it, the time master gets its ``parameter``, and
+the schema and the tables of the docs have the text that it ``says``.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, Tuple, Union
+from typing import Any, Dict, Tuple, Union
 
+from ..common.bounded_yaml import REQUEST, load_yaml_text
 from ..common.errors import ConfigurationError
-from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
+from ..common.kinds import FLAG, Kind, error, list_of, map_of, number, one_of, pattern, short, text
+from ..common.options import option
 from ..runs import built_in
 from . import stored_topics
 
 OF_NODES = ('launch', 'command')  # the systems of an experiment that have nodes
+_OF_FILES = ('launch',)
 FAIL, ALLOW = 'fail', 'allow'  # a crash makes the run fail, or it is only reported
+LAST_INSTANT_S = 2147483647.0  # simulated
+_LARGEST_SEED = 10**18 - 1
+_DEEPEST = 8  # lists and mappings in the value of a parameter
+_NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
+
+
+def _absolute(name: str) -> str:
+    return '/' + name.strip('/')
+
+
+NODE = pattern(_NAMES, 'names of nodes, such as /coordinator', _absolute)
+PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
 
 
 def _stored_topic(where: str, value: Any) -> str:
@@ -28,10 +45,110 @@ _STORED = Kind(_stored_topic, pattern('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*(
                                       '(/[A-Za-z0-9_]+)*)?', '').schema)
 
 
+def _pose(where: str, value: Any) -> Tuple[float, float, float]:
+    parts = value.split(',') if isinstance(value, str) else value
+    try:
+        x, y, yaw = (float(part) for part in parts if not isinstance(part, bool))
+        if all(map(math.isfinite, (x, y, yaw))):
+            return x, y, yaw
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise error(where, value, 'X,Y,YAW [m, m, rad], such as 5,0,1.57')
+
+
+POSE = Kind(_pose, {'anyOf': [{'type': 'string'}, {'type': 'array', 'items': {'type': ['number', 'string']},
+                                                   'minItems': 3, 'maxItems': 3}]},
+            to_word=lambda pose: ','.join(map(short, pose)))
+
+
+def _ros_value(where: str, value: Any, depth: int = 0) -> Any:
+    """Return a value that a parameter of ROS may have."""
+    if depth < _DEEPEST and isinstance(value, (list, tuple)):
+        return [_ros_value(where, one, depth + 1) for one in value]
+    if depth < _DEEPEST and isinstance(value, dict) and all(isinstance(key, str) and key for key in value):
+        return {key: _ros_value(f'{where}/{key}', one, depth + 1) for key, one in value.items()}
+    if isinstance(value, (bool, str)) or isinstance(value, float) and math.isfinite(value) or (
+            isinstance(value, int) and -1 << 31 <= value < 1 << 31):
+        return value
+    raise error(where, value, 'a text, a number (whole ones of 32 bits), true, false, or lists and mappings of these')
+
+
+def _of_yaml(word: str) -> Any:
+    found = load_yaml_text(word, 'the value', REQUEST)
+    return '' if found is None and not word.strip() else found
+
+
+def _to_yaml(value: Any) -> str:
+    import yaml
+    dumped: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
+    return dumped.replace('\n...\n', '').rstrip('\n')
+
+
+ROS_VALUE = Kind(_ros_value, {'type': ['string', 'number', 'boolean', 'array', 'object']}, _of_yaml, _to_yaml)
+
+
+#: {full name: value} of parameters
+PARAMETERS = map_of(ROS_VALUE, pattern(_NAMES, 'the full name of a parameter, such as /robot_0/max_speed', _absolute))
+
+
+def _added(where: str, value: Any) -> str:
+    kind, _, arguments = value.partition(' ') if isinstance(value, str) else ('', '', '')
+    if kind.count('/') != 1 or not all(kind.split('/')) or not value.isprintable():
+        raise error(where, value, 'PACKAGE/TYPE [ARGUMENTS]')
+    return f'{kind} {arguments.strip()}'.rstrip()
+
+
+ADDED = Kind(_added, {'type': 'string'})
+
+
+def _arguments(where: str, value: Any) -> str:
+    if not isinstance(value, str) or value and not value.isprintable():
+        raise error(where, value, 'a text of one line')
+    return value
+
+
 @dataclass(frozen=True)
 class RunOptions:
     """How a system runs in lockstep."""
 
+    participant: Tuple[str, ...] = option(
+        list_of(NODE, 'a list of names of nodes'), [], 'nodes that take part, whatever [they look '
+        'like](lockstep_launch.md#who-takes-part)', systems=_OF_FILES, is_part=True, metavar='NODE')
+    onlooker: Tuple[str, ...] = option(
+        list_of(NODE, 'a list of names of nodes'), [], 'nodes that look on, whatever they look like',
+        systems=_OF_FILES, is_part=True, metavar='NODE')
+    leave_out: Tuple[str, ...] = option(
+        list_of(NODE, 'a list of names of nodes'), [], 'nodes that are not started', systems=_OF_FILES, metavar='NODE')
+    replace: Dict[str, str] = option(
+        map_of(PROGRAM, PROGRAM), {}, 'programs that replace others, with the names, parameters and remaps of these: '
+        '`move_base/move_base=move_base_abstract/move_base`', systems=_OF_FILES, metavar='PACKAGE/TYPE=PACKAGE/TYPE')
+    adopt: bool = option(
+        FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, leaves out simulators, '
+        'takes start poses from the file', systems=_OF_FILES, is_part=True)
+    tolerant: bool = option(
+        FLAG, False, 'leaves out what the file names and is not installed (files that it includes or loads, parameters '
+        'from a program, environment variables), uses packages that lie beside the file, and runs the nodes of all '
+        'machines here', systems=_OF_FILES, is_part=True)
+    start: Dict[str, Tuple[float, float, float]] = option(
+        map_of(POSE, NODE), {}, "where a robot's node starts [m, m, rad, map frame]: its `start_x`, `start_y`, "
+        '`start_yaw`', systems=_OF_FILES, is_part=True, metavar='NODE=X,Y,YAW')
+    param: Dict[str, Any] = option(
+        PARAMETERS, {}, "parameters by their full names, which take precedence over the file's; on "
+        'a command line the value is YAML', systems=OF_NODES, is_part=True, metavar='NAME=VALUE')
+    add: Dict[str, str] = option(
+        map_of(ADDED, NODE), {}, 'nodes that are started too: `PACKAGE/TYPE [ARGUMENTS]`',
+        systems=_OF_FILES, is_part=True, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'")
+    node_args: Dict[str, str] = option(
+        map_of(Kind(_arguments, {'type': 'string'}), NODE), {}, "arguments of nodes, in the place of the file's",
+        systems=_OF_FILES, is_part=True, was='args', metavar="'NODE=ARGUMENTS'")
+    no_respawn: bool = option(
+        FLAG, False, 'nodes with `respawn` are started once, and take part', systems=_OF_FILES, is_part=True)
+    until: Any = option(  # a float [s]; in an experiment all that ends a trial, in a test also the test itself
+        number(1e-9, LAST_INSTANT_S, or_zero=True, unit='s, simulated'), 0, 'the run ends at this instant of simulated '
+        'time [s], which begins at 1; 0: no such end', systems=OF_NODES, parameter='end_at', metavar='S')
+    seed: int = option(
+        number(-_LARGEST_SEED, _LARGEST_SEED, whole=True), 0, "the seed of the programs' global random generators",
+        metavar='S')
     sleep: str = option(
         one_of('wall', 'simulated'), 'wall', 'which time `time.sleep` takes in [programs](lockstep_launcher.md): '
         '`wall`, while simulated time stands still, or `simulated`')
@@ -39,25 +156,26 @@ class RunOptions:
         list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: nodes [only store](lockstep.md#topics-that-nodes-only-store) '
         'these messages, and get them together with the next thing that they '
         'do', systems=OF_NODES, is_part=True, parameter='stored_topics',
-        flag='stored_topic')
+        flag='stored_topic', metavar='[NODE=]TOPIC')
     lookahead: Union[float, str] = option(
         number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: messages '
         'between nodes take this time, and the nodes work at once ([windows](lockstep_windows.md)); `network`: the '
-        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
+        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead',
+        metavar='S')
     network: str = option(
         text(), None, "`'FILE [NAME:=VALUE ...]'`: messages between nodes of different hosts go over the "
         "[radio](radio.md) that this file describes; the values replace its `$(arg NAME)`", systems=OF_NODES,
-        is_part=True, parameter='network')
+        is_part=True, parameter='network', metavar="'FILE [NAME:=VALUE ...]'")
     chaos_seed: int = option(
         number(0, 2147483647, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal events; 0: the '
-        'stated order', systems=OF_NODES, is_part=True, parameter='chaos_seed')
+        'stated order', systems=OF_NODES, is_part=True, parameter='chaos_seed', metavar='N')
     chaos_delay: float = option(
         number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages '
-        'take up to this time; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
+        'take up to this time; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay', metavar='S')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
         'the names, as `chaos` prints them, of the decisions of `chaos_seed` that apply; `none`: none, `[]`: all',
-        systems=OF_NODES, is_part=True, parameter='chaos_only')
+        systems=OF_NODES, is_part=True, parameter='chaos_only', metavar='NAME')
     cores: str = option(
         one_of('one', 'all', 'auto'), None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
         'default if the launch file sets nothing), with a lookahead one for each node, or `all`; `auto` is an old word '
@@ -67,4 +185,4 @@ class RunOptions:
         '(`fail`), or the crash is reported and the run counts if it comes to its end (`allow`)')
     properties: Tuple[str, ...] = option(
         list_of(built_in.KIND), [], 'the [properties](properties.md) that are checked when a run is over: `all`, or '
-        'names', systems=OF_NODES)
+        'names', systems=OF_NODES, flag='property', was='properties', metavar='NAME')

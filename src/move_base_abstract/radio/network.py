@@ -11,7 +11,8 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from ..common.bounded_yaml import load_yaml_file, load_yaml_text
 from ..common.errors import ConfigurationError
-from ..common.kinds import Kind, either, error, list_of, map_of, mapping_of, number, one_of, option, pattern, read, text
+from ..common.kinds import Kind, either, error, list_of, map_of, number, one_of, pattern, text
+from ..common.options import mapping_of, option, read
 from ..common.units import seconds_to_ns
 
 PARAMETER = 'network'  # a parameter of the time master

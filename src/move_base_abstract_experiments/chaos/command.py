@@ -3,22 +3,42 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import time
-from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
+from dataclasses import dataclass
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
-from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import list_of, text
+from move_base_abstract.common.options import given, of_arguments, option, words_of
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.properties import Gathering
+from move_base_abstract.runs.built_in import ALL, BUILT_IN
 
 from .. import ending
 from . import failures, replay_file
 from .replay_file import Replay
-from .runs import PARTS, RunRequest, RunResult, Runs, document_of
+from .runs import RunRequest, RunResult, Runs, document_of
 
 GOOD, FAILED, OTHER = 0, 1, 3
 _LARGEST_SEED = 2147483647
-_OWN = ('chaos_seed', 'chaos_delay', 'chaos_only', 'lookahead')  # RunOptions that are not allowed here
+_OUTPUT = 'chaos.json'
+#: RunOptions that mean nothing here
+_REFUSED = {**dict.fromkeys(('chaos_seed', 'chaos_delay', 'chaos_only'), '--seeds and --delay say what is tried'),
+            'lookahead': 'with a lookahead no events are equal'}
+#: {name of a property: the beginning of the names of the failures that it is here}
+_FAILURES = {'no_crash': 'crash', 'no_exception': 'crash', 'no_standstill': 'deadlock',
+             'no_zero_delay_loop': 'zero_delay_loop'}
+
+
+@dataclass(frozen=True)
+class _Options(RunOptions):
+    """The options of the runs of a search."""
+
+    properties: Tuple[str, ...] = option(
+        list_of(text()), [], 'the search looks only for these failures: {}, other [properties](properties.md), or '
+        'texts of your own'.format(', '.join(map('`{}`'.format, failures.NAMES))), flag='property', was='properties',
+        metavar='NAME')
 
 
 def main(words: Sequence[str]) -> int:
@@ -28,9 +48,9 @@ def main(words: Sequence[str]) -> int:
 
 
 def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Namespace]:
-    from move_base_abstract_ros.nodes import lockstep_launch
+    from move_base_abstract_ros.launching import command_line
     parser = argparse.ArgumentParser(
-        prog='chaos', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]\n       %(prog)s --replay FILE',
+        prog='chaos', usage=command_line.USAGE + '\n       %(prog)s --replay FILE',
         description='Run a launch file with other legal orders of equal events until something fails.',
         epilog='exit codes: 0 nothing failed, 1 something failed (with --replay: it fails again), 2 the file cannot be '
         'run like this, 3 (with --replay) it does not fail any more, 130 interrupted')
@@ -38,27 +58,16 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
                         '(default: 1:100)')
     parser.add_argument('--delay', type=_delay, default=0.0, metavar='S',
                         help='messages take up to S simulated seconds; 0: only the order of equal events changes')
-    parser.add_argument('--property', action='append', default=[], metavar='NAME',
-                        help='look only for this failure: a name of your own, {}; repeat it for several'.format(
-                            ', '.join(failures.NAMES)))
     parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one per core)')
-    parser.add_argument('--output', default='chaos.json', metavar='FILE', help='file that replays the failure '
+    parser.add_argument('--output', default=_OUTPUT, metavar='FILE', help='file that replays the failure '
                         '(default: %(default)s)')
     parser.add_argument('--replay', metavar='FILE', help='run a failure again, and say whether it is the same')
-    parser.add_argument('--until', type=float, default=0.0, metavar='S', help='end a run S simulated seconds after '
-                        'its start')
-    lockstep_launch.add_node_options(parser)
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global random "
-                        "generators")
-    kinds.add_arguments(parser, RunOptions)
-    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    command_line.add_run(parser, _Options, _REFUSED)
     options = parser.parse_args(words)
-    for name in _OWN:
-        if getattr(options, name):
-            parser.error(f"--{name.replace('_', '-')}: not here; --seeds and --delay say what is tried")
-    if options.replay and options.command:
-        parser.error(f'--replay: the file says what is run; got also {" ".join(options.command)}')
+    besides = words_of(of_arguments(_Options, options)) + options.command
+    if options.replay and besides:
+        parser.error(f'--replay: the file says what is run; got also {" ".join(besides)}')
     return parser, options
 
 
@@ -84,25 +93,18 @@ def _count(text: str) -> int:
     return value
 
 
-def _document_options(options: argparse.Namespace) -> Dict[str, Any]:
-    """Return the options as keys of an experiment's file, and as those of PARTS."""
-    record = kinds.of_arguments(RunOptions, options)
-    found = {one.key or one.field: list(value) if isinstance(value, tuple) else value
-             for one, value in kinds.collected(record, lambda _one: True)}
-    found.update({name: getattr(options, name) for name in (*PARTS, 'leave_out') if getattr(options, name)})
-    found.update({'replace': {'/'.join(old): '/'.join(new) for old, new in options.replace}} if options.replace else {})
-    found.update({'until': options.until} if options.until else {})
-    return {**found, **({'seed': options.seed} if options.seed else {})}
-
-
 def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
-    from move_base_abstract_ros.nodes import lockstep_launch
-    (path, arguments), = lockstep_launch.files_of(parser, options.command)
-    more = _document_options(options)
+    from move_base_abstract_ros.launching import command_line
+    (path, arguments), = command_line.files_of(parser, options.command)
+    asked = of_arguments(_Options, options)
+    more = given(_Options, options)
+    judged = [word for word in asked.properties if word.partition('=')[0] in BUILT_IN]  # some take a number
+    more['properties'] = [ALL, *judged]
+    names = [word.partition('=')[0] if word in judged else word for word in asked.properties if word != ALL]
+    wanted = [_FAILURES.get(name, name) for name in names]
     first, last = options.seeds
     begin = time.monotonic()
-    with Runs(document_of(path, arguments, dict(more)), os.getcwd(), options.workers, options.delay,
-              options.property) as runs:
+    with Runs(document_of(path, arguments, more), os.getcwd(), options.workers, options.delay, wanted) as runs:
         # The stated order, seed 0, comes first. If it fails, no chaos is needed.
         seeds = [RunRequest(0), *map(RunRequest, range(first, last + 1))]
         gathered = Gathering()
@@ -113,6 +115,10 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
             _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(said, 'run')} that say it")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
+            if last < _LARGEST_SEED:
+                further = f'{last + 1}:{min(2 * last - first + 1, _LARGEST_SEED)}'
+                _say('next: more seeds: ' + command_line.typed('chaos', ['--seeds', further, *_changed(options)], asked,
+                                                              options.command))
             return GOOD
         made = Replay([path, *arguments], found.chosen.seed, options.delay, [], '', '', more)
         return _tell(runs, found, made, options.output)
@@ -151,8 +157,14 @@ def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
     for line in made.happened:
         _say('  ' + line)
     replay_file.write(output, made)
-    _say(f'run it again: rosrun move_base_abstract chaos --replay {output}')
+    _say(f'run it again: rosrun move_base_abstract chaos --replay {shlex.quote(output)}')
     return FAILED
+
+
+def _changed(options: argparse.Namespace) -> List[str]:
+    """Return the words of the options of the search, besides its seeds, that are not their defaults."""
+    return [word for name, default in (('delay', 0.0), ('workers', os.cpu_count() or 1), ('output', _OUTPUT))
+            for value in [getattr(options, name)] if value != default for word in (f'--{name}', str(value))]
 
 
 def _counted(count: int, what: str = 'decision') -> str:
@@ -169,7 +181,7 @@ def _replay(options: argparse.Namespace) -> int:
     path, *arguments = made.launch
     if any(':=' not in word for word in arguments):
         raise ConfigurationError(f'{options.replay}: launch must be a file, then ARG:=VALUE')
-    with Runs(document_of(path, arguments, dict(made.document)), os.getcwd(), 1, made.delay,
+    with Runs(document_of(path, arguments, made.document), os.getcwd(), 1, made.delay,
               [made.failure] if made.failure else []) as runs:
         told = runs.one(RunRequest(made.seed, tuple(made.only)))
     for line in made.happened:

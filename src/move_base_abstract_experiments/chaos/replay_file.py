@@ -6,14 +6,15 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List
 
-from move_base_abstract.common import kinds
+from move_base_abstract.common import options
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.own_files import check_file, whole_file
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.run_options import ALLOW, RunOptions
 
-FORMAT = 1
+FORMAT = 2
+_DURATIONS = 1  # the format in which `until` is a time from the start, at 1 s
 _NAME = re.compile('[0-9a-f]{12}')
 
 
@@ -27,25 +28,19 @@ class Replay:
     only: List[str]  # the names of the decisions
     failure: str  # the name of the Failure
     text: str  # its text
-    document: Dict[str, Any] = field(default_factory=dict)  # other keys of an experiment's file
+    document: Dict[str, Any] = field(default_factory=dict)  # other options of the run, as keys of a file
     happened: List[str] = field(default_factory=list)  # the decisions in words
     sha256: str = ''  # the digest of the event log
 
     @property
-    def words(self) -> List[str]:
-        """The options of lockstep_launch for this run, without the launch file. Crashes are allowed, and so compared.
+    def run(self) -> RunOptions:
+        """The options of this run. Crashes and broken properties are allowed, and so compared.
 
         :raises ConfigurationError: if they are not valid.
         """
-        given = self.document
-        nodes = {key: f"--{key.replace('_', '-')}" for key in ('participant', 'onlooker', 'leave_out')}
-        others = {key: given[key] for key in given if key not in (*nodes, 'replace', 'until', 'seed')}
         chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
-        words = kinds.words_of(kinds.read(RunOptions, '', {**others, 'crashes': ALLOW, **(chaos if self.seed else {})}))
-        words += [word for key, flag in nodes.items() for name in given.get(key, ()) for word in (flag, str(name))]
-        words += [word for pair in dict(given.get('replace', {})).items() for word in ('--replace', '='.join(pair))]
-        words += ['--until', repr(1.0 + float(self.document['until']))] if 'until' in self.document else []
-        return words + ['--seed', str(self.document.get('seed', 0))]
+        return options.read(RunOptions, '', {**self.document, 'crashes': ALLOW, 'properties': [],
+                                             **(chaos if self.seed else {})})
 
 
 def write(path: str, replay: Replay) -> None:
@@ -65,7 +60,7 @@ def read(path: str) -> Replay:
         content = load_json_mapping(path)
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there') from None
-    if content.get('chaos') != FORMAT:
+    if content.get('chaos') not in (FORMAT, _DURATIONS):
         raise ConfigurationError(f"{path}: is not a file of chaos of format {FORMAT}; got "
                                  f"{shown(content.get('chaos'))}")
     fields: Dict[str, Any] = {
@@ -79,4 +74,8 @@ def read(path: str) -> Replay:
             raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(content[key])}')
     if not content['launch'] or not all(map(_NAME.fullmatch, content['only'])):
         raise ConfigurationError(f'{path}: launch must name a file, and only must be names of decisions')
-    return Replay(**{key: content[key] for key in fields})
+    found = Replay(**{key: content[key] for key in fields})
+    if content['chaos'] == _DURATIONS and 'until' in found.document:
+        found.document['until'] += 1.0
+    assert found.run  # checks the options
+    return found

@@ -14,14 +14,13 @@ from move_base_abstract.properties import Judgement
 from move_base_abstract.runs.built_in import ALL
 
 from ..carrying import jobs
-from ..description import launch_files, plan, spec
+from ..description import plan, spec
 from ..description.job import Job
 from ..results import outputs
 from ..trials.run_folders import LOG
 from ..trials.run_plan import DECISIONS
 from . import failures, shrinking
 
-PARTS = ('participant', 'onlooker')  # options that name nodes: these take part, those look on, whatever the rule says
 _TIME_LIMIT_S = 120.0  # wall, of a run
 
 
@@ -46,28 +45,12 @@ class RunResult(NamedTuple):
     judged: Optional[Judgement] = None  # the run's properties
 
 
-def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) -> Dict[str, Any]:
-    """Return a launch file, its ARG:=VALUE words and further options as the content of an experiment's file.
-
-    ``options``: keys of an experiment's file, or of PARTS; it is changed.
-    """
-    args = dict(word.split(':=', 1) for word in arguments)
-    parts = [tuple(options.pop(name, ())) for name in PARTS]
-    if any(parts):
-        options['participants'] = _participants(path, arguments, options, *parts)
-    until = {'idle': True, **({'seconds': options.pop('until')} if options.get('until') else {})}
-    return {'experiment': 'chaos', 'launch': path, 'args': args, 'until': until, 'time_limit': _TIME_LIMIT_S,
-            'record': {'files': [DECISIONS]}, **options}
-
-
-def _participants(path: str, arguments: Sequence[str], options: Dict[str, Any], forced: Tuple[str, ...],
-                  kept_out: Tuple[str, ...]) -> List[str]:
-    """Return the participants by the rules of lockstep_launch, with the nodes ``forced`` and without ``kept_out``."""
-    from move_base_abstract_ros.launching.plan import LaunchOptions, name_anonymous_ones_alike, plan_of
-    name_anonymous_ones_alike()
-    asked = LaunchOptions({}, forced=forced, kept_out=kept_out, left_out=tuple(options.get('leave_out', ())), replaced=[
-        (tuple(old.split('/')), tuple(new.split('/'))) for old, new in options.get('replace', {}).items()])
-    return list(plan_of(launch_files.read([(path, arguments)]), asked).participants)
+def document_of(path: str, arguments: Sequence[str], given: Dict[str, Any]) -> Dict[str, Any]:
+    """Return a launch file, its ARG:=VALUE words and options of a run as the content of an experiment's file."""
+    others = {key: value for key, value in given.items() if key != 'until'}
+    return {'experiment': 'chaos', 'launch': path, 'args': dict(word.split(':=', 1) for word in arguments),
+            'until': {'idle': True, **({'at': given['until']} if given.get('until') else {})},
+            'time_limit': _TIME_LIMIT_S, 'record': {'files': [DECISIONS]}, **others}
 
 
 class Runs:

@@ -14,19 +14,17 @@ from move_base_abstract.common.kinds import (
     NAME,
     SCALAR,
     Kind,
-    collected,
     either,
     list_of,
     map_of,
-    mapping_of,
     number,
     one_of,
-    option,
     or_null,
     pattern,
     text,
 )
-from move_base_abstract.lockstep.run_options import OF_NODES, RunOptions
+from move_base_abstract.common.options import collected, mapping_of, option
+from move_base_abstract.lockstep.run_options import LAST_INSTANT_S, NODE, OF_NODES, PARAMETERS, POSE, RunOptions
 
 from .metric_names import BUILT_IN, Metric
 
@@ -45,19 +43,13 @@ def in_words(systems: Iterable[str]) -> str:
     return ' or '.join(f'a {each} file' if each == 'launch' else f'a {each}' for each in systems)
 
 
-def _absolute(name: str) -> str:
-    return '/' + name.lstrip('/')
-
-
 _NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
-_TOPIC = pattern(_NAMES, 'the name of a topic, such as /done', _absolute)
-_NODES = 'a list of names of nodes'
-_ALL_OR_NODES = f'{_NODES}, or {ALL}'
-_NODE = pattern(_NAMES, 'names of nodes, such as /coordinator', _absolute)
+_TOPIC = pattern(_NAMES, 'the name of a topic, such as /done', lambda name: '/' + name.lstrip('/'))
+_ALL_OR_NODES = f'a list of names of nodes, or {ALL}'
 _FUNCTION = pattern(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*:[A-Za-z_][A-Za-z0-9_]*',
                     'module:function, such as my_package.metrics:summarise')
-_PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
 _COUNT = number(1, MOST_TRIALS, whole=True)
+_INSTANT = number(1e-9, LAST_INSTANT_S, unit='s, simulated')
 
 
 @dataclass(frozen=True)
@@ -67,6 +59,8 @@ class Until:
     seconds: float = option(number(1e-6, LONGEST_S, unit='s, simulated'), None, 'the trial ends after this time [s, '
                             'simulated]',
                             absent=0.0)
+    at: float = option(_INSTANT, None, 'the trial ends at this instant [s, simulated], as with `--until`; `until: 60` '
+                       'is short for `until: {at: 60}`', absent=0.0, is_part=True)
     topic: str = option(_TOPIC, None, 'the trial ends with the first message on this topic')
     idle: bool = option(FLAG, False, 'the trial ends when no participant has anything left to do',
                         parameter='end_when_idle')
@@ -130,6 +124,12 @@ _REPLICATIONS = Kind(_replications, {'anyOf': [_COUNT.schema, {
     'additionalProperties': {'type': 'object', 'additionalProperties': _COUNT.schema}}]})
 
 
+def _start(where: str, value: Any) -> str:
+    """Return a pose as the text X,Y,YAW, in which placeholders may stand."""
+    pose = ','.join(map(str, value)) if isinstance(value, (list, tuple)) else value
+    return pose if isinstance(pose, str) and '{' in pose else POSE.to_word(POSE.check(where, pose))
+
+
 @dataclass(frozen=True)
 class Experiment(RunOptions):
     """The content of an experiment's file, checked. ``folder``: its folder; relative paths in it start there."""
@@ -149,29 +149,31 @@ class Experiment(RunOptions):
     inputs: Tuple[str, ...] = option(list_of(text()), [], 'files on whose content a trial depends; paths are relative '
                                      'to the folder of this file')
     participants: Optional[Tuple[str, ...]] = option(
-        either(list_of(_NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
+        either(list_of(NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
         '`all`: every rospy and roscpp node, [by these rules](lockstep_launch.md#who-takes-part); or a list of '
         'nodes, and the others look on', systems=OF_NODES)
-    leave_out: Tuple[str, ...] = option(list_of(_NODE, _NODES), [], 'nodes that are not started', systems=_LAUNCH)
-    replace: Dict[str, str] = option(map_of(_PROGRAM, _PROGRAM), {}, '`{move_base/move_base: '
-                                     'move_base_abstract/move_base}`: programs that replace others',
-                                     systems=_LAUNCH)
-    adopt: bool = option(FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, '
-                         'leaves out simulators, takes start poses from the file', systems=_LAUNCH, is_part=True)
+    start: Dict[str, Any] = option(
+        map_of(POSE._replace(check=_start), NODE), {}, "`{NODE: [X, Y, YAW]}`: where a robot's node starts [m, m, rad, "
+        'map frame]; `{NAME}` stands for a factor, as in `args`', systems=_LAUNCH, is_part=True)
+    param: Dict[str, Any] = option(
+        PARAMETERS, {}, "`{NAME: VALUE}`: parameters by their full names, which take precedence over the file's; "
+        '`{NAME}` stands for a factor, as in `args`', systems=OF_NODES, is_part=True)
     args: Dict[str, Any] = option(
         map_of(SCALAR), {}, 'arguments of the launch file or the function; `{NAME}` stands for a factor, for `seed` '
         'or `replication`', systems=('launch', 'function'))
     factors: Dict[str, Tuple[Any, ...]] = option(
         map_of(list_of(SCALAR, 'a list, each a text, a number, true or false', 1, True, MOST_TRIALS)), {},
         'each factor is a list of strings, numbers, true or false; all combinations run. A factor that no `args`, '
-        '`launch` or `command` uses is an error, because all its values would be the same system')
+        '`param`, `start`, `launch`, `network` or `command` uses is an error, because all its values would be the same '
+        'system')
     replications: Replications = option(
         _REPLICATIONS, 1, 'replications of each configuration. With `{all: 30, robots: {8: 5}}`, configurations with '
         'that value of the factor have fewer (never more)')
     seed: int = option(number(0, LARGEST_SEED, whole=True), 0, 'replication k (from 0 on) has the seed `seed` + k in '
                        'every configuration: common random numbers')
     until: Until = option(
-        mapping_of(Until), {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it too',
+        either(mapping_of(Until), (float, lambda at: Until(at=at), _INSTANT), (int, lambda at: Until(at=at), _INSTANT)),
+        {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it too',
         systems=OF_NODES)
     record: Record = option(
         mapping_of(Record), {}, 'what is kept of a trial besides its event log')

@@ -21,6 +21,8 @@ from typing import Any, Dict, FrozenSet, Iterable, List, Match, NamedTuple, Opti
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.input_files import open_input
+from move_base_abstract.common.options import of_words, words_of
+from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.radio import network
 
 from . import launch_files, program_files
@@ -49,8 +51,8 @@ def of_trial(trial: Trial) -> Made:
     """
     experiment, first, found = trial.experiment, trial.first, {PACKAGE: _own()}
     if experiment.launch:
-        found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder, experiment.leave_out,
-                                tuple(sorted(experiment.replace.items())), experiment.adopt))
+        found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder,
+                                tuple(words_of(first.run_options))))
     paths = {os.path.join(experiment.folder, name) for name in experiment.inputs}
     paths |= set(network.files_of(trial.network, experiment.folder))
     for word, after in zip(experiment.command, [*experiment.command[1:], '']):
@@ -63,44 +65,45 @@ def of_trial(trial: Trial) -> Made:
 
 
 @lru_cache(maxsize=None)
-def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: Tuple[str, ...],
-               replaced: Tuple[Tuple[str, str], ...], adopts: bool = False) -> Made:
-    """Return {path or PARAMETERS: digest} of a launch file with arguments; {} if only the workers have the file."""
-    from move_base_abstract_ros.launching import plan, roles
+def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, words: Tuple[str, ...]) -> Made:
+    """Return {path or PARAMETERS: digest} of a launch file with arguments; {} if only the workers have the file.
+
+    ``words``: those of the run's options.
+    """
+    from move_base_abstract_ros.launching import given, plan, roles
     try:
         path = launch_files.find(launch, folder)
     except ConfigurationError:
         return {}
     plan.name_anonymous_ones_alike()  # their counter starts again, so each reading gives the same names
     try:
-        config = launch_files.read([(path, arguments)], adopts)
-        wishes = plan.LaunchOptions(parameters={}, left_out=left_out, replaced=tuple(
-            (tuple(old.split('/')), tuple(new.split('/'))) for old, new in replaced))
-        wishes = launch_files.adopted(config, wishes) if adopts else wishes
+        options = plan.launch_options(of_words(RunOptions, words))
+        config = launch_files.read([(path, arguments)], options.adopt or options.tolerant)
+        options = launch_files.adopted(config, options) if options.adopt else options
+        given.add_to(config, options)
     except ConfigurationError:
         return {one: digest(one) for one in launch_files.with_includes(path)}  # the check or the worker complains
     paths: Set[str] = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
-    words = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
+    named = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
     for node in config.nodes:
-        if roles.name_of(node) not in wishes.left_out:
-            kind = (node.package, node.type)
-            paths |= _of_node(*dict(wishes.replaced).get(kind, kind))
-            words += [*_split(node.args), *_split(node.launch_prefix)]
+        if roles.name_of(node) not in options.leave_out:
+            kind = roles.kind_of(node)
+            paths |= _of_node(*options.replace.get(kind, kind).split('/'))
+            named += [*_split(node.args), *_split(node.launch_prefix)]
     values = sorted((key, repr(param.value)) for key, param in config.params.items())
-    values += [('adopted', repr((wishes.added, wishes.arguments, wishes.set, wishes.starts)))] if adopts else []
-    found = {one: digest(one) for one in paths | _named(words, folder)}
+    found = {one: digest(one) for one in paths | _named(named, folder)}
     return {**found, PARAMETERS: hashlib.sha256(json.dumps(values).encode('utf-8', 'surrogatepass')).hexdigest()}
 
 
 @lru_cache(maxsize=None)
 def parameters(launch: str, arguments: Tuple[str, ...], folder: str,
-               adopts: bool = False) -> Tuple[Tuple[str, str], ...]:
+               is_tolerant: bool = False) -> Tuple[Tuple[str, str], ...]:
     """Return ((name, value as text), ...) of a launch file's parameters, without the folders of files in them.
 
     They are () if the launch file is not on this computer, or cannot be read.
     """
     try:
-        config = launch_files.read([(launch_files.find(launch, folder), arguments)], adopts)
+        config = launch_files.read([(launch_files.find(launch, folder), arguments)], is_tolerant)
     except ConfigurationError:
         return ()
     return tuple(sorted((key, _PATH.sub(_without_folder, repr(param.value))) for key, param in config.params.items()))

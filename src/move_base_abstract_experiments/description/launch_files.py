@@ -27,10 +27,10 @@ def core() -> Any:
     return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
 
 
-def read(files: Iterable[Tuple[str, Iterable[str]]], adopts: bool = False) -> Any:
+def read(files: Iterable[Tuple[str, Iterable[str]]], is_tolerant: bool = False) -> Any:
     """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])].
 
-    adopts: whether to leave out files and packages that are not on this computer.
+    is_tolerant: whether to leave out files and packages that are not on this computer.
 
     :raises ConfigurationError: with the words of roslaunch.
     """
@@ -38,7 +38,7 @@ def read(files: Iterable[Tuple[str, Iterable[str]]], adopts: bool = False) -> An
     from roslaunch.loader import LoadException
     from roslaunch.xmlloader import XmlLoader, XmlParseException
     config = copy.deepcopy(core())
-    loader = _tolerant() if adopts else XmlLoader()
+    loader = _tolerant() if is_tolerant else XmlLoader()
     loader.ignore_unset_args = False
     try:
         for path, arguments in files:
@@ -65,18 +65,17 @@ def arguments_of(path: str) -> List[str]:
         raise ConfigurationError(f'launch: {path}: {error}') from None
 
 
-def adopted(config: Any, wishes: Any) -> Any:
-    """Return wishes with the changes that a configuration needs that was read with ``adopts``.
+def adopted(config: Any, options: Any) -> Any:
+    """Return options with the changes that a configuration needs that was read with ``is_tolerant``.
 
     :raises ConfigurationError: if something in the configuration cannot work.
     """
     from move_base_abstract.config.settings import read_settings
     from move_base_abstract_ros.launching import adoption
-    # kept_out may be all nodes that are not named
-    found = adoption.adopt(config, wishes._replace(kept_out=()), read_settings)
+    found = adoption.adopt(config, options, read_settings)
     if found.problems:
         raise ConfigurationError('adopt: ' + '; '.join(found.problems))
-    return found.wishes._replace(kept_out=wishes.kept_out, is_told=True)
+    return found.options
 
 
 def find(text: str, folder: str) -> str:

@@ -74,7 +74,8 @@ def describe(experiment: Experiment, chosen: List[Trial], text: bytes) -> Plan:
         metrics={name: one.described() for name, one in experiment.known_metrics.items()},
         primary=experiment.primary or None, baseline=experiment.baseline, at_limit=experiment.at_limit,
         smallest_difference=experiment.smallest_difference,
-        until={'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle},
+        until={'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle,
+               **({'at': until.at} if until.at else {})},
         replications=experiment.replications.all, verify=experiment.verify, report=list(experiment.report),
         provenance={**versions(), 'digest': hashlib.sha256(text).hexdigest(), 'folder': experiment.folder,
                     'sources': ingredients.repositories([*paths, __file__])},
@@ -109,7 +110,8 @@ def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
     made = ingredients.of_trial(trial) if made is None else made
     experiment = trial.experiment
     content = [FORMAT, experiment.launch, experiment.command, experiment.participants, experiment.leave_out,
-               sorted(experiment.replace.items()), trial.arguments, [*vars(experiment.until).values()],
+               sorted(experiment.replace.items()), trial.arguments,
+               [experiment.until.seconds, experiment.until.topic, experiment.until.idle],
                [*vars(experiment.record).values()], experiment.metrics.function, experiment.sleep,
                trial.configuration, trial.replication, trial.seed, trial.verified_by, package_version(),
                platform.python_version(),

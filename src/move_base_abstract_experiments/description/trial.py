@@ -5,6 +5,9 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, Dict, List
 
+from move_base_abstract.common.options import options_of
+from move_base_abstract.lockstep.run_options import POSE, RunOptions
+
 from . import placeholders
 from .experiment import Experiment
 
@@ -49,6 +52,21 @@ class Trial:
     def function_arguments(self) -> Dict[str, Any]:
         """The args of the trial's function."""
         return {name: placeholders.value_of(value, self.values) for name, value in self.experiment.args.items()}
+
+    @property
+    def run_options(self) -> RunOptions:
+        """The options of the trial's run, filled in: its seed, its network, its parameters, where its robots start.
+
+        ``until`` is not among them.
+
+        :raises ConfigurationError: if a pose, filled in, is none.
+        """
+        given = {one.field: getattr(self.experiment, one.field) for one in options_of(RunOptions).values()}
+        start = {name: POSE.check(f'start.{name}', placeholders.filled(pose, self.values))
+                 for name, pose in self.experiment.start.items()}
+        param = {name: placeholders.value_of(value, self.values) for name, value in self.experiment.param.items()}
+        return RunOptions(**{**given, 'start': start, 'param': param, 'seed': self.seed, 'network': self.network,
+                             'until': 0.0})
 
     @property
     def first(self) -> Trial:

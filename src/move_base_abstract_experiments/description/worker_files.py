@@ -36,7 +36,7 @@ def parameters(trial: Trial) -> Tuple[Tuple[str, str], ...]:
     first = trial.first
     experiment = trial.experiment
     return ingredients.parameters(first.launch, tuple(first.arguments), experiment.folder,
-                                  experiment.adopt) if first.launch else ()
+                                  experiment.adopt or experiment.tolerant) if first.launch else ()
 
 
 def check(job: Job) -> List[str]:

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-from move_base_abstract.common import kinds
+from move_base_abstract.common.options import parameters_of as parameters_of_options
 from move_base_abstract.radio import network
 from move_base_abstract_ros.launching.conditions import Condition
 from move_base_abstract_ros.loopback import PACKAGE
@@ -50,13 +51,13 @@ def plan_of(run: Run) -> Tuple[Any, List[str]]:
     """Return roslaunch's configuration, changed for lockstep, and the names of the participants."""
     from move_base_abstract_ros.launching import plan
     plan.name_anonymous_ones_alike()
-    trial = run.job.trial
-    config = launch_files.read([(launch_files.find(trial.launch, trial.experiment.folder), trial.arguments)]
-                               if trial.launch else [], trial.experiment.adopt)
+    trial, experiment = run.job.trial, run.experiment
+    config = launch_files.read([(launch_files.find(trial.launch, experiment.folder), trial.arguments)]
+                               if trial.launch else [], experiment.adopt or experiment.tolerant)
     _add_own_nodes(config, run)
-    wishes = _wishes(config, run)
-    wishes = launch_files.adopted(config, wishes) if trial.experiment.adopt else wishes
-    return config, plan.plan_of(config, wishes).participants
+    options = _launch_options(config, run)
+    options = launch_files.adopted(config, options) if experiment.adopt else options
+    return config, plan.plan_of(config, _with_participants(config, experiment, options)).participants
 
 
 def _add_own_nodes(config: Any, run: Run) -> None:
@@ -81,43 +82,42 @@ def _add_own_nodes(config: Any, run: Run) -> None:
 
 
 def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
-    """Return the time master's parameters. start_s: when the clock starts [s]."""
-    found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
-    found.update(kinds.parameters_of(run.experiment))
-    if run.experiment.network:
-        found[network.PARAMETER] = run.job.trial.network  # with the trial's values
-    found = network.resolve(found, run.experiment.folder)
-    if DECISIONS in run.experiment.record.files and run.experiment.chaos_seed:
+    """Return the parameters of the time master. start_s: when the clock starts [s]."""
+    experiment, until = run.experiment, run.experiment.until
+    found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE),
+                             **network.resolve(parameters_of_options(run.job.trial.run_options), experiment.folder),
+                             **parameters_of_options(until), **parameters_of_options(experiment.record)}
+    if DECISIONS in experiment.record.files and experiment.chaos_seed:
         found['chaos_decisions'] = os.path.join(run.folders.files, DECISIONS)
     found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})
-    found.update({'end_at': start_s + run.experiment.until.seconds} if run.experiment.until.seconds else {})
-    return found
+    ends = [*([start_s + until.seconds] if until.seconds else []), *([until.at] if until.at else [])]
+    return {**found, **({'end_at': min(ends)} if ends else {})}
 
 
-def _wishes(config: Any, run: Run) -> Any:
-    from move_base_abstract_ros.launching import bags, plan, roles
-    experiment, condition = run.experiment, run.condition
-    start = config.params.get('/time_master/start_time')
-    names = [roles.name_of(node) for node in config.nodes]
-    forced: Tuple[str, ...] = ()
-    kept_out: Tuple[str, ...] = ()
-    if experiment.participants is not None and not experiment.command:
-        forced = experiment.participants
-        kept_out = tuple(name for node, name in zip(config.nodes, names) if not roles.is_time_master(node)
-                         and name not in (*forced, END_NODE, RECORDER_NODE))
+def _launch_options(config: Any, run: Run) -> Any:
+    from move_base_abstract_ros.launching import bags, plan
+    condition, start = run.condition, config.params.get('/time_master/start_time')
     own_environment: Tuple[Tuple[str, str], ...] = ()
     with open(run.path(BAG_NOTES), 'xb'):
         pass
     if condition is not None and '--own-hash-seed' in condition.options:
         seed = condition.options[condition.options.index('--own-hash-seed') + 1]
         own_environment = (('PYTHONHASHSEED', seed),)
-    return plan.LaunchOptions(
-        parameters=parameters_of(run, 1.0 if start is None else start.value),
-        launcher=('--sleep', experiment.sleep, '--seed', str(run.job.trial.seed)), forced=forced, kept_out=kept_out,
-        left_out=experiment.leave_out, is_reversed=run.is_reversed, own_environment=own_environment,
-        replaced=tuple((tuple(old.split('/')), tuple(new.split('/')))
-                       for old, new in sorted(experiment.replace.items())),
+    return plan.launch_options(
+        run.job.trial.run_options, parameters_of(run, 1.0 if start is None else start.value),
+        is_reversed=run.is_reversed, own_environment=own_environment,
         environment=((bags.VARIABLE, run.path(BAG_NOTES)), *(condition.environment if condition is not None else ())))
+
+
+def _with_participants(config: Any, experiment: Experiment, options: Any) -> Any:
+    """Return options with the experiment's list of participants, if it has one: all other nodes look on."""
+    from move_base_abstract_ros.launching import roles
+    if experiment.participants is None or experiment.command:
+        return options
+    forced = experiment.participants
+    names = [roles.name_of(node) for node in config.nodes if not roles.is_time_master(node)]
+    return dataclasses.replace(options, participant=forced, onlooker=tuple(
+        name for name in names if name not in (*forced, END_NODE, RECORDER_NODE)))
 
 
 def starts_of(config: Any) -> Starts:

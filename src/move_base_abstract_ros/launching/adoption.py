@@ -1,11 +1,12 @@
 """Adapt a launch file of others by rule (`--adopt`). The result is a set of options that a user could have given."""
 import os
 import shlex
+from dataclasses import replace
 from typing import NamedTuple
 
 from move_base_abstract.common.errors import ConfigurationError
 
-from ..adopting import kinds, options, poses, reading, robots
+from ..adopting import kinds, poses, reading, robots
 from ..loopback import PACKAGE
 from . import programs, roles, start_poses
 
@@ -18,46 +19,32 @@ _SAME_PLACE = 0.01  # m
 class Adopted(NamedTuple):
     """The result of :func:`adopt`.
 
-    ``wishes``: the given ones, and those that the rules add. ``done``, ``remarks``, ``problems``: texts for the user.
+    ``options``: the given ones, and those that the rules add. ``done``, ``remarks``, ``problems``: texts for the user.
     If there is a problem, the file cannot run.
     """
 
-    wishes: object
+    options: object
     done: tuple
     remarks: tuple
     problems: tuple
 
 
-def adopt(config, wishes, read_settings):
+def adopt(config, options, read_settings):
     """Return an Adopted for a roslaunch configuration that a tolerant loader has read.
 
-    ``wishes``: what the user asks for, which takes precedence over the rules. ``read_settings``: gets the parameters
+    ``options``: what the user asks for, which takes precedence over the rules. ``read_settings``: gets the parameters
     and the name of each of our robots, and raises ConfigurationError if such a robot would end with an error.
     """
-    return _Adoption(config, wishes, read_settings).adopted()
-
-
-def words_of(before, after):
-    """Return the words of a command line that turn the wishes ``before`` into the wishes ``after``."""
-    words = ['--tolerant'] if after.is_tolerant and not before.is_tolerant else []
-    words += ['--no-respawn'] if after.with_respawned and not before.with_respawned else []
-
-    def new(field):
-        return [one for one in getattr(after, field) if one not in getattr(before, field)]
-    for name in new('left_out'):
-        words += ['--leave-out', name]
-    for old, kind in new('replaced'):
-        words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(kind))]
-    return words + options.words_for(new('added'), new('arguments'), new('set'), new('starts'))
+    return _Adoption(config, options, read_settings).adopted()
 
 
 class _Adoption:
-    def __init__(self, config, wishes, read_settings):
+    def __init__(self, config, options, read_settings):
         self.config = config
-        self.wishes = wishes
+        self.options = options
         self._read_settings = read_settings
         self.done, self.remarks, self.problems = [], [], []
-        self.left_out, self.added, self.arguments, self.set = [], [], [], []
+        self.left_out, self.added, self.arguments, self.param = [], {}, {}, {}
         self.hints, self.stages = poses.hints(config)
         self.robots = robots.robots_of(config, self.hints)
 
@@ -73,20 +60,20 @@ class _Adoption:
         kept = [node for node in self.config.nodes if not self._is_out(node)]
         self._clocks(kept)
         self._fatal(kept)
-        wishes = self.wishes._replace(
-            is_tolerant=True, left_out=(*self.wishes.left_out, *self.left_out),
-            replaced=(*self.wishes.replaced, *replaced), added=(*self.wishes.added, *self.added),
-            arguments=(*self.wishes.arguments, *self.arguments), set=(*self.set, *self.wishes.set),
-            starts=(*self.wishes.starts, *starts),
-            with_respawned=self.wishes.with_respawned or any(
+        given = self.options
+        options = replace(
+            given, adopt=False, tolerant=True, leave_out=(*given.leave_out, *self.left_out),
+            replace={**given.replace, **replaced}, add={**given.add, **self.added},
+            node_args={**given.node_args, **self.arguments}, param={**self.param, **given.param},
+            start={**given.start, **starts}, is_told=True, no_respawn=given.no_respawn or any(
                 node.respawn for node in kept if kinds.kind_of(node.package, node.type).word == kinds.ELSE))
-        return Adopted(wishes, tuple(self.done), tuple(self.remarks), tuple(self.problems))
+        return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems))
 
     def _is_out(self, node):
-        return roles.name_of(node) in (*self.left_out, *self.wishes.left_out)
+        return roles.name_of(node) in (*self.left_out, *self.options.leave_out)
 
     def _is_kept(self, node):
-        return roles.name_of(node) in (*self.wishes.forced, *self.wishes.kept_out)
+        return roles.name_of(node) in self.options.kept
 
     def _say_missing(self):
         for name, folder in sorted(getattr(self.config, 'taken', {}).items()):
@@ -99,23 +86,21 @@ class _Adoption:
             self.remarks.append('{} ({})'.format(_missing(kind, name), where))
 
     def _nodes(self):
-        """Decide for each node whether it stays. Return the replaced kinds, [(old, new)], each (package, type)."""
-        replaced = []
+        """Decide for each node whether it stays. Return the replaced kinds, {old: new}, each PACKAGE/TYPE."""
+        replaced = {}
         for node in self.config.nodes:
             if self._is_out(node) or self._is_kept(node) or node.package == PACKAGE:
                 continue
-            kind = (node.package, node.type)
-            word = kinds.kind_of(*kind).word
-            if any(kind == old for old, _new in self.wishes.replaced):
+            kind, word = roles.kind_of(node), kinds.kind_of(node.package, node.type).word
+            if kind in self.options.replace:
                 continue
             if word == kinds.ROBOT or word == kinds.MAP and self._serves_map(node):
                 if word == kinds.ROBOT or roles.program_of(node) is None:
-                    replaced += [] if (kind, (PACKAGE, word_to_type(word))) in replaced else [
-                        (kind, (PACKAGE, word_to_type(word)))]
+                    replaced[kind] = '{}/{}'.format(PACKAGE, word_to_type(word))
             elif word != kinds.MAP:
                 self._keep_or_leave(node, word)
-        for old, new in replaced:
-            self.done.append('{} replaces {}'.format('/'.join(new), '/'.join(old)))
+        for old, new in replaced.items():
+            self.done.append('{} replaces {}'.format(new, old))
         return replaced
 
     def _serves_map(self, node):
@@ -181,7 +166,7 @@ class _Adoption:
                     'slashes ({}); '
                     'if an argument of the file sets it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
-                self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
+                self.added[robot.name] = PACKAGE + '/move_base'
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
         if not self.robots:
             self.problems.append(
@@ -193,26 +178,26 @@ class _Adoption:
             path = next((text for name, text in one.arguments if 'map' in name and os.path.isfile(text)
                          and text.endswith(('.yaml', '.yml'))), None) if one.kind == 'include' else None
             name = (one.namespace if one.namespace.endswith('/') else one.namespace + '/') + 'map_server'
-            if path and name not in [found for found, _kind, _args in self.added]:
-                self.added.append((name, (PACKAGE, 'map_server'), shlex.quote(path)))
+            if path and name not in self.added:
+                self.added[name] = '{}/map_server {}'.format(PACKAGE, shlex.quote(path))
                 self.done.append('{} is added: {} gets the map {} ({})'.format(
                     name, _short(one.name), os.path.basename(path), one.place))
 
     def _starts(self):
-        """Return [(name, pose)] of the robots whose place the file gives. Note the places of all robots."""
-        asked = dict(self.wishes.starts)
+        """Return {name: pose} of the robots whose place the file gives. Note the places of all robots."""
         found, unused = robots.starts_of(self.robots, self.hints, self.stages)
-        starts = []
+        starts = {}
         for start in found:
             name = start.robot.name
-            if name in asked or any(name + '/' + key in self.config.params for key in ('start_x', 'start_y')):
+            is_set = any(name + '/' + key in self.config.params for key in ('start_x', 'start_y'))
+            if name in self.options.start or is_set:
                 continue
             if start.hint is None:
                 if not self._is_placed(name):
                     self.remarks.append(
                         '{0} starts at (0, 0, 0): the file gives no place; --start {0}=X,Y,YAW gives one'.format(name))
                 continue
-            starts.append((name, start.pose))
+            starts[name] = tuple(map(float, start.pose))
             self.done.append('{} starts at ({:g}, {:g}, {:g}): {}{}'.format(
                 name, *start.pose, start.hint.shown, ', which is its place by the order in the file' * start.by_order))
             for other, pose in start.others:
@@ -243,7 +228,7 @@ class _Adoption:
             has_prefix = any(key in self.config.params for key in (
                 robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'))
             if prefix and not has_prefix and '/' not in str(frame).strip('/') and prefix not in str(frame):
-                self.set.append((robot.name + '/tf_prefix', prefix))
+                self.param[robot.name + '/tf_prefix'] = prefix
 
     def _stage_offsets(self):
         for stage in self.stages:
@@ -256,14 +241,14 @@ class _Adoption:
                 self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
                     *stage.offset, stage.why, place))
                 for robot in self.robots:
-                    self.set += [('{}/stage_offset_{}'.format(robot.name, axis), repr(value))
-                                 for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value
-                                 and '{}/stage_offset_{}'.format(robot.name, axis) not in self.config.params]
+                    offset = {'{}/stage_offset_{}'.format(robot.name, axis): float(value)
+                              for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value}
+                    self.param.update((key, value) for key, value in offset.items() if key not in self.config.params)
 
     def _clocks(self, kept):
         for node in kept:
             name = roles.name_of(node)
-            if roles.has_clock(node, (*self.wishes.forced, *self.wishes.kept_out)):
+            if roles.has_clock(node, self.options.kept):
                 self.problems.append(
                     '{0} ({1}/{2}) publishes /clock, and in lockstep only the time master may: two would make time '
                     'jump ({3}). --leave-out {0} leaves it out; --participant {0} keeps it, if it only could publish '
@@ -279,10 +264,10 @@ class _Adoption:
             words = poses.words_of(node.args)
             if node.type == robots.OWN[1] and words[_STAGE_ARGUMENT:][:1] and words[_STAGE_ARGUMENT] in _OWN_CLOCKS:
                 words[_STAGE_ARGUMENT] = 'builtin'
-                self.arguments.append((name, ' '.join(map(shlex.quote, words))))
+                self.arguments[name] = ' '.join(map(shlex.quote, words))
                 self.done.append('{} has no simulator in this run: its second argument is builtin'.format(name))
             if self._value(name + '/backend', 'builtin') in _OWN_CLOCKS:
-                self.set.append((name + '/backend', 'builtin'))
+                self.param[name + '/backend'] = 'builtin'
                 self.done.append('{} has no simulator in this run: its backend is builtin'.format(name))
             try:
                 self._read_settings(self._below(name), name)
@@ -294,7 +279,7 @@ class _Adoption:
         """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
         found = {}
         given = {key: param.value for key, param in self.config.params.items()}
-        for key, value in {**given, **dict(self.wishes.set)}.items():
+        for key, value in {**given, **self.options.param}.items():
             if key.startswith(name + '/'):
                 *above, last = key[len(name) + 1:].split('/')
                 here = found

@@ -1,6 +1,5 @@
 """Add to a launch file what the command line gives: nodes, arguments, parameters, and where robots start."""
 import roslaunch.core
-from roslaunch.loader import convert_value
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -15,19 +14,19 @@ def add_to(config, options):
     :raises ConfigurationError: if a node to be added exists already, or a node that is named does not exist.
     """
     names = [roles.name_of(node) for node in config.nodes]
-    for name, (package, kind), arguments in options.added:
+    for name, added in options.add.items():
         if name in names:
             raise ConfigurationError('--add {}: the launch file has a node of this name'.format(name))
-        config.nodes.append(_node(config, name, package, kind, arguments))
+        config.nodes.append(_node(config, name, *_split(added)))
         names.append(name)
-    for name, arguments in options.arguments:
-        _known('--args', name, names)
+    for name, arguments in options.node_args.items():
+        _known('--node-args', name, names)
         for node in config.nodes:
             if roles.name_of(node) == name:
                 node.args = arguments
-    for key, text in options.set:
-        _set(config, key, convert_value(text, 'auto'))
-    for name, pose in options.starts:
+    for key, value in options.param.items():
+        _set(config, key, value)
+    for name, pose in options.start.items():
         _known('--start', name, names)
         for key, value in zip(_START, pose):
             _set(config, '{}/{}'.format(name, key), value)
@@ -35,8 +34,14 @@ def add_to(config, options):
 
 def told(options):
     """Return lines for the user: the added nodes, and where robots start."""
-    return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in options.added] + [
-        '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in options.starts]
+    return ['{} is added: {}/{}'.format(name, *_split(added)) for name, added in options.add.items()] + [
+        '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in options.start.items()]
+
+
+def _split(added):
+    """Return (package, type, arguments) of 'PACKAGE/TYPE [ARGUMENTS]'."""
+    kind, _, arguments = added.partition(' ')
+    return (*kind.split('/'), arguments)
 
 
 def _known(option, name, names):
@@ -53,4 +58,9 @@ def _node(config, name, package, kind, arguments):
 
 
 def _set(config, key, value):
-    config.params[key] = roslaunch.core.Param(key, value)
+    """Set a parameter; a mapping sets one for each of its values, and leaves the others below its name."""
+    if isinstance(value, dict) and value:
+        for name, one in value.items():
+            _set(config, '{}/{}'.format(key, name), one)
+    else:
+        config.params[key] = roslaunch.core.Param(key, value)

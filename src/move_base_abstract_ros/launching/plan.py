@@ -3,6 +3,7 @@ import contextlib
 import os
 import shlex
 import tempfile
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import rosgraph
@@ -12,6 +13,8 @@ import rospkg
 from roslaunch import substitution_args
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.options import options_of
+from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.ends import TIME_MASTER
 
@@ -24,27 +27,31 @@ _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes
 _NOT_COVERED = TIME_MASTER + '/not_covered'
 
 
-class LaunchOptions(NamedTuple):
-    """What the user asks for. ``parameters``: of the time master; they take precedence over the launch file's."""
+@dataclass(frozen=True)
+class LaunchOptions(RunOptions):
+    """The options of a run, and what its starter adds; :func:`launch_options` makes them.
 
-    parameters: dict
-    launcher: tuple = ()  # options of the launcher of unmodified programs
-    forced: tuple = ()  # names of nodes that must take part
-    kept_out: tuple = ()  # names of nodes that must look on
-    left_out: tuple = ()  # names of nodes that are not started
-    replaced: tuple = ()  # ((package, type), (package, type)): nodes of the first kind become nodes of the second
-    with_respawned: bool = False
+    ``parameters``: of the time master; they take precedence over the launch file's.
+    """
+
+    parameters: dict = field(default_factory=dict)
     environment: tuple = ()  # (name, value) for each node that takes part; the launch file's take precedence
     own_environment: tuple = ()  # (name, value) for this package's own nodes
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # number of processes into which a fleet is split; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
-    is_tolerant: bool = False  # leave out what the file names and is not here; run the nodes of all machines here
-    added: tuple = ()  # (name, (package, type), arguments) of nodes that are not in the file
-    arguments: tuple = ()  # (name of a node, its arguments)
-    set: tuple = ()  # (parameter, text): parameters that take precedence over the file's
-    starts: tuple = ()  # (name of a robot's node, (x, y, yaw)) [m, m, rad]
     is_told: bool = False  # whether the user has been told what is added and where robots start
+
+    @property
+    def kept(self):
+        """The names of the nodes of which the user says whether they take part."""
+        return (*self.participant, *self.onlooker)
+
+
+def launch_options(run, parameters=None, **others):
+    """Return RunOptions as LaunchOptions. ``parameters``: of the time master; ``others``: other fields."""
+    fields = {one.field: getattr(run, one.field) for one in options_of(RunOptions).values()}
+    return LaunchOptions(**{**fields, **others}, parameters=parameters or {})
 
 
 class Plan(NamedTuple):
@@ -78,7 +85,7 @@ def make_plan(files, options):
     :raises ConfigurationError: if the files cannot be run like this.
     :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
-    return plan_of(read(files, options.is_tolerant), options)
+    return plan_of(read(files, options.tolerant), options)
 
 
 def read(files, is_tolerant=False):
@@ -106,18 +113,18 @@ def plan_of(config, options):
     given.add_to(config, options)
     notes = [] if options.is_told else given.told(options)
     _check_names(config, options)
-    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.left_out]
+    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.leave_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    replaced = _replace(config, options.replaced)
+    replaced = _replace(config, options.replace)
     notes += [] if options.is_told else replaced
-    _refuse_other_clocks(config, (*options.forced, *options.kept_out))
+    _refuse_other_clocks(config, options.kept)
     fleets = _fleets(config)
     notes += _split(config, fleets, options.parts)
     notes += start_poses.notes_of(config, said, not options.is_told)
-    launcher = [find_executable('lockstep'), *options.launcher]
+    launcher = [find_executable('lockstep'), '--sleep', options.sleep, '--seed', str(options.seed)]
     found = []
     for node in _others(config):
-        role = roles.role_of(node, options.forced, options.kept_out, options.with_respawned)
+        role = roles.role_of(node, options.participant, options.onlooker, options.no_respawn)
         found.append(role)
         _prepare(node, role, launcher, options)
         notes += [*filter(None, [roles.choice_of_program(node)]), *_look_at_recorder(config, node, role)]
@@ -169,8 +176,8 @@ def name_anonymous_ones_alike():
 
 def _check_names(config, options):
     names = [roles.name_of(node) for node in config.nodes]
-    for option, asked in (('--participant', options.forced), ('--onlooker', options.kept_out),
-                          ('--leave-out', options.left_out)):
+    for option, asked in (('--participant', options.participant), ('--onlooker', options.onlooker),
+                          ('--leave-out', options.leave_out)):
         for name in asked:
             if name not in names:
                 raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
@@ -179,14 +186,14 @@ def _check_names(config, options):
 
 def _replace(config, replaced):
     notes = []
-    for (package, kind), (new_package, new_kind) in replaced:
-        found = [node for node in config.nodes if (node.package, node.type) == (package, kind)]
+    for old, new in replaced.items():
+        found = [node for node in config.nodes if roles.kind_of(node) == old]
         if not found:
-            raise ConfigurationError('--replace {}/{}: the launch file has no node of this kind; it has {}'.format(
-                package, kind, ', '.join(sorted({'{}/{}'.format(node.package, node.type) for node in config.nodes}))))
+            raise ConfigurationError('--replace {}: the launch file has no node of this kind; it has {}'.format(
+                old, ', '.join(sorted({roles.kind_of(node) for node in config.nodes}))))
         for node in found:
-            node.package, node.type = new_package, new_kind
-        notes.append('{} {}/{} replaces {}/{}'.format(len(found), new_package, new_kind, package, kind))
+            node.package, node.type = new.split('/')
+        notes.append('{} {} replaces {}'.format(len(found), new, old))
     return notes
 
 

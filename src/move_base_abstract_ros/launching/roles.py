@@ -57,6 +57,11 @@ def name_of(node):
     return ns_join(node.namespace, node.name or node.type)
 
 
+def kind_of(node):
+    """Return the kind of a roslaunch Node, PACKAGE/TYPE."""
+    return '{}/{}'.format(node.package, node.type)
+
+
 def is_time_master(node):
     """Return whether a roslaunch Node is our time master."""
     return node.package == PACKAGE and node.type in ('time_master', ORIGINAL_TIME_MASTER)
@@ -142,7 +147,7 @@ def is_shell(node):
 
 def _without(node):
     """Return the kind of a node whose program is missing, and the option that starts our stand-in, if we have one."""
-    kind, own = '{}/{}'.format(node.package, node.type), _STAND_INS.get((node.package, node.type))
+    kind, own = kind_of(node), _STAND_INS.get((node.package, node.type))
     return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 

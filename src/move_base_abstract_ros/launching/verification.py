@@ -18,7 +18,7 @@ from ..loopback import find_executable
 from . import difference_report
 from .conditions import CONDITIONS, busy, limit_for
 
-IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
+IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED, BROKEN = 0, 1, 2, 3, 4, 5, 6
 _BROKEN = 4  # exit code of lockstep_launch: the run has come to its end
 _GRACE_S = 60.0  # wall, from SIGINT to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
@@ -32,11 +32,13 @@ class Run(NamedTuple):
     log: str  # path
     output: str  # path
     end: dict  # of the log
+    simulated: float  # s
     wall: float  # s
     message_bytes: str  # path of a file with the messages between participants
     bags: dict  # {(node, number of its bag from 1 on): path}
     crashes: list  # the crashes of its nodes, in words; the user allows them
     fleets: list  # [name, why it cannot be split into several processes, or ''] of each fleet
+    broken: list  # the properties that it breaks, in words
 
     @property
     def labels(self):
@@ -55,10 +57,13 @@ class Unfinished(Exception):
 class Verification:
     """Runs of one launch file, each in a folder of its own below ``folder``. ``say(line)`` prints a line."""
 
-    def __init__(self, words, launch, folder, time_limit, say):
-        """words: for lockstep_launch; launch: those of them that name the file; time_limit: of each run [s, wall]."""
+    def __init__(self, words, next_steps, folder, time_limit, say):
+        """words: for lockstep_launch; time_limit: of each run [s, wall].
+
+        next_steps: what to type next, {LABELLED: command, IDENTICAL: command}, each with words that say what for.
+        """
         self._words = words
-        self._launch = launch
+        self._next_steps = next_steps
         self._folder = folder
         self._time_limit = time_limit
         self._say = say
@@ -106,7 +111,7 @@ class Verification:
         command = [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', '--message-bytes',
                    message_bytes, '--outcome', outcome, '--end-when-idle', *condition.options]
         if condition.is_limited:
-            simulated = _simulated(self.runs[0].log) if self.runs else 0.0
+            simulated = self.runs[0].simulated if self.runs else 0.0
             command += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]
         environment = dict(os.environ, ROS_LOG_DIR=os.path.join(folder, 'ros_log'), PYTHONUNBUFFERED='1',
                            ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **dict(condition.environment))
@@ -124,8 +129,8 @@ class Verification:
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)
-        return Run(condition, log, output, _read_end(log), wall, message_bytes, _by_number(said['bags']), crashes,
-                   said['fleets'])
+        return Run(condition, log, output, *_read_end(log), wall, message_bytes, _by_number(said['bags']), crashes,
+                   said['fleets'], [one['words'] for one in said['properties']['broken']])
 
     def _wait(self, command, environment, output):
         with open(output, 'wb') as stream:
@@ -142,12 +147,11 @@ class Verification:
 
     def _tell(self, run):
         found = run_difference.compare(run.log, run.log)
-        simulated = _simulated(run.log)
         self._say('{}: {} events, {} messages, {:.3f} s simulated, the whole run in {:.1f} s of wall time; {}'.format(
-            run.condition.name, found.events, found.messages, simulated, run.wall,
+            run.condition.name, found.events, found.messages, run.simulated, run.wall,
             'called repeatable' if not run.labels else 'labelled'))
-        for crash in run.crashes:
-            self._say('  {}'.format(crash))
+        for line in (*run.crashes, *('broken: ' + one for one in run.broken)):
+            self._say('  {}'.format(line))
 
     def _is_like_the_first(self, run):
         first = self.runs[0]
@@ -189,21 +193,16 @@ class Verification:
             labels.append('but there was nothing to compare: no robot did anything, and ' + (
                 'messages are not compared' if counts.messages else
                 'no message went from one participant to another'))
-        for label in labels:
-            self._say(label)
-        if labels:
-            self._say_next('which nodes take part, and which look on: rosrun move_base_abstract lockstep_launch --list '
-                           '{}; if a label names a program and a place in it, change the program there', *self._launch)
-        else:
-            self._say_next('the search for another order of equal events that breaks it: rosrun move_base_abstract '
-                           'chaos {}', *self._launch)
+        broken = self.runs[0].broken
+        for line in (*labels, *('but broken: ' + one for one in broken)):
+            self._say(line)
+        self._say('next: ' + self._next_steps[LABELLED if labels else IDENTICAL])
         _remove(self.runs[0])
-        return LABELLED if labels else IDENTICAL
+        return LABELLED if labels else BROKEN if broken else IDENTICAL
 
     def _say_next(self, text, *words):
-        """Print what the user can type next. ``words`` fill the places in ``text``; if it has only one, all fill it."""
-        told = [shlex.quote(word) for word in words]
-        self._say('next: ' + text.format(*(told if text.count('{}') == len(told) else [' '.join(told)])))
+        """Print what the user can type next. ``words`` fill the places in ``text``."""
+        self._say('next: ' + text.format(*map(shlex.quote, words)))
 
     def _with_messages(self):
         return [run.condition.name for run in self.runs if run.condition.with_messages]
@@ -225,7 +224,7 @@ def _outcome(path):
     with contextlib.suppress(FileNotFoundError), open(path, encoding='utf-8') as stream:
         os.unlink(path)  # this run's lockstep_launch has made it, only for this function
         return json.load(stream)
-    return {'bags': [], 'fleets': [], 'crashes': []}
+    return {'bags': [], 'fleets': [], 'crashes': [], 'properties': {'broken': []}}
 
 
 def _by_number(bags):
@@ -270,21 +269,13 @@ def _end(process):
 
 
 def _read_end(path):
+    """Return the end record of a log, and the simulated time [s] that the run has taken."""
     with event_log.opened(path) as log:
         for _row in log.rows():
             pass
     if log.end is None:
         raise EventLogError('{}: has no end record: the run did not end properly'.format(path))
-    return log.end
-
-
-def _simulated(path):
-    """Return the simulated time [s] from the first event of a run to its last."""
-    with event_log.opened(path) as log:
-        first = last = None
-        for event in log.rows():
-            first, last = event.time_ns if first is None else first, event.time_ns
-    return 0.0 if first is None else (last - first) * 1e-9
+    return log.end, (log.end['at_ns'] - log.start_ns) * 1e-9
 
 
 def _last_lines(path):

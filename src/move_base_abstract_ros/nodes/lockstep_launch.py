@@ -7,29 +7,27 @@ The first lines name the nodes that cannot take part and look on. The run has a 
 unless --use-master is given.
 
 Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not come to its end; 2 the file cannot be run
-like this; 3 the run came to its end, but a node crashed; 4 a property is broken (--check, --properties).
+like this; 3 the run came to its end, but a node crashed; 4 a property is broken (--check, --property).
 """
 import argparse
 import atexit
 import json
-import math
 import os
-import shlex
 import sys
 from contextlib import contextmanager, nullcontext
 
-from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.lasting_output import outlive_readers
-from move_base_abstract.common.shown import shown, shown_text
+from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of
+from move_base_abstract.common.shown import shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
-from move_base_abstract.lockstep.run_options import FAIL, RunOptions
+from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
-from ..adopting import next_step, options as adopting_options
-from ..launching import light_imports, warm_client
+from ..adopting import next_step
+from ..launching import command_line, light_imports, warm_client
 from ..process.process_end import leave
 
 _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
@@ -48,7 +46,7 @@ def main(words=None):
     from roslaunch.core import RLException
     from rospkg import ResourceNotFound
     series = options.series and load_json_mapping(options.series)
-    files = list(map(tuple, series['files'])) if series else files_of(parser, options.command)
+    files = list(map(tuple, series['files'])) if series else command_line.files_of(parser, options.command)
     options.deputy = (series['deputy'], series['address']) if series else ()
     sys.argv[1:] = []  # otherwise roslaunch would read arguments of launch files from there
     try:
@@ -71,26 +69,20 @@ def _end_as_python(warm):
 
 
 def read_words(words):
-    """Return (parser, options) of a command line. ``options.command`` holds the words after the options."""
+    """Return (parser, options) of a command line.
+
+    ``options.run``: the RunOptions among them; ``options.one``: the OneRun; ``options.command``: the words after them.
+    """
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unmodified launch file in lockstep. First steps: '
         '--list FILE says which nodes take part. --adopt --list FILE says what is done with a file for Gazebo, Stage '
         'or real robots. `verify FILE` checks that its runs are the same. `why` says, while it runs, what time waits '
-        'for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        'for.', usage=command_line.USAGE,
         epilog='exit codes: 0 the run came to its end, 1 it did not, 2 the file cannot be run like this, 3 a node '
                'crashed, '
                '4 a property is broken')
-    add_plan_options(parser)
-    parser.add_argument('--event-log', type=_event_log, metavar='PATH',
-                        help="write the run's events to this file, .jsonl or .csv")
-    parser.add_argument('--log-messages', action='store_true', help='log messages and calls as events too')
-    parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
-                        help='run at most F simulated seconds per wall second')
-    parser.add_argument('--end-when-idle', action='store_true', help='end when no participant has anything left to do')
-    parser.add_argument('--check', action='store_true',
-                        help='check all properties when the run is over; implies --end-when-idle')
-    parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI instead of '
-                        'one for this run')
+    add_arguments(parser, command_line.OneRun)
+    command_line.add_run(parser)
     # From `verify`: a file for the outcome, which programs read, and conditions that must not change the run.
     parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
@@ -102,77 +94,8 @@ def read_words(words):
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
     options = parser.parse_args(words)
-    options.words = words[:len(words) - len(options.command)]
+    options.run, options.one = command_line.run_of(options), of_arguments(command_line.OneRun, options)
     return parser, options
-
-
-def add_plan_options(parser):
-    """Add the options that `lockstep_launch` and `verify` share. They say what the run is."""
-    parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
-    add_node_options(parser)
-    adopting_options.add_arguments(parser)
-    parser.add_argument('--no-respawn', action='store_true', help='start respawned nodes once, as participants')
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global random "
-                        "generators")
-    kinds.add_arguments(parser, RunOptions)
-    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-
-
-def add_node_options(parser):
-    """Add the options that those two share with `chaos`: which nodes there are, and which of them take part."""
-    parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
-                        help='make this node take part, whatever it looks like')
-    parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
-                        help='make this node an onlooker: it does not take part')
-    parser.add_argument('--leave-out', action='append', default=[], type=_name, metavar='NODE',
-                        help='do not start this node')
-    parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
-                        help='start nodes of another kind instead of these, with the same names')
-
-
-def words_of(options):
-    """Return the words of a command line for the options of add_plan_options, without the launch files."""
-    words = ['--seed', str(options.seed), *kinds.words_of(kinds.of_arguments(RunOptions, options))]
-    words += ['--until', repr(options.until)] if options.until else []
-    words += ['--no-respawn'] if options.no_respawn else []
-    for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
-                          ('--leave-out', options.leave_out)):
-        words += [word for name in names for word in (option, name)]
-    for old, new in options.replace:
-        words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
-    return words + adopting_options.words_of(options)
-
-
-def files_of(parser, words):
-    """Return [(path, arguments)] of the words FILE or PACKAGE FILE, and ARG:=VALUE.
-
-    If they are anything else, ``parser`` ends the program with an error.
-    """
-    from roslaunch import rlutil
-    from roslaunch.core import RLException
-    arguments = [word for word in words if ':=' in word]
-    names = [word for word in words if ':=' not in word]
-    if not 1 <= len(names) <= 2:
-        parser.error('a launch file must be given: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
-    try:
-        found = rlutil.resolve_launch_arguments(names)
-    except RLException as error:
-        parser.error(str(error))
-    if len(found) != 1 or found[0] == '-':
-        parser.error('one launch file must be given, got {}'.format(shown(' '.join(names))))
-    return [(os.path.abspath(found[0]), arguments)]
-
-
-def wishes_of(options, parameters, **others):
-    """Return the options as LaunchOptions for a plan. ``parameters``: more parameters of the time master."""
-    from ..launching.plan import LaunchOptions
-    given = {**({'end_at': options.until} if options.until else {}),
-             **network.resolve(kinds.parameters_of(kinds.of_arguments(RunOptions, options)))}
-    return LaunchOptions(parameters={**given, **parameters},
-                  launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
-                  kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), with_respawned=options.no_respawn,
-                  **adopting_options.wishes_of(options), **others)
 
 
 def _run(options, files, warm):
@@ -182,57 +105,61 @@ def _run(options, files, warm):
     look_ups.remember()
     if not options.use_master:
         plan.name_anonymous_ones_alike()
-    parameters = {key: value for key, value in (
-        ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
-        ('message_bytes', options.message_bytes),
+    run = options.run
+    parameters = {**network.resolve(parameters_of(run)), **parameters_of(options.one), **{key: value for key, value in (
+        ('event_log', options.event_log and os.path.abspath(options.event_log)),
+        ('message_bytes', options.message_bytes), ('end_when_idle', options.check),
         *((f'note_of_{one}', options.notes and os.path.join(os.path.abspath(options.notes), one))
-          for one in ('start', 'end')),
-        ('log_messages', options.log_messages or None),
-        ('end_when_idle', options.end_when_idle or options.check or None)) if value is not None}
+          for one in ('start', 'end'))) if value}}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
-        wishes = wishes_of(options, parameters, environment=environment, own_environment=seed,
-                           deputy=options.deputy, is_reversed=options.start_order == 'reversed', parts=options.parts)
-        config = plan.read(files, wishes.is_tolerant or options.adopt)
-        if options.adopt:
-            wishes = _adopted(config, wishes, options)
-        made = plan.plan_of(config, wishes)
+        asked = plan.launch_options(
+            run, parameters, environment=environment, own_environment=seed, deputy=options.deputy,
+            is_reversed=options.start_order == 'reversed', parts=options.parts)
+        config = plan.read(files, run.tolerant or run.adopt)
+        if run.adopt:
+            asked = _adopted(config, asked, options)
+        made = plan.plan_of(config, asked)
         for line in _lines(made._replace(left_out=[]) if options.adopt else made):
             _say(line)
         if options.list:
+            _say('next: this run: ' + _typed(options))
             return 0
         if warm is not None:
             warm.prepare(plan.scripts_of(made))
         run_id = rlutil.get_or_generate_uuid(None, False)
         configure_logging(run_id)
-        with plan.log_of_run(made, options.check or options.properties) as log:
+        with plan.log_of_run(made, options.check or run.properties) as log:
             parent = runner.Parent(run_id, made, log, warm, show_summary=False)
             parent.start()
             parent.spin()
             return _conclude(parent, made, bags.written(notes), log, options)
 
 
-def _adopted(config, wishes, options):
-    """Print what --adopt does with the file, and return the wishes that do it.
+def _adopted(config, asked, options):
+    """Print what --adopt does with the file, and return the options that do it.
 
     :raises ConfigurationError: if something in the file cannot work.
     """
     from move_base_abstract.config.settings import read_settings
 
     from ..launching import adoption
-    found = adoption.adopt(config, wishes, read_settings)
+    found = adoption.adopt(config, asked, read_settings)
     for line in found.done:
         _say(_printable(line))
     for line in found.remarks:
         _say('note: ' + _printable(line))
-    words = [word for word in options.words if word not in ('--adopt', '--list')]
-    words = [*words, *adoption.words_of(wishes, found.wishes), *options.command]
-    _say('the same by options: rosrun move_base_abstract lockstep_launch {}'.format(' '.join(map(shlex.quote, words))))
+    _say('the same by options: ' + _typed(options, found.options))
     if found.problems:
         raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
                                                             for line in found.problems))
-    return found.wishes._replace(is_told=True)
+    return found.options
+
+
+def _typed(options, run=None):
+    """Return this command line as a command, with its own RunOptions or ``run``."""
+    return command_line.typed('lockstep_launch', options.one, run or options.run, options.command)
 
 
 def _printable(line):
@@ -244,7 +171,7 @@ def _conclude(parent, made, found, log, options):
     _tell_bags(made, found)
     ends = parent.ends()
     crashed = [end for end in ends if end.crash is not None]
-    names = ('all',) if options.check else tuple(options.properties)
+    names = ('all',) if options.check else options.run.properties
     judged = judgement_on(Run(log, ends, names)) if names else Judgement()
     if options.outcome:
         with open(options.outcome, 'x', encoding='utf-8') as stream:
@@ -262,7 +189,11 @@ def _conclude(parent, made, found, log, options):
     sys.stderr.flush()
     if judged.broken:
         return _BROKEN
-    return _CRASHED if crashed and options.crashes == FAIL and not parent.code else parent.code
+    if crashed and options.run.crashes == FAIL and not parent.code:
+        return _CRASHED
+    if not (parent.code or options.outcome or options.deputy):
+        _say('next: whether its runs are the same: ' + command_line.typed('verify', options.run, options.command))
+    return parent.code
 
 
 def _fleets(made):
@@ -313,36 +244,3 @@ def _ros_master(is_given, warm):
         os.environ.update(ROS_MASTER_URI=ros.uri, ROS_IP='127.0.0.1')
         os.environ.pop('ROS_HOSTNAME', None)
         yield
-
-
-def _instant(text):
-    value = float(text)
-    if not 0.0 < value <= 2147483647.0:
-        raise argparse.ArgumentTypeError('must be more than 0 and at most 2147483647 s, got {}'.format(shown(text)))
-    return value
-
-
-def _event_log(text):
-    if not text.endswith(('.jsonl', '.csv')):
-        raise argparse.ArgumentTypeError('must end in .jsonl or .csv, got {}'.format(shown(text)))
-    return text
-
-
-def _factor(text):
-    value = float(text)
-    if not (0.01 <= value <= 1e6 or value == 0.0) or math.isnan(value):
-        raise argparse.ArgumentTypeError('must be 0.01 to 1e6, or 0 for no limit, got {}'.format(shown(text)))
-    return value
-
-
-def _name(text):
-    if not text.strip('/'):
-        raise argparse.ArgumentTypeError("must be a node's name, got {}".format(shown(text)))
-    return '/' + text.strip('/')
-
-
-def _kinds(text):
-    old, equals, new = text.partition('=')
-    if not equals or old.count('/') != 1 or new.count('/') != 1:
-        raise argparse.ArgumentTypeError('must be PACKAGE/TYPE=PACKAGE/TYPE, got {}'.format(shown(text)))
-    return tuple(old.split('/')), tuple(new.split('/'))

@@ -41,18 +41,25 @@ def main():
 
 def _parse(words):
     """Return (folder, options of lockstep_launch, [script, arguments])."""
-    from . import lockstep_launch
-    if not words or words[0] in ('-h', '--help'):
-        print(__doc__)
-        sys.exit(0 if words else _CANNOT)
-    folder = _FOLDER
-    if words[0] == '--logs' and len(words) > 1:
-        folder, words = words[1], words[2:]
-    rest = lockstep_launch.read_words(words)[1].command
-    options = words[:len(words) - len(rest)]
-    if not rest or not os.path.isfile(rest[0]):
-        raise SimulatorError('a Python script must follow the options, got {}'.format(' '.join(rest) or 'nothing'))
-    return os.path.abspath(folder), options, rest
+    import argparse
+
+    from move_base_abstract.common.options import add_arguments, of_arguments, words_of
+
+    from ..launching import command_line
+    about, _, rest = __doc__.partition('\n\n')
+    parser = argparse.ArgumentParser(prog='lockstep_series', usage='%(prog)s [options] SCRIPT [ARGUMENTS]',
+                                     description=about, epilog=rest.partition('\n\n')[2].replace('\n', ' '))
+    parser.add_argument('--logs', default=_FOLDER, metavar='FOLDER', help='folder of the event logs '
+                        '(default: %(default)s)')
+    add_arguments(parser, command_line.OneRun, {
+        'event_log': '--logs names the folder of the event logs', 'use_master': 'each run has a ROS master of its own'})
+    command_line.add_run(parser)
+    options = parser.parse_args(words)
+    if not options.command or not os.path.isfile(options.command[0]):
+        raise SimulatorError('a Python script must follow the options, got {}'.format(
+            ' '.join(options.command) or 'nothing'))
+    given = words_of(of_arguments(command_line.OneRun, options)) + words_of(command_line.run_of(options))
+    return os.path.abspath(options.logs), given, options.command
 
 
 def _hash_alike():

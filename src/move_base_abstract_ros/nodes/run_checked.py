@@ -18,6 +18,7 @@ import xml.etree.ElementTree as ElementTree
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
+from ..launching import command_line
 from ..loopback import find_executable
 
 _OUTPUT = '--gtest_output=xml:'
@@ -37,6 +38,8 @@ def main(words=None):
         _write(results[-1], name, cases)
     for case, problem in cases.items():
         print('{}: {}'.format(case, 'broken: ' + problem if problem else 'kept'))
+    if any(cases.values()):
+        print('next: the same run: ' + command_line.typed('lockstep_launch', ['--check', *words]))
     sys.exit(1 if any(cases.values()) else 0)
 
 

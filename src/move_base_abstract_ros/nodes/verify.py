@@ -9,7 +9,8 @@ random delays, other hash seeds, other addresses, and the fleet in two processes
 difference.
 
 Exit codes: 0 identical, and called repeatable; 1 different; 2 the file cannot be run like this; 3 a run did not come to
-its end; 4 identical, but labelled (not called repeatable, or degraded), or nothing to compare; 5 a node crashed.
+its end; 4 identical, but labelled (not called repeatable, or degraded), or nothing to compare; 5 a node crashed; 6
+identical, but a property is broken (--property).
 """
 import argparse
 import math
@@ -20,12 +21,12 @@ import tempfile
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.lasting_output import outlive_readers
+from move_base_abstract.common.options import words_of
 from move_base_abstract.common.own_files import FolderKind
 from move_base_abstract.common.shown import shown
 
-from ..launching import conditions, verification
+from ..launching import command_line, conditions, verification
 from ..loopback import LoopbackError
-from . import lockstep_launch
 
 _FOLDER = FolderKind('verification')
 
@@ -65,7 +66,7 @@ def _verify(options, launch_words):
         os.close(_FOLDER.make(folder))
     code = None
     try:
-        run = verification.Verification(launch_words, options.command, folder, options.time_limit, _say)
+        run = verification.Verification(launch_words, _next_steps(options), folder, options.time_limit, _say)
         code = run.verify(_names(options))
         return code
     finally:
@@ -83,7 +84,7 @@ def _names(options):
     if options.conditions is not None:
         return options.conditions
     # The decisions of chaos follow from the names of nodes, and a fleet in two processes has other names.
-    left_out = ('split',) if options.chaos is not None or options.chaos_seed else ()
+    left_out = ('split',) if options.chaos is not None or options.run.chaos_seed else ()
     return [name for k, name in enumerate(conditions.NAMES)
             if (options.runs is None or k < options.runs) and name not in left_out]
 
@@ -92,10 +93,10 @@ def _parse(words):
     """Return (options, words for lockstep_launch)."""
     parser = argparse.ArgumentParser(
         prog='verify', description='Check that a launch file runs the same, whatever the machine does.',
-        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        usage=command_line.USAGE + '\n       %(prog)s [options] --chaos FILE',
         epilog='exit codes: 0 identical, 1 different, 2 the file cannot be run like this, 3 a run did not come to its '
-        'end, 4 identical but labelled (or nothing to compare), 5 a node crashed')
-    lockstep_launch.add_plan_options(parser)
+        'end, 4 identical but labelled (or nothing to compare), 5 a node crashed, 6 a property is broken')
+    command_line.add_run(parser)
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--runs', type=_count, metavar='N', help='run only the first N conditions, 2 to {} (default: '
                        'all)'
@@ -108,23 +109,41 @@ def _parse(words):
                         '(default: a temporary one, which is kept if something is wrong)')
     parser.add_argument('--chaos', metavar='FILE', help='verify the run that a file from `chaos` describes')
     options = parser.parse_args(words)
+    options.run = command_line.run_of(options)
     if options.chaos is not None:
-        return options, _words_of_chaos(parser, options)
-    lockstep_launch.files_of(parser, options.command)
-    return options, lockstep_launch.words_of(options) + options.command
+        _read_chaos(parser, options)
+    command_line.files_of(parser, options.command)
+    return options, words_of(options.run) + options.command
 
 
-def _words_of_chaos(parser, options):
-    """Return the words for lockstep_launch that a file of `chaos` holds; it holds all of them."""
+def _read_chaos(parser, options):
+    """Take the run from a file of `chaos`, which holds all of it."""
     from move_base_abstract_experiments.chaos import replay_file
-    if options.command:
-        parser.error('--chaos: the file says what is run; got {} besides'.format(shown(' '.join(options.command))))
+    besides = words_of(options.run) + options.command
+    if besides:
+        parser.error('--chaos: the file says what is run; got {} besides'.format(shown(' '.join(besides))))
     try:
         made = replay_file.read(options.chaos)
-        options.command = list(made.launch)
-        return made.words + made.launch
+        options.run, options.command = made.run, list(made.launch)
     except SimulatorError as error:
         parser.error(str(error))
+
+
+def _next_steps(options):
+    """Return what to type next, for Verification."""
+    run, command = options.run, options.command
+    steps = {verification.LABELLED: 'which nodes take part, and which look on: {}; if a label names a program and a '
+             'place in it, change the program there'.format(
+                 command_line.typed('lockstep_launch', ['--list'], run, command))}
+    if options.chaos is not None:
+        steps[verification.IDENTICAL] = 'the failure again: ' + command_line.typed('chaos', ['--replay', options.chaos])
+    elif run.chaos_seed or run.lookahead:
+        steps[verification.IDENTICAL] = 'one run, with its events: ' + command_line.typed(
+            'lockstep_launch', ['--event-log', 'events.jsonl'], run, command)
+    else:
+        steps[verification.IDENTICAL] = 'the search for another order of equal events that breaks it: ' + (
+            command_line.typed('chaos', run, command))
+    return steps
 
 
 def _count(text):

@@ -1,0 +1,70 @@
+"""The command lines of programs that start launch files: the options of a run, and FILE or PACKAGE FILE, ARG:=VALUE."""
+import argparse
+import os
+import shlex
+from dataclasses import dataclass
+
+from move_base_abstract.common.kinds import FLAG, number, pattern
+from move_base_abstract.common.options import add_arguments, of_arguments, option, words_of
+from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.run_options import RunOptions
+
+USAGE = '%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]'
+
+
+@dataclass(frozen=True)
+class OneRun:
+    """The options of lockstep_launch that are about one run: its log, its speed, its end and its ROS master."""
+
+    event_log: str = option(pattern(r'.+\.(jsonl|csv)', 'a path that ends in .jsonl or .csv'), None, "the file of the "
+                            "run's [events](time_master.md#event-log)", parameter='event_log', metavar='PATH')
+    log_messages: bool = option(FLAG, False, 'the events have messages and calls, too', parameter='log_messages')
+    speed_limit: float = option(number(0.01, 1e6, or_zero=True, unit='simulated s per wall s'), None, 'the run has at '
+                                'most F simulated seconds per wall second; 0: no limit', parameter='speed_limit',
+                                metavar='F', absent=None)
+    end_when_idle: bool = option(FLAG, False, 'the run ends when no participant has anything left to do',
+                                 parameter='end_when_idle')
+    check: bool = option(FLAG, False, 'all [properties](properties.md) are checked when the run is over; implies '
+                         '`--end-when-idle`')
+    use_master: bool = option(FLAG, False, 'the run uses the ROS master of `ROS_MASTER_URI`, in the place of one of '
+                              'its own')
+
+
+def add_run(parser, cls=RunOptions, refused=None):
+    """Add the options of a run and the words after them to ``parser``.
+
+    ``cls``: RunOptions, or a class of these with other words; ``refused``: as add_arguments() has it.
+    """
+    add_arguments(parser, cls, refused)
+    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def run_of(options):
+    """Return the RunOptions among the parsed options."""
+    return of_arguments(RunOptions, options)
+
+
+def files_of(parser, words):
+    """Return [(path, arguments)] of the words FILE or PACKAGE FILE, and ARG:=VALUE.
+
+    If they are anything else, ``parser`` ends the program with an error.
+    """
+    from roslaunch import rlutil
+    from roslaunch.core import RLException
+    arguments = [word for word in words if ':=' in word]
+    names = [word for word in words if ':=' not in word]
+    if not 1 <= len(names) <= 2:
+        parser.error('a launch file must be given: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
+    try:
+        found = rlutil.resolve_launch_arguments(names)
+    except RLException as error:
+        parser.error(str(error))
+    if len(found) != 1 or found[0] == '-':
+        parser.error('one launch file must be given, got {}'.format(shown(' '.join(names))))
+    return [(os.path.abspath(found[0]), arguments)]
+
+
+def typed(program, *parts):
+    """Return a command that can be typed: ``program`` of this package, with records of options, or words, in turn."""
+    words = [word for part in parts for word in (part if isinstance(part, (list, tuple)) else words_of(part))]
+    return 'rosrun move_base_abstract {}'.format(' '.join(map(shlex.quote, (program, *words))))
