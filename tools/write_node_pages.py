@@ -28,6 +28,7 @@ from move_base_abstract.lockstep import node_parameters  # noqa: E402
 from move_base_abstract.motion import durations  # noqa: E402
 from move_base_abstract.orders.policies import POLICIES  # noqa: E402
 from move_base_abstract.runs import built_in  # noqa: E402
+from move_base_abstract.runs.metrics import METRICS  # noqa: E402
 from move_base_abstract.runs.states import STATES  # noqa: E402
 from move_base_abstract.runs.trace import ROW_KINDS  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
@@ -197,9 +198,27 @@ def properties(_name):
     return ['| property | holds if |', '|---|---|', *rows]
 
 
+def metrics(_name):
+    """Return the lines of the table of the built-in metrics."""
+    return ['| metric | unit | better | when | meaning |', '|---|---|---|---|---|',
+            *(f'| `{name}` | {one.unit} | {one.better or ""} | {one.when.words} | '
+              f'{one.title}{": " if one.says else ""}{one.says} |' for name, one in METRICS.items())]
+
+
+def at_limit(_name):
+    """Return the lines of the table of what metrics mean in trials that the limit of time ended."""
+    words = {'lower_bound': 'lower bound', 'to_last_goal': 'lower bound if a goal was under way, otherwise a value',
+             'value': 'value', None: 'not known: cut off'}
+    own = "; your own, unless the experiment's file has `at_limit: {NAME: lower_bound}` or `{NAME: value}`"
+    return ['| at the limit | which metrics |', '|---|---|',
+            *('| {} | {}{} |'.format(text, ', '.join(f'`{name}`' for name, one in METRICS.items()
+                                                     if one.at_limit == key), '' if key else own)
+              for key, text in words.items())]
+
+
 #: what makes the other tables within pages, by their kind
-OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'rows': rows_of, 'faults': faults,
-          'failures': failures_of_runs}
+OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
+          'rows': rows_of, 'faults': faults, 'failures': failures_of_runs}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

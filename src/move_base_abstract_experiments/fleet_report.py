@@ -14,7 +14,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.fleet_metrics import fleet_metrics
+from move_base_abstract.runs.metrics import fleet_metrics
 from move_base_abstract.runs.states import NAMES
 from move_base_abstract.runs.story import Story
 

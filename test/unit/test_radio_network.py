@@ -16,6 +16,8 @@ from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.radio.motion_pieces import pieces_of
 from move_base_abstract.radio.network import resolve
+from move_base_abstract.runs import metrics
+from move_base_abstract.runs.story import Story
 from move_base_abstract_experiments.trials.radio import Radio
 from move_base_abstract_replay.links import find_links
 
@@ -138,7 +140,7 @@ def test_pieces_of_another_pace_and_of_phases():
 
 def test_metrics_of_the_radio():
     counted = Radio()
-    assert counted.metrics(10**9) == {}
+    assert counted.sums(10**9) is None
     counted.take('link', ['a', 'b', 'down'], 10**9)
     counted.take('link', ['a', 'b', 'up'], 3 * 10**9)
     counted.take('link', ['a', 'c', 'up'], 10**9)
@@ -147,8 +149,9 @@ def test_metrics_of_the_radio():
     counted.take('radio', ['a', 'b', '/a', '/b', 5, 10**9, 10**9], 10**9)
     counted.take('radio_lost', ['a', 'b', '/a', '/b', 5, 10**9, 'loss'], 10**9)
     counted.take('radio', ['of somebody else'], 10**9)
-    assert counted.metrics(9 * 10**9) == {'radio_messages': 3, 'delivery_ratio': pytest.approx(200 / 3),
-                                          'message_age': 0.5, 'out_of_reach': 1.5}
+    found = metrics.metrics_of(metrics.Figures(Story(0), radio=counted.sums(9 * 10**9)))
+    assert {name: number for name, number in found.items() if metrics.METRICS[name].when is metrics.RADIO} == {
+        'radio_messages': 3, 'delivery_ratio': pytest.approx(200 / 3), 'message_age': 0.5, 'out_of_reach': 1.5}
 
 
 def test_links_of_a_replay():

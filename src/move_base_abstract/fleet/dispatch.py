@@ -19,7 +19,7 @@ from ..orders.order import Order, fault_of
 from ..orders.policies import make_policy
 from ..orders.rows import DISPATCHER
 from ..orders.settings import DispatchSettings
-from ..runs.fleet_metrics import fleet_metrics
+from ..runs.metrics import fleet_metrics
 from ..runs.story import Story
 from ..scenario import Scenario
 from .dispatch_world import Decisions, check_levels

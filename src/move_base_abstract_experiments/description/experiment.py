@@ -25,8 +25,7 @@ from move_base_abstract.common.kinds import (
 )
 from move_base_abstract.common.options import collected, mapping_of, option
 from move_base_abstract.lockstep.run_options import LAST_INSTANT_S, NODE, OF_NODES, PARAMETERS, POSE, RunOptions
-
-from .metric_names import BUILT_IN, Metric
+from move_base_abstract.runs.metrics import USUAL, Metric
 
 SYSTEMS = ('launch', 'command', 'function')  # an experiment runs exactly one of them
 _LAUNCH = ('launch',)
@@ -213,7 +212,7 @@ class Experiment(RunOptions):
     def known_metrics(self) -> Dict[str, Metric]:
         """The metrics that are known before a trial has run, by name: the built-in ones, then those of the user."""
         own = {name: Metric(one.title or name, one.unit, one.better) for name, one in self.metrics.columns.items()}
-        return {**({} if self.function else BUILT_IN), **own}
+        return {**({} if self.function else USUAL), **own}
 
     @property
     def functions(self) -> Dict[str, str]:

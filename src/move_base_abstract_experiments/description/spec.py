@@ -14,10 +14,10 @@ from move_base_abstract.common.bounded_yaml import load_yaml_file, load_yaml_tex
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import error, unknown
 from move_base_abstract.common.options import options_of, read as read_options, schema_of
+from move_base_abstract.runs.metrics import USUAL
 
 from . import placeholders
 from .experiment import MOST_TRIALS, OWN_COLUMNS, SYSTEMS, Experiment, in_words
-from .metric_names import BUILT_IN
 
 #: why a system does not have an option of another one; follows the error
 _WITHOUT = {'command': '; a command has its words', 'launch': '',
@@ -124,7 +124,7 @@ def _check_system(record: Any, system: str, where: str = '') -> None:
 def _check_names(experiment: Experiment) -> None:
     for place, names in (('factors', experiment.factors), ('metrics.columns', experiment.metrics.columns)):
         for name in names:
-            if name in OWN_COLUMNS or name in BUILT_IN or place != 'factors' and name in experiment.factors:
+            if name in OWN_COLUMNS or name in USUAL or place != 'factors' and name in experiment.factors:
                 raise ConfigurationError(f'{place}: {name!r} is the name of a column of the table; give another name')
     if experiment.metrics.columns and not (experiment.metrics.function or experiment.function):
         raise ConfigurationError('metrics.columns: no metrics.function returns them')

@@ -15,8 +15,8 @@ from typing import Any, Iterable, Iterator, List, Optional, Sequence
 
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import SOMETIMES
+from move_base_abstract.runs.metrics import METRICS, Metric
 
-from ..description.metric_names import OCCASIONAL, Metric
 from ..records import DIFFERENT, FORMAT, IDENTICAL, Plan, Result
 from . import outputs
 
@@ -124,7 +124,7 @@ def write(folder: outputs.OutputFolder, plan: Plan) -> Summary:
             break
         metrics = named + sorted(rows.metrics - set(named))
     for name in metrics:
-        plan.metrics.setdefault(name, OCCASIONAL.get(name, Metric(name)).described())
+        plan.metrics.setdefault(name, METRICS.get(name, Metric(name)).described())
     folder.write_pieces('plan.json', plan_text(plan))
     if rows.summary.properties.runs:
         folder.write('properties.csv', _properties(rows.summary.properties))

@@ -16,7 +16,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 from move_base_abstract.motion.geometry import share_along
 from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import EventLogError
-from move_base_abstract.runs.fleet_metrics import fleet_metrics
+from move_base_abstract.runs.metrics import Figures, metrics_of
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import STATES
 from move_base_abstract.runs.story import MISSED, REACHED, Story
@@ -117,7 +117,7 @@ def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
     story = tally.story
     story.close(end.get('at_ns'))
     robots, labels = tally.by_robot(), event_log.labels_of(end)
-    return Summary({**tally.metrics(robots), **fleet_metrics(story)}, robots, story.seconds, log.events,
+    return Summary(metrics_of(tally.figures(robots)), robots, story.seconds, log.events,
                    bool(end.get('repeatable')) and not labels, labels, end.get('reason', ''), termination.of_run(end),
                    bool(end.get('by_fault')), sum(one.begun('goal') is not None for one in story.robots.values()), told,
                    {where: one.total_ns / _NS_PER_S for where, one in story.waits.items()})
@@ -167,20 +167,10 @@ class _Tally:
                            **times, **self._validity.of_robot(name)}
         return found
 
-    def metrics(self, robots: Dict[str, Dict[str, float]]) -> Dict[str, Optional[float]]:
-        def mean(key: str) -> Optional[float]:
-            return round(sum(one[key] for one in robots.values()) / len(robots), 9) if robots else None
-        has_ended, story = self._reached + self._failed > 0, self.story
-        found: Dict[str, Optional[float]] = {
-            'goals': self._reached, 'goals_failed': self._failed,
-            'makespan': (self._last_ns - story.start_ns) / _NS_PER_S if has_ended else None,
-            'distance': round(sum(one['distance_m'] for one in robots.values()), 9),
-            'moving': mean('moving_s'), 'idle': mean('idle_s'), 'waiting': mean('waiting_s'),
-            'throughput': self._reached * 3600.0 / story.seconds if story.seconds > 0.0 else None,
-            **self._validity.metrics()}
-        if self._stood is not None:
-            found.update(encounters=self._encounters // 2, encounter_time=round(self._stood, 9))
-        return {**found, **self._radio.metrics(story.end_ns)}
+    def figures(self, robots: Dict[str, Dict[str, float]]) -> Figures:
+        """Return all that metrics are computed of. ``robots``: the result of by_robot()."""
+        return Figures(self.story, robots, self._reached, self._failed, self._last_ns, self._validity.goals(),
+                       self._encounters // 2, self._stood, self._radio.sums(self.story.end_ns))
 
 
 def _is_number(value: Any) -> bool:

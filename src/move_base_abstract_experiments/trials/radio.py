@@ -3,10 +3,11 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Optional, Tuple
 
+from move_base_abstract.runs.metrics import RadioSums
+
 #: src/lockstep/radio_traffic.h and docs/radio.md explain these rows
 KINDS = ('radio', 'radio_lost', 'link')
 _SENT, _AT = 5, 6  # the places of the instants [ns] in a row `radio`: sent, arrived
-_NS_PER_S = 1e9
 
 
 class Radio:
@@ -32,13 +33,11 @@ class Radio:
         self._down_ns += 0 if was_up else now_ns - since_ns
         self._links[link] = is_up, now_ns
 
-    def metrics(self, end_ns: int) -> Dict[str, Optional[float]]:
-        """Return the metrics of the run, which ended at ``end_ns``; {} if it had no radio."""
+    def sums(self, end_ns: int) -> Optional[RadioSums]:
+        """Return the sums of the run, which ended at ``end_ns``; None if it had no radio."""
         for link, (is_up, _) in list(self._links.items()):
             self._turn(link, is_up, end_ns)
         sent = self._arrived + self._lost
         if not sent and not self._links:
-            return {}
-        return {'radio_messages': sent, 'delivery_ratio': 100.0 * self._arrived / sent if sent else None,
-                'message_age': self._age_ns / self._arrived / _NS_PER_S if self._arrived else None,
-                'out_of_reach': self._down_ns / len(self._links) / _NS_PER_S if self._links else None}
+            return None
+        return RadioSums(sent, self._arrived, self._age_ns, len(self._links), self._down_ns)

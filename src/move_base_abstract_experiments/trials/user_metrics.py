@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, Optional, Tuple
 
 from move_base_abstract.runs import event_log
+from move_base_abstract.runs.metrics import USUAL
 
 from ..description.job import Job
-from ..description.metric_names import BUILT_IN
 from ..records import Result
 from . import functions, run_folders
 
@@ -67,7 +67,7 @@ def call(job: Job, folders: run_folders.Folders, result: Result) -> Dict[str, Op
 
     def work() -> Dict[str, Optional[float]]:
         function = functions.load(experiment.metrics.function, job.modules)
-        known = (*BUILT_IN, *result.metrics)
+        known = (*USUAL, *result.metrics)
         return functions.checked(function(TrialData(folders, result)), experiment.factors, known)
     found: Dict[str, Optional[float]] = functions.call(work, _LIMIT_S, os.path.join(folders.logs, 'metrics.txt'),
                                                        folders.own)

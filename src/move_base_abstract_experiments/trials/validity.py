@@ -1,7 +1,7 @@
 """Count the goals of robots that lay outside of what was recorded for their calibrations, from the event log alone."""
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Set
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 #: the ways in which a goal can lie outside, see move_base_abstract.motion.recorded_range
 BEYOND = ('longer', 'shorter', 'turn', 'narrow')
@@ -33,8 +33,9 @@ class Validity:
         """Return {one of ROBOT_VALUES: number}; {} for a robot without a row `recorded`."""
         return self._counts.get(robot, {})
 
-    def metrics(self) -> Dict[str, Optional[float]]:
-        """Return {'goals_beyond': the share of all goals [%]}; {} if no robot has a row `recorded`."""
+    def goals(self) -> Optional[Tuple[float, float]]:
+        """Return the number of goals, and of those outside; None if no robot has a row `recorded`."""
+        if not self._counts:
+            return None
         begun = sum(counts['goals_begun'] for counts in self._counts.values())
-        beyond = sum(counts['goals_beyond'] for counts in self._counts.values())
-        return {'goals_beyond': 100.0 * beyond / begun if begun else None} if self._counts else {}
+        return begun, sum(counts['goals_beyond'] for counts in self._counts.values())
