@@ -131,10 +131,9 @@ def _pairs(options):
 
 def _calibrate(options):
     from . import check, outputs  # these take a while to import
-    from .classes import by_class
-    from .fit import fit, succeeded
+    from .check import by_class
+    from .fit import fit, succeeded, tail_motion
     from .intervals import intervals, recorded_range
-    from .tail_motion import tail_motion
     page = options.output[:-len('.yaml')] + '.html'
     outputs.check(options.output, page)
     pairs, notes = _pairs(options)

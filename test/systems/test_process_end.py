@@ -30,14 +30,14 @@ import time
 slept = []
 sleep = time.sleep
 time.sleep = lambda seconds: (slept.append(seconds), sleep(seconds))
-from move_base_abstract_ros.replacing import rospy_waits
+from move_base_abstract_ros.replacing import rospy_start
 import rospy
 from rospy.impl import masterslave
 from rospy.impl.registration import get_registration_listeners
 looks = []
 registered = masterslave.ROSHandler._is_registered
 masterslave.ROSHandler._is_registered = lambda handler: looks.append(1) or len(looks) > 2 and registered(handler)
-rospy_waits.shorten()
+rospy_start.shorten_waits()
 rospy.init_node('waits', disable_signals=True)
 print('no long look' if max(slept) < 0.01 else slept)
 manager = next(one for one in get_registration_listeners().listeners if hasattr(one, 'cond'))

@@ -9,7 +9,7 @@ import unittest
 
 from move_base_abstract.msg import RadioLink, RadioLinks
 from move_base_abstract_ros.loopback import find_executable
-from move_base_abstract_ros.markers.radio_markers import RadioMarkers
+from move_base_abstract_ros.nodes.radio_markers_node import RadioMarkers
 
 # On the robot's host: it answers calls, sends the robot away, and writes what it hears, with times, into a file.
 SERVER = """#!/usr/bin/env python3

@@ -2,8 +2,7 @@
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.faults.buggify import CAUSE, name_of
-from move_base_abstract.faults.lapse import JUMP, MUTE, Lapsing
+from move_base_abstract.faults.buggify import CAUSE, JUMP, MUTE, Lapsing, name_of
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.events import Lapse, robot_stream
 from move_base_abstract.motion.geometry import Pose2D

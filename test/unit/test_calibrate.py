@@ -18,7 +18,7 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_calibration import check, command, outputs
-from move_base_abstract_calibration.classes import by_class
+from move_base_abstract_calibration.check import by_class
 from move_base_abstract_calibration.csv_files import read_legs
 from move_base_abstract_calibration.fit import fit, succeeded
 from move_base_abstract_calibration.intervals import clusters, intervals

@@ -162,7 +162,7 @@ class Repaired(NamedTuple):
 class Lapse(NamedTuple):
     """The robot ``begins`` to report a wrong pose or none, or no longer does.
 
-    ``kind`` and ``cause``: see :mod:`.lapse`. ``by``: if a jump begins, its size (x, y [m], yaw [rad]).
+    ``kind`` and ``cause``: see :mod:`.buggify`. ``by``: if a jump begins, its size (x, y [m], yaw [rad]).
     """
 
     time_ns: int

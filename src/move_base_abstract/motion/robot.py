@@ -12,7 +12,6 @@ from .pace import TimedLeg
 from .phased_route import PhasedRoute
 from .planned_way import PlannedWay
 from .route import CornerLaw, Route, route_along
-from .telling import Telling
 
 if TYPE_CHECKING:
     from .approach import MotionPhases
@@ -220,3 +219,35 @@ class _Stand:
 
     def distance_at(self, _now_ns: int) -> float:
         return 0.0
+
+
+class Telling:
+    """The pose that ``robot`` (Robot) reports.
+
+    ``shift``: the pose that the robot takes for the origin of its odometry, in the global frame, while the true one is
+    the origin of the global frame; None: there is no error. ``is_mute``: whether the robot reports no pose.
+    """
+
+    __slots__ = ('is_mute', 'robot', 'shift')
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.shift: Optional[Pose2D] = None
+        self.is_mute = False
+
+    def jump(self, now_ns: int, x: float, y: float, yaw: float) -> None:
+        """Move the reported pose, at ``now_ns`` [ns], to ``x``, ``y`` [m] and ``yaw`` [rad] beside the true pose.
+
+        As a jump of amcl does, this turns the odometry about the robot, so later motion is reported in a wrong
+        direction.
+        """
+        pose = self.robot.pose_at(now_ns)
+        self.shift = Pose2D(pose.x + x, pose.y + y, pose.yaw + yaw).compose(pose.inverse())
+
+    def pose_at(self, now_ns: int) -> Pose2D:
+        """Return the reported pose at ``now_ns`` [ns] in the global frame.
+
+        :raises TimeError: as Robot.pose_at does.
+        """
+        pose = self.robot.pose_at(now_ns)
+        return pose if self.shift is None else self.shift.compose(pose)

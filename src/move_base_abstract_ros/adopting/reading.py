@@ -1,4 +1,5 @@
 """A loader of launch files, which leaves out what a file names and is not here, and notes the place in the file."""
+import glob
 import os
 import re
 import shlex
@@ -16,7 +17,7 @@ from roslaunch.xmlloader import XmlParseException, ifunless_test
 
 from move_base_abstract.common import bounded_yaml
 
-from . import hooks, neighbours
+from . import neighbours
 
 NOT_INSTALLED = '/not_installed/'  # stands for the folder of packages that are not here; it does not exist
 #: values of environment variables that launch files ask for, if they are not set
@@ -27,6 +28,8 @@ _ENV_IN_EVAL = re.compile(r'\benv\(\s*[\'"](\w+)[\'"]\s*\)')
 _DEEPEST = 100
 _MOST_INCLUDED = 1000
 _LARGEST = 2 ** 31 - 1  # the largest integer of XML-RPC
+_FIND_IN_HOOK = re.compile(r'(?:`|\$\()\s*rospack\s+find\s+([\w.-]+)\s*(?:`|\))|@\(CMAKE_CURRENT_SOURCE_DIR\)')
+_LARGEST_HOOK = 1 << 16  # bytes of a file
 
 
 class Missing(NamedTuple):
@@ -218,7 +221,7 @@ class Tolerant:
         name = found.group(1)
         if name in os.environ:
             return found.group()
-        value = hooks.value_of(name, self._first)
+        value = _value_of_hooks(name, self._first)
         if value is None:
             value = ENVIRONMENT.get(name, '')
             self._miss('variable', name)
@@ -326,3 +329,20 @@ def _is_refused(value):
 def _is_there(command):
     words = shlex.split(command)
     return bool(words) and shutil.which(words[0]) is not None
+
+
+def _value_of_hooks(name, path):
+    """Return what a launch file's package would set ``name`` to if it were installed and sourced, or None.
+
+    ``path``: that of the launch file.
+    """
+    folder = neighbours.own_package(path)
+    for hook in sorted(glob.glob(os.path.join(glob.escape(folder), 'env-hooks', '*.sh*'))) if folder else ():
+        with open(hook, encoding='utf-8', errors='replace') as stream:
+            text = stream.read(_LARGEST_HOOK)
+        found = re.search(r'\$\{%s:=([^}\n]*)\}|^\s*export\s+%s=(\S+)' % (name, name), text, re.MULTILINE)
+        if found:
+            value = _FIND_IN_HOOK.sub(lambda one: folder if one.group(1) is None else neighbours.find(
+                one.group(1), path) or one.group(), found.group(1) or found.group(2)).strip('\'"')
+            return None if '$' in value or '@' in value or '`' in value else value
+    return None

@@ -4,12 +4,47 @@ It hears /time_master/links and publishes /radio_markers, in the frame that its 
 (default: 'map').
 """
 import rospy
-from visualization_msgs.msg import MarkerArray
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
 
 from move_base_abstract.msg import RadioLinks
 
-from ..markers.radio_markers import RadioMarkers
 from ..process.node_process import parse_no_arguments
+
+_WIDTH, _HEIGHT = 0.06, 0.03  # m
+_DOWN, _QUIET = ColorRGBA(0.85, 0.15, 0.15, 0.35), ColorRGBA(0.5, 0.5, 0.5, 0.6)
+_USED, _LOSING = ColorRGBA(0.1, 0.65, 0.25, 0.9), ColorRGBA(0.95, 0.55, 0.1, 0.9)
+
+
+class RadioMarkers:
+    """Makes markers of successive RadioLinks messages; colours show changes since the message before."""
+
+    def __init__(self, frame_id):
+        self._frame_id = frame_id
+        self._counts = {}
+
+    def of(self, message):
+        """Return the MarkerArray of a RadioLinks message: a line for each link whose two positions are known."""
+        placed = [link for link in message.links if link.placed]
+        markers = MarkerArray([self._line(number, link, message.stamp) for number, link in enumerate(placed)])
+        self._counts = {(link.one, link.other): (link.arrived, link.lost) for link in message.links}
+        return markers
+
+    def _line(self, number, link, stamp):
+        marker = Marker(ns='radio', id=number, type=Marker.LINE_STRIP, action=Marker.ADD, color=self._colour(link))
+        marker.header.frame_id, marker.header.stamp = self._frame_id, stamp
+        marker.pose.orientation.w = 1.0
+        marker.scale.x = _WIDTH
+        for place in (link.one_at, link.other_at):
+            place.z = _HEIGHT
+            marker.points.append(place)
+        return marker
+
+    def _colour(self, link):
+        arrived, lost = self._counts.get((link.one, link.other), (0, 0))
+        if not link.up:
+            return _DOWN
+        return _LOSING if link.lost > lost else _USED if link.arrived > arrived else _QUIET
 
 
 def main():

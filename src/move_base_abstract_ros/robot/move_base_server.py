@@ -1,5 +1,10 @@
 """One robot under move_base's interface: connects the core's navigator with topics, services and parameters."""
 import rospy
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseActionGoal
+from nav_msgs.srv import SetMap, SetMapResponse
+from std_msgs.msg import Int32
+from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.fleet.robot_rows import tell_start, write
@@ -14,15 +19,14 @@ from ..maps.costmap_topics import CostmapTopics
 from ..maps.planner_interface import PlannerInterface
 from ..maps.robot_map import RobotMap
 from ..markers import robot_markers
+from ..messages import conversions
+from ..replacing.single_connections import keep_apart
 from ..transforms import tf_watch
 from ..transforms.tf_lookup import TfLookup
 from .condition_server import ConditionServer
 from .goal_server import GoalServer
-from .localization import Localization
-from .priority_topic import PriorityTopic
 from .reconfigure import Reconfigure
 from .robot_publisher import RobotPublisher
-from .simple_goals import SimpleGoals
 from .teleport import Teleport
 from .work_server import ACTION as WORK, WorkServer
 
@@ -230,3 +234,105 @@ class MoveBaseServer:
         """Wait until a foreign frame is known in tf, or for a while. This blocks only the topic that asks for it."""
         if self._frames.is_foreign(frame_id) and not frame_id.startswith('/'):
             self._lookup.wait_for(frame_id, stamp_ns)
+
+
+class Localization:
+    """Offers ``global_localization``, ``request_nomotion_update`` and ``set_map`` in the robot's namespace.
+
+    ``show()`` publishes the robot's pose once more. ``place(header, pose)`` moves the robot to a pose, and returns ''
+    or the reason why it cannot.
+    """
+
+    def __init__(self, names, robot_map, show, place):
+        self._robot = names.robot
+        self._map = robot_map
+        self._show = show
+        self._place = place
+        self._services = [rospy.Service(names.topic('global_localization'), Empty, self._spread),
+                          rospy.Service(names.topic('request_nomotion_update'), Empty, self._update),
+                          rospy.Service(names.topic('set_map'), SetMap, self._set_map)]
+
+    def close(self):
+        """Shut the services down."""
+        for service in self._services:
+            service.shutdown('the robot is removed')
+
+    def _spread(self, _request):
+        """Do nothing: there are no particles to spread, and the pose stays exact."""
+        rospy.loginfo('%s: global_localization changes nothing: the pose is exact', self._robot)
+        return EmptyResponse()
+
+    def _update(self, _request):
+        self._show()
+        return EmptyResponse()
+
+    def _set_map(self, request):
+        """Move the robot to the pose of the request, and use the map of the request, if the robot uses one."""
+        initial = request.initial_pose
+        text = self._place(initial.header, initial.pose.pose) or self._map.give(request.map)
+        if text:
+            rospy.logwarn('%s: set_map: %s', self._robot, text)
+        return SetMapResponse(success=not text)
+
+
+class PriorityTopic:
+    """Sets the priority of ``traveller`` (Traveller), which is the robot with ``names`` in the traffic."""
+
+    def __init__(self, names, clock, traveller):
+        self._clock = clock
+        self._traveller = traveller
+        self._subscriber = rospy.Subscriber(names.own('priority'), Int32, self._on_priority, queue_size=10,
+                                            tcp_nodelay=True)
+
+    def close(self):
+        """Unregister the topic."""
+        self._subscriber.unregister()
+
+    def _on_priority(self, message):
+        with self._clock.lock:
+            self._traveller.set_priority(message.data, self._clock.now_ns())
+
+
+_CONNECT_SECONDS = 5.0  # for the clock's wait_until: wall time, or simulated time in lockstep
+
+
+class SimpleGoals:
+    """Listens for poses and sends them as goals without an id, as any client could.
+
+    The publisher on the goal topic is there from the start, before the node itself listens to that topic. It is
+    connected to this node as to any other, unless ``take`` is given: a connection of a node to itself costs two threads
+    and two sockets for each robot. With ``take``, ``take(id, stamp_ns, GoalPose)`` gets the goal, and only other nodes
+    get it by the topic.
+    """
+
+    def __init__(self, names, clock, take=None):
+        self._names = names
+        self._clock = clock
+        self._take = take
+        self._subscriber = None
+        self._goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
+
+    def listen(self):
+        """Begin to listen. The node must listen to the goal topic by now."""
+        if self._take is not None:
+            keep_apart(self._names.action('goal'))
+        self._subscriber = rospy.Subscriber(self._names.topic('move_base_simple/goal'), PoseStamped, self._on_pose,
+                                            queue_size=1)
+
+    def close(self):
+        """Unregister both topics."""
+        self._subscriber.unregister()
+        self._goals.unregister()
+
+    def _on_pose(self, pose):
+        if self._take is None:
+            # In lockstep this node is connected to itself within the present instant, or the goal topic is gone.
+            self._clock.wait_until(lambda: self._goals.get_num_connections() > 0, _CONNECT_SECONDS,
+                                   'its own goal topic')
+        goal = MoveBaseActionGoal()
+        with self._clock.lock:
+            goal.header.stamp = conversions.to_time(self._clock.now_ns())
+        goal.goal.target_pose = pose
+        self._goals.publish(goal)
+        if self._take is not None:
+            self._take('', 0, conversions.from_target(pose))

@@ -35,7 +35,6 @@ from ..ground_truth.grid import Grid
 from ..interpolation.kriging import MIN_SAMPLES, Kriging
 from ..interpolation.variogram import Variogram
 from ..mission.coarse_cells import field_clusters
-from .greedy_path import greedy_path
 
 WIDTH, HEIGHT = 162, 110  # cells
 CROWDED_WEIGHT = 2
@@ -258,3 +257,56 @@ def run_published_trial(truth, allocation, sampling, trial, steps=100):
     while model.running:
         model.step()
     return model.figures()
+
+
+NEIGHBOURS = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))  # (x, y), in the order of search
+
+
+def greedy_path(weights, start, goal):
+    """Return the cells (x, y) from start to goal, both included.
+
+    :param weights: array of shape (width, height), the weight of each cell. The estimate of a cell is its weight plus
+        its Manhattan distance from the goal. The search goes on from the open cell with the least estimate: from the
+        youngest one if no older one has a smaller estimate, otherwise from the oldest of those with the least estimate.
+        If the youngest one is passed over, it is forgotten.
+    """
+    width, height = weights.shape
+    goal = tuple(goal)
+    estimates, parents, closed = {}, {}, set()
+    open_cells, cell = [], tuple(start)
+    here_estimate = 0
+    while cell != goal:
+        for dx, dy in NEIGHBOURS:
+            x, y = near = cell[0] + dx, cell[1] + dy
+            if not (0 <= x < width and 0 <= y < height) or near in closed:
+                continue
+            if near not in estimates:
+                estimates[near] = int(weights[x, y]) + abs(x - goal[0]) + abs(y - goal[1])
+                parents[near] = cell
+                open_cells.append(near)
+            elif estimates[near] < here_estimate:
+                parents[near] = cell
+        cell = _choose(open_cells, estimates)
+        here_estimate = estimates.pop(cell)
+        closed.add(cell)
+    return _trace(parents, cell, tuple(start))
+
+
+def _choose(open_cells, estimates):
+    """Remove and return the open cell to go on from."""
+    youngest = open_cells.pop()
+    if not open_cells:
+        return youngest
+    index = min(range(len(open_cells)), key=lambda i: estimates[open_cells[i]])
+    if estimates[open_cells[index]] >= estimates[youngest]:
+        return youngest
+    estimates.pop(youngest)
+    return open_cells.pop(index)
+
+
+def _trace(parents, cell, start):
+    path = [cell]
+    while cell != start:
+        cell = parents[cell]
+        path.append(cell)
+    return path[::-1]

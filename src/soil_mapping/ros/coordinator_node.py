@@ -20,6 +20,7 @@ from move_base_abstract_ros.process.node_process import parse_no_arguments, tell
 from move_base_abstract_ros.process.process_end import ProcessEnd
 from move_base_abstract_ros.replacing import rospy_start
 from move_base_abstract_ros.replacing.log_files import survive_full_disk
+from move_base_abstract_ros.time_master_client import TimeMasterClient
 from soil_mapping.config import TrialConfig
 from soil_mapping.ground_truth.field import field_of
 from soil_mapping.ground_truth.inputs import inputs_of
@@ -28,7 +29,6 @@ from soil_mapping.results.result import collect
 from soil_mapping.results.trial_folder import TrialFolder
 from soil_mapping.stopwatch import Stopwatch
 
-from .computing import computing
 from .mission_run import MissionFailed, MissionRun
 from .robot_link import RobotLink
 from .views import Views
@@ -122,3 +122,18 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     coordinator.truth.values  # noqa: B018 - if it is not drawn yet, this draws it, outside of the measured time
     run.run()
     return run
+
+
+HOLD_TIMEOUT_S = 60.0  # wall; no computation takes that long
+
+
+def computing(participant):
+    """Return a function that makes a context manager for the time during which the mission computes.
+
+    ``participant`` is the value that lockstep.join has returned.
+    """
+    mode = rospy.get_param('/time_master/mode', None)
+    if participant is not None or mode is None or not rospy.get_param('~hold', True):
+        return contextlib.nullcontext
+    client = TimeMasterClient()
+    return lambda: client.hold(rospy.get_name(), HOLD_TIMEOUT_S)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from soil_mapping.ground_truth.field import load_field
-from soil_mapping.mesa_models.greedy_path import greedy_path
+from soil_mapping.mesa_models.mesa_published import greedy_path
 from soil_mapping.results.comparison import bootstrap_interval
 
 pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
