@@ -12,7 +12,7 @@ KEYS = {kind: (kind, '/bad', text) for kind, text in (
     ('always', 'k stays small'), ('sometimes', 'k gets large'), ('never_again', 'k is odd'))}
 
 
-def trial(*broken, judged=('all',), status='complete', stated=(), **others):
+def trial(*broken, judged=tuple(BUILT_IN), status='complete', stated=(), **others):
     """Return a trial.json with what is broken: (property, node, text, instant [ns])."""
     told = Judgement(tuple(Broken(name, instant_ns, node, text, ('k=3',)) for name, node, text, instant_ns in broken), {
         (node, kind, text): outcome for kind, node, text, outcome in stated}).told()

@@ -66,7 +66,7 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = (), properties: Seq
     ``properties``: those of a Run. ``hear`` is called with each row.
     """
     asked = built_in.chosen(properties)
-    story, told, found = Story(log.start_ns), ends.Log(), []
+    story, told, found = Story(log.start_ns, keeps_spans=True), ends.Log(), []
     stated: Dict[Tuple[str, str, str], str] = {}
     for row in log.rows():
         hear(row)
@@ -78,6 +78,7 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = (), properties: Seq
             if made.outcome == statements.BROKEN and made.kind in asked:
                 found.append(Broken(made.kind, row.time_ns, row.robot, made.text, made.details))
     end = log.end or {}
+    story.close(end.get('at_ns'))
     if not processes:  # they were not looked at, but the log names those that died
         told.end(end)
         processes = ends.judge((), told)
