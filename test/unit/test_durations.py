@@ -191,7 +191,7 @@ def test_a_goal_fails_where_the_robot_is_at_that_instant():
     leg = Leg(Pose2D(), Pose2D(10.0, 0.0), MotionLimits(2.0, 1.0, 1.0))
     assert ends(fleet) == [(int(share * 7 * S), 'ABORTED', NO_CONTROL)]
     assert fleet.robot('bot').pose == leg.pose_at(fleet.now_ns) != leg.end
-    assert [entry.kind for entry in fleet.trace] == ['departed', 'stands', 'ended']
+    assert [entry.kind for entry in fleet.trace] == ['goal', 'departed', 'stands', 'ended']
 
 
 def test_a_goal_shorter_than_the_first_length_has_the_first_chance():

@@ -40,8 +40,8 @@ def test_stall_it_stands_for_its_repair_time_and_goes_on():
     fleet.robot('bot').send(20.0, 0.0)
     fleet.run()
     assert rows(fleet) == [
-        (0.0, 'departed', (20.0, 0.0, 0.0)), (4.0, 'failed', ('stall', 'script')), (4.0, 'held', ('failure',)),
-        (4.0, 'stands', (8.0, 0.0, 0.0)), (14.0, 'repaired', ()), (14.0, 'released', ()),
+        (0.0, 'goal', ('bot-1',)), (0.0, 'departed', (20.0, 0.0, 0.0)), (4.0, 'failed', ('stall', 'script')),
+        (4.0, 'held', ('failure',)), (4.0, 'stands', (8.0, 0.0, 0.0)), (14.0, 'repaired', ()), (14.0, 'released', ()),
         (14.0, 'departed', (20.0, 0.0, 0.0)), (20.0, 'stands', (20.0, 0.0, 0.0)),
         (20.0, 'ended', ('bot-1', 'SUCCEEDED', 'Goal reached.'))]
 
@@ -65,8 +65,9 @@ def test_silent_nothing_is_said_or_heard_until_it_is_repaired():
     fleet.robot('bot').send(0.0, 0.0)
     assert (fleet.robot('bot').condition.state_text, rows(fleet, 'ended')) == ('failed: silent', [])
     fleet.run()
-    assert [row[:2] for row in rows(fleet)[4:]] == [
-        (14.0, 'repaired'), (14.0, 'ended'), (14.0, 'released'), (14.0, 'departed'), (18.0, 'stands'), (18.0, 'ended')]
+    assert [row[:2] for row in rows(fleet)[5:]] == [
+        (14.0, 'repaired'), (14.0, 'ended'), (14.0, 'goal'), (14.0, 'released'), (14.0, 'departed'), (18.0, 'stands'),
+        (18.0, 'ended')]
     assert endings(fleet) == [(14.0, 'bot-1', 'PREEMPTED'), (18.0, 'bot-2', 'SUCCEEDED')]
 
 

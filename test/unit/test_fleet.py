@@ -1,5 +1,6 @@
 """The fleet in plain Python: whole traces, order of equal times, reset, add, remove."""
 import gc
+import math
 import random
 import sys
 from collections import Counter
@@ -30,7 +31,8 @@ def test_one_goal_leaves_the_trace_of_a_departure_an_arrival_and_an_ending():
     fleet = make_fleet()
     goal_id = fleet.robot('r_0').send(10.0, 0.0)
     assert fleet.run() == 6 * S
-    assert fleet.trace == [TraceEntry(S, 'r_0', 'departed', (10.0, 0.0, 0.0)),
+    assert fleet.trace == [TraceEntry(S, 'r_0', 'goal', (goal_id,)),
+                           TraceEntry(S, 'r_0', 'departed', (10.0, 0.0, 0.0)),
                            TraceEntry(6 * S, 'r_0', 'stands', (10.0, 0.0, 0.0)),
                            TraceEntry(6 * S, 'r_0', 'ended', (goal_id, *REACHED))]
     assert fleet.robot('r_0').distance == 10.0
@@ -193,9 +195,9 @@ def test_the_trace_is_one_list_whenever_it_is_read():
     fleet = make_fleet(trace=[TraceEntry(0, 'r_0', 'stands', (0.0, 0.0, 0.0))])
     trace = fleet.trace
     fleet.robot('r_0').send(10.0, 0.0)
-    assert [entry.kind for entry in fleet.trace] == ['stands', 'departed']
+    assert [entry.kind for entry in fleet.trace] == ['stands', 'goal', 'departed']
     fleet.run()
-    assert fleet.trace is trace and [entry.kind for entry in trace] == ['stands', 'departed', 'stands', 'ended']
+    assert fleet.trace is trace and [entry.kind for entry in trace][2:] == ['departed', 'stands', 'ended']
     assert all(type(entry) is TraceEntry for entry in trace)
 
 
@@ -226,4 +228,34 @@ def test_more_goals_leave_no_more_objects_for_the_garbage_collector_to_visit():
         gc.enable()
     assert count < 200
     assert Counter(entry.kind for entry in fleet.trace) == {
-        'departed': 200, 'stands': 200, 'ended': 200}
+        'goal': 200, 'departed': 200, 'stands': 200, 'ended': 200}
+
+
+def test_each_goal_has_a_row_before_all_that_follows_from_it_whatever_becomes_of_it():
+    fleet = Fleet(make_scenario({'robots': [
+        {'name': 'a', 'max_speed': 2.0},
+        {'name': 'b', 'failure_kind': 'silent', 'failure_times': [4.0], 'repair_time': 10.0}]}), 0)
+    robot, silent, ledger = fleet.robot('a'), fleet.robot('b'), fleet.robot('a').navigator._ledger
+    robot.send(10.0, 0.0, goal_id='first')
+    robot.send(4.0, 0.0, goal_id='second')  # replaces it
+    robot.send(4.0, 0.0, goal_id='second')  # is known already
+    robot.send(math.nan, 0.0, goal_id='nowhere')
+    robot.cancel('early')
+    robot.send(1.0, 0.0, goal_id='early')
+    robot.hold('door')
+    robot.send(2.0, 0.0, goal_id='held')
+    ledger.cancel('', 5, 0)
+    fleet.run(5)
+    robot.navigator.receive('late', 3, None, 5)
+    silent.send(50.0, 0.0, goal_id='under way')
+    fleet.run(6 * S)
+    silent.send(1.0, 0.0, goal_id='queued')
+    fleet.run()
+    rows = [(name, kind, values[0]) for _, name, kind, values in fleet.trace if kind in ('goal', 'departed', 'ended')]
+    told = [(kind, value) for name, kind, value in rows if name == 'a']
+    assert told[:4] == [('goal', 'first'), ('departed', 10.0), ('goal', 'second'), ('ended', 'first')]
+    assert [value for kind, value in told if kind == 'goal'] == ['first', 'second', 'nowhere', 'early', 'held', 'late']
+    for _, goal in [one for one in told if one[0] == 'ended']:
+        assert told.index(('goal', goal)) < told.index(('ended', goal))
+    assert [(values[0], time_ns // S) for time_ns, name, kind, values in fleet.trace
+            if (name, kind) == ('b', 'goal')] == [('under way', 0), ('queued', 14)]

@@ -62,7 +62,7 @@ def test_a_robot_travels_the_route_to_the_nanosecond(law):
         assert fleet.robot('bot').pose == route.pose_at(fleet.now_ns)
         assert fleet.robot('bot').distance == route.distance_at(fleet.now_ns)
     fleet.run()
-    assert fleet.trace == [
+    assert fleet.trace[1:] == [
         TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)), TraceEntry(0, 'bot', 'route', (*CORNERS[0], *CORNERS[1])),
         TraceEntry(route.arrive_ns, 'bot', 'stands', (route.end.x, route.end.y, 0.0)),
         TraceEntry(route.arrive_ns, 'bot', 'ended', ('bot-1', 'SUCCEEDED', 'Goal reached.'))]
@@ -82,7 +82,7 @@ def test_without_routes_a_map_with_walls_stops_nobody():
     fleet = fleet_on(area(CLOSED), routes='none')
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run()
-    assert [entry.kind for entry in fleet.trace] == ['departed', 'stands', 'ended']
+    assert [entry.kind for entry in fleet.trace] == ['goal', 'departed', 'stands', 'ended']
     assert fleet.trace[-1].time_ns == 5 * S  # 6 m: 6 / 2 + 2 / 1
 
 
@@ -116,7 +116,8 @@ def test_what_cannot_be_reached_ends_with_the_text_of_upstream_at_once(goal):
     fleet = fleet_on(area(CLOSED))
     fleet.robot('bot').send(goal.x, goal.y)
     fleet.run()
-    assert fleet.trace == [TraceEntry(0, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
+    assert fleet.trace == [TraceEntry(0, 'bot', 'goal', ('bot-1',)),
+                           TraceEntry(0, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
 
 
 def test_with_the_policy_of_upstream_it_takes_its_time():
@@ -124,7 +125,7 @@ def test_with_the_policy_of_upstream_it_takes_its_time():
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.run()
     end_ns = RecoveryPolicy(fast=False).schedule(0)[1]
-    assert fleet.trace == [TraceEntry(end_ns, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
+    assert fleet.trace[1:] == [TraceEntry(end_ns, 'bot', 'ended', ('bot-1', 'ABORTED', NO_PLAN))]
 
 
 # ---- another map meanwhile
@@ -134,12 +135,12 @@ def test_a_route_that_a_new_map_cuts_is_planned_again_at_that_instant():
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area((slice(0, 10), 5))))
     fleet.run()
-    assert [entry.kind for entry in fleet.trace] == ['departed', 'route', 'stands', 'departed', 'route', 'stands',
-                                                     'ended']
-    assert {entry.time_ns for entry in fleet.trace[2:5]} == {3 * S}
-    here = Pose2D(*fleet.trace[2].values)
-    assert fleet.trace[4].values[-2:] == (6.007812, 10.007812)
-    route = Route(here, GOAL, [fleet.trace[4].values[index:index + 2] for index in (0, 2)], LIMITS, depart_ns=3 * S)
+    assert [entry.kind for entry in fleet.trace] == ['goal', 'departed', 'route', 'stands', 'departed', 'route',
+                                                     'stands', 'ended']
+    assert {entry.time_ns for entry in fleet.trace[3:6]} == {3 * S}
+    here = Pose2D(*fleet.trace[3].values)
+    assert fleet.trace[5].values[-2:] == (6.007812, 10.007812)
+    route = Route(here, GOAL, [fleet.trace[5].values[index:index + 2] for index in (0, 2)], LIMITS, depart_ns=3 * S)
     assert fleet.trace[-1].time_ns == route.arrive_ns and fleet.trace[-1].values[1] == 'SUCCEEDED'
 
 
@@ -159,14 +160,14 @@ def test_a_map_without_a_way_ends_the_goal_and_one_with_a_way_saves_it():
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.run()
-    assert kinds(fleet)[2:] == [(3.0, 'stands'), (3.0, 'ended')] and fleet.trace[-1].values[2] == NO_PLAN
+    assert kinds(fleet)[3:] == [(3.0, 'stands'), (3.0, 'ended')] and fleet.trace[-1].values[2] == NO_PLAN
 
     fleet = fleet_on(area(CLOSED), abort_policy='upstream')
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(7 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.at(8 * S, lambda fleet: fleet.use_map(area(WALL)))
     fleet.run()
-    assert kinds(fleet)[:2] == [(8.0, 'departed'), (8.0, 'route')]
+    assert kinds(fleet)[1:3] == [(8.0, 'departed'), (8.0, 'route')]
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == ['SUCCEEDED']
 
 

@@ -40,7 +40,7 @@ BREAKS = {
     'no_standstill': ([], {'ended_by': 'deadlock'}, 'at 9.000000000 s, the run: that is why'),
     'no_zero_delay_loop': ([], {'ended_by': 'zero_delay_loop'}, 'at 9.000000000 s, the run: that is why'),
     'every_goal_ends': ([DEPARTED], {},
-                        'at 1.000000000 s, r0: the goal to which it departed then never ends'),
+                        'at 1.000000000 s, r0: the goal that it took in then never ends'),
     'capacities_kept': ([*ROOM, ('r1', 'entered', 'door')], {},
                         'at 3.000000000 s, r1: it came into door, which has room for 1 (r0, r1)'),
     'charged': ([('r0', 'battery', 0.0, 'empty')], {}, 'at 1.000000000 s, r0: its battery is empty')}
@@ -222,8 +222,8 @@ def test_runs_are_gathered_by_property(tmp_path):
     assert [(row['property'], row['runs'], row['first_seed'], row['first_instant_ns']) for row in gathered.rows] == [
         ('every_goal_ends', 2, 1, 10 ** 9), ('always', 2, 1, 2 * 10 ** 9)]
     assert list(gathered.lines()) == [
-        'broken in 2 of 3 runs, first in trial_1 (seed 1) at 1.000000000 s: every_goal_ends: r0: the goal to which it '
-        'departed then never ends',
+        'broken in 2 of 3 runs, first in trial_1 (seed 1) at 1.000000000 s: every_goal_ends: r0: the goal that it '
+        'took in then never ends',
         'broken in 2 of 3 runs, first in trial_1 (seed 1) at 2.000000000 s: always: /a: one owner',
         'held in none of 3 runs: sometimes: /a: low']
     gathered.take('again', 3, judgement_on(Run(log_of(tmp_path, (

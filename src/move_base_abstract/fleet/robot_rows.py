@@ -5,7 +5,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
 
 from ..goals import events, traffic_events
-from ..goals.events import ChargeRead, Departed, Ended, MotionSet, Phased, Recorded, Stands, motion_of
+from ..goals.events import ChargeRead, Departed, Ended, GoalTaken, MotionSet, Phased, Recorded, Stands, motion_of
 from ..runs.trace import FLAT, Rows
 
 if TYPE_CHECKING:
@@ -24,12 +24,15 @@ _PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
     """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
-    ``with_motion``: also with the rows of the limits, phases and manner of the robot's travel, so that its legs can be
-    computed again from the rows, and of its state of charge when a charge begins and ends. ``take_flat``, if given,
-    gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
+    ``with_motion``: also with the rows of :data:`.trace.ROW_KINDS` that come only with ``log_motion``. ``take_flat``, if
+    given, gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())
+
+    def taken(event: GoalTaken) -> None:
+        time_ns, robot, goal_id = event
+        flat((time_ns, robot, 'goal', goal_id))
 
     def stands(event: Stands) -> None:
         time_ns, robot, pose = event
@@ -57,7 +60,7 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
     flat = take_flat or take
     return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
             **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
-            Departed: departed, Stands: stands, Ended: ended}
+            GoalTaken: taken, Departed: departed, Stands: stands, Ended: ended}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:

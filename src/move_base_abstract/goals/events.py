@@ -3,7 +3,7 @@
 They are named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the
 name of the robot. Poses are in the global frame [m, rad]. ``row()`` returns the event's row in the trace
 (:class:`.trace.TraceEntry`); PLAIN_ROWS names the events whose fields are the row. :mod:`.robot_rows` makes the rows of
-Departed, Stands and Ended, which come with each goal.
+GoalTaken, Departed, Stands and Ended, which come with each goal.
 """
 from __future__ import annotations
 
@@ -44,6 +44,14 @@ new = tuple.__new__
 def robot_stream() -> Stream:
     """Return a new stream for the events of one robot."""
     return Stream(ORDER)
+
+
+class GoalTaken(NamedTuple):
+    """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal."""
+
+    time_ns: int
+    robot: str
+    goal_id: str
 
 
 class Departed(NamedTuple):

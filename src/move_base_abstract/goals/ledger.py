@@ -34,16 +34,19 @@ class GoalLedger:
     """Decides what happens to goals and cancel requests.
 
     ``publish_status()``, unless it is None, is called after each transition, ``publish_result(record, stamp_ns)`` after
-    each ending, before the status that shows it. ``new_id(now_ns)`` returns an id for a goal that comes without one. A
-    goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the next one comes.
+    each ending, before the status that shows it. ``tell_goal(record, now_ns)``, unless it is None, is called for each
+    goal that is taken in, before anything else that comes of it. ``new_id(now_ns)`` returns an id for a goal that comes
+    without one. A goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the
+    next one comes.
     """
 
     def __init__(self, publish_status: Optional[Callable[[], object]],
                  publish_result: Callable[[GoalRecord, int], object], new_id: Callable[[int], str],
-                 keep_ns: int = 5_000_000_000) -> None:
+                 keep_ns: int = 5_000_000_000, tell_goal: Optional[Callable[[GoalRecord, int], object]] = None) -> None:
         self._publish_status = publish_status
         self._publish_result = publish_result
         self._new_id = new_id
+        self._tell_goal = tell_goal
         self._keep_ns = keep_ns
         self._records: List[GoalRecord] = []
         self._current: Optional[GoalRecord] = None
@@ -78,6 +81,8 @@ class GoalLedger:
         self._records = records
         record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns, _PENDING, '', None)
         records.append(record)
+        if self._tell_goal is not None:
+            self._tell_goal(record, now_ns)
         if self._early_cancels and record.goal_id in self._early_cancels:
             del self._early_cancels[record.goal_id]
             self._end(record, Outcome(GoalState.RECALLED), now_ns)
@@ -95,6 +100,8 @@ class GoalLedger:
         """Take in a goal whose id is on the list already; if it was cancelled before it came, it is recalled."""
         if record.state is GoalState.RECALLING:
             self._early_cancels.pop(record.goal_id, None)
+            if self._tell_goal is not None:
+                self._tell_goal(record, now_ns)
             self._end(record, Outcome(GoalState.RECALLED), now_ns)
         elif record.ended_ns is not None:
             record.ended_ns = now_ns

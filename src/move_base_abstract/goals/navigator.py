@@ -96,7 +96,8 @@ class Navigator:
             self._durations.next_goal()
         self.goal_number += 1
         self._starts_from_idle = starts_from_idle
-        self._forget_goal(now_ns)
+        if not starts_from_idle or Abandoned in self._hearers:  # otherwise its end has forgotten the last goal
+            self._forget_goal(now_ns)
         if self.robot.leg is not None:
             self.travel.halt(now_ns)
         quaternion = goal.quaternion

@@ -113,7 +113,7 @@ def _open_goals(facts: Facts, _number: float) -> Breaks:
     for robot in facts.story.robots.values():
         since_ns = robot.begun('goal')
         if since_ns is not None and not any(robot.name in text for text in texts):  # each goal is reported once
-            yield since_ns, robot.name, 'the goal to which it departed then never ends', ()
+            yield since_ns, robot.name, 'the goal that it took in then never ends', ()
     for name, task, since_ns in facts.story.open_tasks():
         yield since_ns, name, 'the task that it got then never ends', (str(task),)
 

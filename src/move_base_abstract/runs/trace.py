@@ -19,6 +19,12 @@ class RowKind(NamedTuple):
 
 #: all kinds; positions are in m and yaws in rad, in the global frame
 ROW_KINDS = (
+    RowKind('goal',
+            'goal id',
+            'the robot takes in a goal. The row comes before all others that follow from the goal: before `ended` of the '
+            'goal that it replaces, and before `ended` of a goal that is recalled or aborted at once. A '
+            '[silent](failures.md) robot takes in the goals that came meanwhile when it answers again. A goal whose id '
+            'the robot knows already is no new goal'),
     RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'),
     RowKind('route', 'x, y, x, y, ...', 'after `departed`: the corners of the way, if it has any'),
     RowKind('stands', 'x, y, yaw', 'the robot has arrived, was stopped, or was placed there'),
@@ -113,7 +119,7 @@ class TraceEntry(NamedTuple):
 
 
 #: the most frequent kinds of rows, with the numbers of their values
-FLAT = {'departed': 6, 'stands': 6, 'ended': 6, 'entered': 4, 'left': 4}
+FLAT = {'goal': 4, 'departed': 6, 'stands': 6, 'ended': 6, 'entered': 4, 'left': 4}
 _new = tuple.__new__  # makes a named tuple without the call of its constructor
 
 

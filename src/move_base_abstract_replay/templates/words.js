@@ -42,6 +42,7 @@ function mannerText([rest, travel, backwards, , spin]) {
 }
 
 const EVENT_TEXTS = {
+  goal: (v) => `gets the goal ${v[0]}`,
   departed: (v) => `departs for ${place(...v)}`,
   route: (v) => `goes by ${v.length / 2} corner${v.length === 2 ? '' : 's'}`,
   stands: (v) => `stands at ${place(...v)}`,
