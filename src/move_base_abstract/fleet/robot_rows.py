@@ -24,8 +24,8 @@ _PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
 def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
     """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
-    ``with_motion``: also with the rows of :data:`.trace.ROW_KINDS` that come only with ``log_motion``. ``take_flat``, if
-    given, gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
+    ``with_motion``: also with the rows of :data:`.trace.ROW_KINDS` that come only with ``log_motion``. ``take_flat``,
+    if given, gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())

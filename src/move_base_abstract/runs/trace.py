@@ -21,8 +21,8 @@ class RowKind(NamedTuple):
 ROW_KINDS = (
     RowKind('goal',
             'goal id',
-            'the robot takes in a goal. The row comes before all others that follow from the goal: before `ended` of the '
-            'goal that it replaces, and before `ended` of a goal that is recalled or aborted at once. A '
+            'the robot takes in a goal. The row comes before all others that follow from the goal: before `ended` of '
+            'the goal that it replaces, and before `ended` of a goal that is recalled or aborted at once. A '
             '[silent](failures.md) robot takes in the goals that came meanwhile when it answers again. A goal whose id '
             'the robot knows already is no new goal'),
     RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'),
