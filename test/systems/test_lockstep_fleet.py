@@ -324,8 +324,8 @@ class LockstepFleet(unittest.TestCase):
     def test_robots_are_added_and_removed_by_a_participant(self):
         run = Run('services', TWO, fleet(TWO))
         self.assertEqual(run.of('client'), [('added', [True, '']), ('removed', [True])])
-        self.assertEqual(run.of('late')[:3], [('departed', [4.0, 8.0, 0.0]), ('stands', [4.0, 8.0, 0.0]),
-                                              ('ended', ['late-1', *REACHED])])
+        self.assertEqual(run.of('late')[:4], [('goal', ['late-1']), ('departed', [4.0, 8.0, 0.0]), ('stands', [
+            4.0, 8.0, 0.0]), ('ended', ['late-1', *REACHED])])
         self.assertEqual(run.of('late')[-1][1][1], 'ABORTED')
         self.assert_repeatable(run)
 

@@ -168,7 +168,7 @@ def nearest_idle(seed):
 
 def without_goal(kind, values):
     """Return an event's values without the goal's id, which the client chooses."""
-    return list(values[1:] if kind == 'ended' or kind.startswith(('task', 'waiting', 'works')) else values)
+    return list(values[1:] if kind in ('goal', 'ended') or kind.startswith(('task', 'waiting', 'works')) else values)
 
 
 class LaunchTest(unittest.TestCase):

@@ -6,7 +6,7 @@ import unittest
 from lockstep_launcher_run import assert_same, run_scenario
 
 READER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'robot_event_reader.py')
-KINDS = ('departed', 'stands', 'ended', 'battery')
+KINDS = ('goal', 'departed', 'stands', 'ended', 'battery')
 
 
 class RobotEventsTest(unittest.TestCase):

@@ -1,19 +1,25 @@
-"""The figures of a fleet's report, each held to what the raw rows of the log say, looked at in another way.
+"""What all readers of a log tell of a run, held to what its raw rows say, looked at in another way, and to one another.
 
 The Story takes row after row; here each span between two instants is judged by the last rows before it.
 """
 import json
 import math
+import random
 
 import pytest
 
-from move_base_abstract.fleet import Dispatch
+from move_base_abstract.fleet import Dispatch, Fleet
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.orders.order import Order, Stop
-from move_base_abstract.runs.states import NAMES
+from move_base_abstract.properties.judgement import Run, judge
+from move_base_abstract.runs.states import NAMES, STATES
 from move_base_abstract.runs.story import Story
 from move_base_abstract.scenario import make_scenario
+from move_base_abstract.tasks.arrivals import Task
 from move_base_abstract_experiments.fleet_report import json_text, lines_of, main, story_of
+from move_base_abstract_experiments.trials import metrics
+from move_base_abstract_replay import page_data
+from move_base_abstract_replay.recording import read_recording
 
 S = 1_000_000_000
 
@@ -74,7 +80,8 @@ def state_after(rows):
         return 'driving'
     if last_of(rows, 'waiting_began', 'task_began', 'task_ended') == 'task_began':
         return 'working'
-    if (last_of(rows, 'departed', 'ended') == 'departed'
+    if ({values[0] for *_, kind, values in rows if kind == 'goal'}
+            - {values[0] for *_, kind, values in rows if kind == 'ended'}
             or last_of(rows, 'waiting_began', 'waiting_ended', 'task_began', 'task_ended') == 'waiting_began'
             or last_of(rows, 'charge_awaited', 'charge_assigned') == 'charge_awaited'):
         return 'waiting'
@@ -218,3 +225,133 @@ def test_a_wait_of_no_length_is_none_also_at_the_end():
         story.take(*row)
     story.close(2 * S)
     assert story.waits == {}
+
+
+def charging_on_the_way(path):
+    """Write the log of a robot that is held by a zone for 56 s while it stands at a charger; return its rows."""
+    fleet = Fleet(make_scenario({
+        'defaults': {'max_speed': 1.0}, 'robots': [
+            {'name': 'a', 'start_x': 1.0, 'battery_capacity': 5.0, 'battery_start': 0.5},
+            {'name': 'b', 'start_x': 10.0}],
+        'zones': [{'name': 'dock', 'rectangle': [0.0, -2.0, 8.5, 2.0], 'charger': 5.0},
+                  {'name': 'gate', 'rectangle': [8.0, -2.0, 12.0, 2.0], 'capacity': 1}]}))
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.at(62 * S, lambda fleet: fleet.robot('b').send(10.0, 30.0))
+    fleet.run(until=122.0)
+    fleet.write_log(path)
+    return rows_of(path)
+
+
+def told_by_all(path):
+    """Return {reader: {robot: {state: s}}} of all that tell of the times of robots."""
+    story, _ = story_of(str(path))
+    summary = metrics.summarise(str(path))
+    recording = read_recording(path)
+    page = {}
+    for line in page_data.Run(recording).timelines:
+        if line.is_robot:
+            own = page[line.name] = dict.fromkeys(NAMES, 0.0)
+            for span in line.spans:
+                own[NAMES[span.state]] += (span.end_ns - span.begin_ns) / S
+            own['idle'] += (recording.end_ns - recording.begin_ns) / S - math.fsum(own.values())
+    return {'report': {name: {state: one[state] for state in NAMES} for name, one in story.figures.items()},
+            'metrics': {name: {state.name: one.get(state.key, 0.0) for state in STATES}
+                        for name, one in summary.robots.items()},
+            'page': page}
+
+
+def test_a_robot_that_is_charged_while_it_is_kept_from_its_goal_waits_for_all_readers(tmp_path):
+    rows = charging_on_the_way(tmp_path / 'run.jsonl')
+    assert last_of([row for row in rows if row[1] == 'a'], 'charging_began') == 'charging_began'
+    for reader, told in told_by_all(tmp_path / 'run.jsonl').items():
+        assert (round(told['a']['waiting']), told['a']['charging']) == (56, 0.0), reader
+
+
+def test_a_robot_that_is_held_when_its_goal_comes_waits(tmp_path):
+    fleet = Fleet(make_scenario({'robots': [{'name': 'a', 'log_motion': True}]}))
+    fleet.robot('a').hold('door')
+    fleet.at(11 * S, lambda fleet: fleet.robot('a').send(20.0, 0.0))
+    fleet.run(until=101.0)
+    fleet.write_log(tmp_path / 'run.jsonl')
+    assert fleet.trace[-1].kind == 'goal'
+    story, _ = story_of(str(tmp_path / 'run.jsonl'))
+    assert [tuple(span) for span in story.spans('a')] == []  # a report keeps sums only
+    assert {state: one for state, one in story.figures['a'].items() if one} == {'idle': 10.0, 'waiting': 90.0}
+
+
+@pytest.mark.parametrize('names', [('x', 'y'), ('', '')])
+def test_of_two_tasks_at_once_the_first_end_ends_one(names):
+    def values(name):
+        return [name, S] if name else []
+    story = Story(0, keeps_spans=True)
+    for time, kind, name in ((1, 'task_began', names[0]), (2, 'task_began', names[1]), (3, 'task_ended', names[0]),
+                             (7, 'task_ended', names[1])):
+        story.take(time * S, 'r/dig' if time > 1 else 'r', kind, values(name))
+    story.close(9 * S)
+    assert [(span.begin_ns // S, span.end_ns // S, NAMES[span.state]) for span in story.spans('r')] == [
+        (0, 1, 'idle'), (1, 7, 'working'), (7, 9, 'idle')]
+
+
+def random_run(path, seed):
+    """Write the log of a random fleet; return {(instant [ns], robot): what the fleet itself says that it does}."""
+    draw = random.Random(seed)
+    fleet = Fleet(make_scenario({
+        'seed': seed, 'deadlock': draw.choice(['wait', 'avoid', 'retreat']),
+        'defaults': {'max_speed': 1.5, 'acceleration': draw.choice([0.5, 1.0]), 'log_motion': True,
+                     'battery_capacity': 0.6, 'battery_start': 0.7, 'failures_per_km': draw.choice([0.0, 8.0]),
+                     'failure_kind': draw.choice(['stall', 'abort', 'silent', 'stuck']), 'repair_time': 20.0},
+        'robots': [{'name': 'r', 'count': 4, 'step_x': 2.0}],
+        'zones': [{'name': 'dock', 'rectangle': [-1.0, -1.0, 5.0, 3.0], 'charger': True},
+                  {'name': 'gate', 'rectangle': [8.0, -9.0, 12.0, 9.0], 'capacity': 1}],
+        'places': [{'name': 'bench', 'x': 20.0, 'y': 0.0, 'capacity': 1, 'duration': 9.0}]}))
+    now = 1.0
+    for _ in range(60):
+        now += draw.uniform(0.0, 4.0)
+        fleet.at(round(now * S), _deed(draw, fleet.robot('r_{}'.format(draw.randrange(4)))))
+    told = {}
+    for _ in range(40):
+        fleet.run_for(draw.uniform(0.5, 6.0))
+        told.update({(fleet.now_ns, name): _doing(fleet.robot(name)) for name in fleet.names})
+    fleet.write_log(path)
+    return told
+
+
+def _doing(robot):
+    """Return the state of a robot as the live objects say it, or None if they say something else."""
+    words = robot.activity.split(',')[0].split(':')[0]
+    if words == 'held':
+        works = robot._tasks is not None and robot._tasks.is_working
+        return 'waiting' if robot.navigator.is_active and not works else None
+    return {'travelling': 'driving', 'battery empty': None}.get(words, words)
+
+
+def _deed(draw, robot):
+    """Return what is done to a robot, at random."""
+    x, y = draw.choice([0.0, 3.0, 20.0]), draw.uniform(-3.0, 3.0)
+    return draw.choice([
+        lambda _: robot.send(x, y), lambda _: robot.send(x, y), lambda _: robot.cancel(), lambda _: robot.hold('door'),
+        lambda _: robot.release('door'), lambda _: robot.release('door'), lambda _: robot.place(Pose2D(20.0, 0.0)),
+        lambda _: robot.send_task(Task('t', 0, 'bench', Pose2D(20.0, 0.0)))])
+
+
+@pytest.mark.parametrize('seed', range(50))
+def test_all_readers_tell_the_same_of_random_runs_as_the_fleet_itself(tmp_path, seed):
+    path = tmp_path / 'run.jsonl'
+    told = random_run(path, seed)
+    rows, end_ns = rows_of(path), end_of(path)
+    readers = told_by_all(path)
+    for name, times in readers['report'].items():
+        assert times == pytest.approx(shares(rows, name, S, end_ns))
+        assert readers['metrics'][name] == pytest.approx(times)
+        left = (end_ns - max(row[0] for row in rows)) / S  # the page ends with the last event
+        assert {state: readers['page'][name][state] for state in NAMES} == pytest.approx(times, abs=left + 1e-6)
+    story = page_data.story_of(read_recording(path))
+    for (now_ns, name), state in told.items():
+        span = next((one for one in story.spans(name) if one.begin_ns < now_ns < one.end_ns), None)
+        if span is not None and state is not None:
+            assert NAMES[span.state] == state, (now_ns / S, name)
+    open_goals = {name for name, robot in story.robots.items() if robot.begun('goal') is not None}
+    end = json.loads(path.read_text().splitlines()[-1])['end']
+    assert open_goals == {one['action'].split('/')[0] for one in end.get('open_goals', [])}
+    broken = {one.node for one in judge(Run(str(path))) if one.property == 'charged'}
+    assert broken == {name for _, name in story.emptied}
