@@ -1,7 +1,10 @@
 """The command line: rosrun move_base_abstract experiment run|status|rerun|report."""
+from __future__ import annotations
+
 import argparse
 import os
 import sys
+from typing import Optional, Sequence
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.options import add_arguments, given
@@ -13,13 +16,13 @@ from .ending import CANNOT, INTERRUPTED
 GOOD, BAD = 0, 1
 
 
-def main(words):
+def main(words: Optional[Sequence[str]] = None) -> int:
     """Run the command with these arguments; return the exit code, which the epilog of --help explains."""
     options = _parse(words)
     return ending.exit_code('experiment', lambda: options.act(options))
 
 
-def _parse(words):
+def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='experiment', description='Run any system many times, on all cores, and report the results.',
         epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 the experiment cannot be run like '
@@ -62,21 +65,21 @@ def _parse(words):
     return parser.parse_args(words)
 
 
-def _count(text):
+def _count(text: str) -> int:
     value = int(text)
     if not 1 <= value <= 1024:
         raise argparse.ArgumentTypeError(f'must be a whole number in 1..1024, got {text}')
     return value
 
 
-def _seconds(text):
+def _seconds(text: str) -> float:
     value = float(text)
     if not 0.0 < value <= 1e9:
         raise argparse.ArgumentTypeError(f'must be a number > 0, at most 1e9, got {text}')
     return value
 
 
-def _run(options):
+def _run(options: argparse.Namespace) -> int:
     from . import sweep
     try:
         bad = sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1, options.scheduler,
@@ -91,18 +94,18 @@ def _run(options):
     return BAD if bad else GOOD
 
 
-def _status(options):
+def _status(options: argparse.Namespace) -> int:
     from .results import state
     for line in state.lines(options.output):
         print(line)
     return GOOD
 
 
-def _report(options):
+def _report(options: argparse.Namespace) -> int:
     return GOOD if _write_report(options.output, not options.without_own_sections) else CANNOT
 
 
-def _write_report(output, with_own=True):
+def _write_report(output: str, with_own: bool = True) -> bool:
     """Write the report; print its path, and what could not be made.
 
     Return False if a Python package that it needs is not installed, otherwise True.
@@ -120,7 +123,7 @@ def _write_report(output, with_own=True):
     return True
 
 
-def _rerun(options):
+def _rerun(options: argparse.Namespace) -> int:
     from . import rerun
     return rerun.rerun(options.output, options.trial, until=options.until, speed=options.speed, rviz=options.rviz,
                        logs=options.logs)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from .movingai import Cell
 from .plans import Plan
@@ -80,7 +80,7 @@ def swap_conflicts(moves: Iterable[Move]) -> List[Tuple[Move, Move]]:
         lambda move, other: move.end_ns is None or other.begin_ns < move.end_ns) if one.start != other.start]
 
 
-def _overlapping(group: Sequence, lasts_until) -> Iterator[tuple]:
+def _overlapping(group: Sequence[Any], lasts_until: Callable[[Any, Any], bool]) -> Iterator[Tuple[Any, Any]]:
     """Yield the pairs (one, other) that overlap, of a group sorted by begins.
 
     ``lasts_until(one, other)``: whether ``one`` lasts until ``other`` begins.

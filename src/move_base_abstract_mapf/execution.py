@@ -148,8 +148,8 @@ def _moves_of(plan: Plan) -> List[List[Wanted]]:
     before: Dict[Tuple[Cell, int, int], Tuple[int, int]] = {}
     for cell, visits in stays.items():
         visits.sort(key=lambda visit: visit[:2])
-        for (_, other, away), (came, robot, _) in zip(visits, visits[1:]):
-            if away is not None and other != robot:
-                before[cell, robot, came] = other, away
+        for (_, left_by, away), (came, robot, _) in zip(visits, visits[1:]):
+            if away is not None and left_by != robot:
+                before[cell, robot, came] = left_by, away
     return [[Wanted(step, one, other, before.get((other, robot, step + 1))) for step, one, other in own]
             for robot, own in enumerate(moves)]

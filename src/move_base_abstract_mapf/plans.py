@@ -134,7 +134,7 @@ def _timed(entries: Any, where: str) -> List[Cell]:
     """Return the cells of one robot; between two entries it stays in the cell of the first one."""
     path: List[Cell] = []
     for entry in entries if isinstance(entries, list) else [None]:
-        values = [entry.get(key) for key in 'xyt'] if isinstance(entry, dict) else [None]
+        values: List[Any] = [entry.get(key) for key in 'xyt'] if isinstance(entry, dict) else [None]
         if not all(type(value) is int and 0 <= value <= _MOST_STEPS for value in values):
             raise ConfigurationError('{}: got {}; allowed: a list of {{x: column, y: row, t: step}}, whole numbers '
                                      '>= 0'.format(where, shown(entry)))

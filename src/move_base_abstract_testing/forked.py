@@ -1,4 +1,6 @@
 """Run a test in a fork of pytest, since a process can be only one ROS node. The fork has all imports done."""
+from __future__ import annotations
+
 import json
 import os
 import select
@@ -8,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from typing import Any, Iterable, List, Optional
 
 from move_base_abstract.common import processes
 from move_base_abstract.runs import event_log
@@ -18,7 +21,7 @@ _CALL = 'call'
 _PIECE = 1 << 16
 
 
-def reports_of(item, wall_limit):
+def reports_of(item: Any, wall_limit: float) -> List[Any]:
     """Run an item in a process of its own, and return its reports.
 
     If the test calls ``assert_identical()``, it is run twice, and fails if the two event logs differ.
@@ -44,11 +47,11 @@ def reports_of(item, wall_limit):
     return reports
 
 
-def _is_good(reports):
+def _is_good(reports: Iterable[Any]) -> bool:
     return not any(report.failed for report in reports)
 
 
-def _run(item, folder, wall_limit):
+def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
     """Return the reports of one run of an item."""
     os.mkdir(folder)
     item.lockstep_folder = folder
@@ -76,12 +79,12 @@ def _run(item, folder, wall_limit):
     return _reports(item, text, wall_limit)
 
 
-def _runner(item):
+def _runner(item: Any) -> Any:
     """Return the module of pytest that runs tests."""
     return item.config.pluginmanager.getplugin('runner')
 
 
-def _import_all():
+def _import_all() -> None:
     """Import the modules that each run needs. This is done once, in the process that is then forked."""
     from move_base_abstract_experiments.carrying import warm_ros
 
@@ -89,7 +92,7 @@ def _import_all():
     warm_ros.import_all()
 
 
-def _read(descriptor, wall_limit):
+def _read(descriptor: int, wall_limit: float) -> Optional[bytes]:
     """Return what the fork writes (bytes), or None if it has not finished after ``wall_limit`` [s, wall]."""
     deadline, found = time.monotonic() + wall_limit, b''
     with os.fdopen(descriptor, 'rb', 0) as stream:
@@ -103,7 +106,7 @@ def _read(descriptor, wall_limit):
             found += piece
 
 
-def _end(pid):
+def _end(pid: int) -> None:
     """End the fork if it has not ended by itself. Its children end with it."""
     forked = processes.Forked(pid)
     try:
@@ -113,7 +116,7 @@ def _end(pid):
         forked.wait()
 
 
-def _reports(item, text, wall_limit):
+def _reports(item: Any, text: Optional[bytes], wall_limit: float) -> List[Any]:
     if text:
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
                  for one in json.loads(text)]
@@ -122,7 +125,7 @@ def _reports(item, text, wall_limit):
     return [_runner(item).TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
 
 
-def _difference(first, second):
+def _difference(first: str, second: str) -> str:
     """Return a text that says where the event logs of two runs differ, or '' if they are equal and repeatable."""
     with event_log.opened(first) as one, event_log.opened(second) as other:
         logs = one, other

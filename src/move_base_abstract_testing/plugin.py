@@ -1,22 +1,28 @@
 """The hooks and the fixture that pytest finds. Each test with the fixture ``lockstep`` runs in its own process."""
+from __future__ import annotations
+
 import os
 import sys
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional
 
 import pytest
 
 from . import forked
 
+if TYPE_CHECKING:
+    from .system_under_test import Lockstep
+
 _MARKER = ("lockstep(scenario=None, launch=None, args={}, nodes=[], ...): the system that the fixture 'lockstep' "
            'starts; docs/testing.md of move_base_abstract')
 
 
-def pytest_configure(config):
+def pytest_configure(config: Any) -> None:
     """Register the marker."""
     config.addinivalue_line('markers', _MARKER)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_cmdline_main(config):
+@pytest.hookimpl(tryfirst=True)  # type: ignore[misc]
+def pytest_cmdline_main(config: Any) -> None:
     """Restart Python with a fixed order of sets and a fixed layout of memory, unless it was started like that."""
     if config.option.collectonly or config.option.help or hasattr(config, 'workerinput'):
         return
@@ -31,7 +37,7 @@ def pytest_cmdline_main(config):
         os.execv(sys.executable, [os.fsencode(sys.executable), *words[1:]])
 
 
-def pytest_generate_tests(metafunc):
+def pytest_generate_tests(metafunc: Any) -> None:
     """Make one test for each chaos seed that a marker asks for."""
     given = _marked(metafunc.definition).get('chaos_seeds')
     if given is None or 'lockstep' not in metafunc.fixturenames:
@@ -39,7 +45,8 @@ def pytest_generate_tests(metafunc):
     from move_base_abstract.common.errors import ConfigurationError
 
     from .settings import chaos_seeds
-    seeds, problem = [], ''
+    seeds: List[int] = []
+    problem = ''
     try:
         seeds = chaos_seeds(given)
     except ConfigurationError as error:
@@ -49,7 +56,7 @@ def pytest_generate_tests(metafunc):
     metafunc.parametrize('lockstep', seeds, ids=['chaos_{}'.format(seed) for seed in seeds], indirect=True)
 
 
-def pytest_runtest_protocol(item, nextitem):
+def pytest_runtest_protocol(item: Any, nextitem: Any) -> Optional[bool]:
     """Run a test that has the fixture in a process of its own."""
     if 'lockstep' not in getattr(item, 'fixturenames', ()):
         return None
@@ -60,16 +67,16 @@ def pytest_runtest_protocol(item, nextitem):
     return True
 
 
-def _marked(item):
+def _marked(item: Any) -> Dict[str, Any]:
     """Return the keywords of all markers of an item. If two markers have the same keyword, the nearer one counts."""
-    found = {}
+    found: Dict[str, Any] = {}
     for marker in reversed(list(item.iter_markers('lockstep'))):
         found.update(marker.kwargs)
     return found
 
 
-@pytest.fixture
-def lockstep(request):
+@pytest.fixture  # type: ignore[misc]
+def lockstep(request: Any) -> Iterator[Lockstep]:
     """Give a system in lockstep. See move_base_abstract_testing.system_under_test.Lockstep."""
     from .settings import OF_TESTS
     from .system_under_test import Lockstep

@@ -82,12 +82,12 @@ def settings_of(given: Dict[str, Any], folder: str) -> Settings:
             path = os.path.join(folder, getattr(found, key))
             if not os.path.isfile(path):
                 raise ConfigurationError('lockstep: {}: {} is not there'.format(key, path))
-            found = replace(found, **{key: path})
+            found = replace(found, **{key: path})  # type: ignore[arg-type]
     return found
 
 
 def with_seed(settings: Settings, seed: int) -> Settings:
     """Return settings with a seed of chaos. 0 is the stated order, in which no message is late."""
     given = {name: value for name, value in settings.time_master.items() if seed or not name.startswith('chaos_')}
-    late = {} if seed else {'chaos_delay': 0.0, 'chaos_only': ()}
+    late: Dict[str, Any] = {} if seed else {'chaos_delay': 0.0, 'chaos_only': ()}
     return replace(settings, time_master={**given, 'chaos_seed': seed}, **late)

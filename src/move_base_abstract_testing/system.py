@@ -130,7 +130,8 @@ class System:
             time_master = self._processes[0]
             deadline = time.monotonic() + _OVER_S
             while not self._is_written() and time_master.pid not in self._statuses and time.monotonic() < deadline:
-                processes.reap(self._statuses) or time.sleep(_LOOK_S)
+                if not processes.reap(self._statuses):
+                    time.sleep(_LOOK_S)
             early = set(self._statuses)
             processes.end([time_master.pid], signal.SIGKILL, _POLITE_S, self._statuses)
             killed = [one.pid for one in self._processes[1:] if not one.has_last_words and one.pid not in early]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import os
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from rosgraph.names import ns_join
 
@@ -15,19 +16,21 @@ from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 
-ended = []  # the nodes that had ended before their Loopback was closed, as fields of runs.ends.Process
+#: the nodes that had ended before their Loopback was closed, as fields of runs.ends.Process
+ended: List[Dict[str, Any]] = []
 
 
 @functools.lru_cache(maxsize=None)
-def _launcher():
+def _launcher() -> str:
     """Return the path of our launcher. The search walks through all packages, so it is made only once."""
-    return loopback.find_executable('lockstep')
+    path: str = loopback.find_executable('lockstep')
+    return path
 
 
-class WarmLoopback(Loopback):
+class WarmLoopback(Loopback):  # type: ignore[misc]
     """A Loopback whose master and Python nodes of this package are forks of this process."""
 
-    def close(self, keep_logs=False):
+    def close(self, keep_logs: bool = False) -> None:
         """Take note of nodes that have ended, then close as Loopback.close does."""
         for child in self._children[1:]:  # the first is the ROS master
             code = child.process.poll()
@@ -37,11 +40,13 @@ class WarmLoopback(Loopback):
         super().close(keep_logs)
 
     @property
-    def environment(self):
+    def environment(self) -> Dict[str, str]:
         """The environment variables of nodes: those of Loopback.environment, and the settings of logs."""
-        return warm_nodes.with_log_settings(super().environment)
+        environment: Dict[str, str] = warm_nodes.with_log_settings(super().environment)
+        return environment
 
-    def run(self, executable, name, namespace='/', parameters=None, arguments=()):
+    def run(self, executable: str, name: str, namespace: str = '/', parameters: Optional[Mapping[str, Any]] = None,
+            arguments: Sequence[str] = ()) -> Any:
         """Run a node as Loopback.run does, as a fork of this process if it is a Python node of this package."""
         full_name = ns_join(namespace, name)
         ros_master.set_parameters(self.uri, [(ns_join(full_name, key), value)
@@ -57,7 +62,7 @@ class WarmLoopback(Loopback):
         return self._child(full_name, processes.Forked(
             processes.fork(lambda: warm_nodes.become(words, environment), log_path)), log_path)
 
-    def _start_master(self):
+    def _start_master(self) -> None:
         log_path = self._log_path('rosmaster')
         try:
             pid, self.uri = ros_master.start(log_path)
