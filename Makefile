@@ -79,10 +79,10 @@ experiment: deps-experiment build  ## run a small experiment, with a report in .
 	  -o '$(WS)/experiment' $(EXPERIMENT_ARGS)
 
 study-trial: deps-study build  ## run one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
-	@$(ENTER) rosrun move_base_abstract study trial $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/trial' $(TRIAL_ARGS)
+	@$(ENTER) $(PYTHON) examples/study.py trial $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/trial' $(TRIAL_ARGS)
 
 study: deps-study build  ## run the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' adds options
-	@$(ENTER) rosrun move_base_abstract study run $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/study' $(STUDY_ARGS)
+	@$(ENTER) $(PYTHON) examples/study.py run $(if $(STUDY_FIELD),--field '$(STUDY_FIELD)') --output '$(WS)/study' $(STUDY_ARGS)
 
 picture: deps-picture deps-study build  ## take the pictures of the README, from RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py

@@ -33,6 +33,7 @@ from move_base_abstract.runs.states import STATES  # noqa: E402
 from move_base_abstract.runs.trace import ROW_KINDS  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
 from move_base_abstract_experiments.chaos import failures as chaos_failures  # noqa: E402
+from move_base_abstract_ros.nodes import help as programs  # noqa: E402
 
 UNIT = re.compile(r' \[([^\[\]_]*)\]')
 CPP_TABLE = ROOT / 'src' / 'time_master' / 'parameters' / 'parameter_table.h'
@@ -216,9 +217,22 @@ def at_limit(_name):
               for key, text in words.items())]
 
 
+def list_of_programs(name):
+    """Return the lines of the tables of the programs, by task, or of the table of their old names."""
+    if name == 'old':
+        rows = [f'| `{old}` | {row[-1]} |' for old, row in programs.OLD_NAMES.items()]
+        return ['', '| old name | write instead |', '|---|---|', *rows, '']
+    lines = []
+    for task, rows in programs.PROGRAMS.items():
+        lines += ['', f'**{task}**', '', '| program | what it does | page |', '|---|---|---|']
+        lines += [f'| `{one}` | {words} | [{page.partition(".")[0]}]({page}) |' for one, (words, page) in rows.items()]
+    return [*lines, '']
+
+
 #: what makes the other tables within pages, by their kind
 OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
-          'rows': rows_of, 'faults': faults, 'failures': failures_of_runs}
+          'rows': rows_of, 'faults': faults, 'failures': failures_of_runs,
+          'programs': list_of_programs}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

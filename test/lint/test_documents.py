@@ -17,7 +17,7 @@ PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').g
          *sorted((ROOT / 'src').rglob('*.md'))]
 LINK = re.compile(r'!?\[[^\]]*\]\(([^()\s]+)\)')
 FENCE = re.compile(r'^```.*?^```', re.DOTALL | re.MULTILINE)
-PROGRAMS = {path.name for path in (ROOT / 'scripts').iterdir()} | {'time_master'}
+PROGRAMS = [path.name for path in (ROOT / 'scripts').iterdir()] + ['time_master', 'sim_time_controller', 'PROGRAM']
 README_LINES = 130  # what it is, two commands, ten lines, pictures, links; what is longer has a page of its own
 
 

@@ -14,7 +14,8 @@ SCENARIO = 'robots:\n  - {name: robot, count: 2, start_y: 1.0, step_x: 5.0}\n'
 LAUNCH = """<launch>
   <arg name="x"/>
   <param name="asked" value="$(arg x)"/>
-  <node pkg="move_base_abstract" type="message_recorder" name="recorder"/>
+  <node pkg="move_base_abstract" type="lockstep" name="recorder"
+        args="--own move_base_abstract_ros.nodes.message_recorder_node"/>
 </launch>
 """
 TESTS = """

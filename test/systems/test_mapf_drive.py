@@ -88,7 +88,8 @@ class MapfDriveTest(unittest.TestCase):
 
     def test_a_folder_that_is_not_given_is_named(self):
         with Loopback() as ros:
-            done = warm.run([find_executable('mapf_drive'), '__name:=drives'], ros.environment)
+            done = warm.run([find_executable('lockstep'), '--own', PlanNode.__module__, '__name:=drives'],
+                            ros.environment)
         self.assertEqual(done.returncode, 1)
         self.assertIn('parameter /drives/folder: got none; allowed: the path of a folder that mapf import made',
                       done.stdout)

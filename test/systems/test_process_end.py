@@ -66,7 +66,8 @@ try:
 except OSError as error:
     print('still an error:', error.errno)
 """
-WITHOUT_ARGUMENTS = ('fleet', 'task_server', 'soil_coordinator')
+SOIL_COORDINATOR = ('lockstep', '--own', 'soil_mapping.ros.soil_coordinator')
+WITHOUT_ARGUMENTS = (('fleet',), ('task_server',), SOIL_COORDINATOR)
 
 
 def output(child):
@@ -204,12 +205,12 @@ class EndTest(unittest.TestCase):
 
     def test_help_is_printed_without_a_ros_master_and_unknown_arguments_are_refused(self):
         for executable in ('move_base', 'move_base_abstract_actionserver', 'fleet', 'task_server', 'map_server', 'demo',
-                           'why', 'compare', 'lockstep', 'soil_coordinator', 'time_master'):
+                           'why', 'compare', 'lockstep', 'help', 'time_master'):
             code, text = run(executable, '--help')
             self.assertEqual(code, 0, text)
             self.assertIn('usage', text.lower())
-        for executable in (*WITHOUT_ARGUMENTS, 'time_master'):
-            code, text = run(executable, '--bogus')
+        for words in (*WITHOUT_ARGUMENTS, ('time_master',)):
+            code, text = run(*words, '--bogus')
             self.assertEqual(code, 2, text)
             self.assertIn('unknown argument --bogus', text)
 
@@ -231,9 +232,11 @@ class EndTest(unittest.TestCase):
                 ('fleet', {'robots': [{'name': 'a b'}]}, "name: got 'a b'; allowed: letters"),
                 ('fleet', {'robots': [{'name': 'a', 'count': 1000000000}]}, 'got 1000000000; allowed: a whole number'),
                 ('fleet', {'robots': [{'name': 'a', 'count': 2, 'tf_prefix': 'x'}]}, "tf frame 'x/base_link'"),
-                ('soil_coordinator', {'names': ['a b', 'c', 'd']}, "got ['a b', 'c', 'd']; allowed: a list"),
-                ('soil_coordinator', {'robots': 1000000000}, 'robots must be a whole number in 1..1000')):
-            names.append((ros.run(executable, 'node_{}'.format(len(names)), parameters=parameters), words))
+                (SOIL_COORDINATOR, {'names': ['a b', 'c', 'd']}, "got ['a b', 'c', 'd']; allowed: a list"),
+                (SOIL_COORDINATOR, {'robots': 1000000000}, 'robots must be a whole number in 1..1000')):
+            program, *arguments = (executable,) if isinstance(executable, str) else executable
+            names.append((ros.run(program, 'node_{}'.format(len(names)), parameters=parameters,
+                                  arguments=arguments), words))
         for child, words in names:
             code, log = self.ended(child)
             self.assertEqual(code, 1, log)

@@ -51,7 +51,7 @@ for k in range(5):
 LAUNCH = """<launch>
   <node pkg="study_of_others" type="stater" name="stater"/>
   <node pkg="study_of_others" type="topic" name="topic"/>
-  <node pkg="move_base_abstract" type="property_monitor" name="property_monitor"/>
+  <include file="$(find move_base_abstract)/launch/properties.launch"/>
   <node pkg="move_base_abstract" type="shim_statements" name="shim"/>
 </launch>
 """
@@ -112,7 +112,8 @@ class PropertiesTest(unittest.TestCase):
             with open(os.path.join(self.folder, name), 'w') as stream:
                 stream.write(text)
             os.chmod(stream.name, 0o755)
-        with subprocess.Popen([sys.executable, find_executable('run_checked'), stream.name], env=self.environment,
+        words = ['--check', '--gtest_output=xml:' + os.path.join(self.folder, 'result.xml'), stream.name]
+        with subprocess.Popen([sys.executable, find_executable('lockstep_launch'), *words], env=self.environment,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as test:
             told = next((line for line in test.stdout if 'process[endless' in line), None)
             family = psutil.Process(test.pid).children(recursive=True)

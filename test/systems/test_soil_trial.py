@@ -21,10 +21,10 @@ import pytest
 from scenarios import ALL_CORES, Condition, repeated
 
 from move_base_abstract_ros import loopback
-from move_base_abstract_ros.loopback import find_executable
 from soil_mapping.study import ros_trial
 
 GUARD = 120.0
+STUDY = str(pathlib.Path(__file__).resolve().parents[2] / 'examples' / 'study.py')
 MISSION = ['--budget', '120', '--seed', '3', '--no-pictures']
 LIMIT = 40.0  # simulated s per wall s
 FILES = ['.made_by_move_base_abstract', 'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv',
@@ -58,7 +58,7 @@ class Trials(unittest.TestCase):
     @classmethod
     def study(cls, *words):
         """Run `study` with these words; return what subprocess.run returns."""
-        return subprocess.run([find_executable('study'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        return subprocess.run([sys.executable, STUDY, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True, timeout=GUARD, check=False)
 
     @classmethod
@@ -137,7 +137,7 @@ class Trials(unittest.TestCase):
     def end_by(self, number, name):
         """Start a slow trial, end it by a signal in the middle, wait for its processes; return its exit code."""
         path = self.path(name)
-        process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--output', path, '--limit', '2'],
+        process = subprocess.Popen([sys.executable, STUDY, 'trial', *MISSION, '--output', path, '--limit', '2'],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         wait_for(lambda: os.path.exists(path + '.unfinished/lockstep_events.jsonl.part'))
         process.send_signal(number)
@@ -152,7 +152,7 @@ class Trials(unittest.TestCase):
 
     def test_a_trial_that_is_interrupted_after_its_mission_is_complete(self):
         path = self.path('after')
-        process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--pictures', '--output', path],
+        process = subprocess.Popen([sys.executable, STUDY, 'trial', *MISSION, '--pictures', '--output', path],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         # When the first file of the record exists, the mission is over.
         wait_for(lambda: os.path.exists(path + '.unfinished/events.csv') or os.path.exists(path))
@@ -173,7 +173,7 @@ class Trials(unittest.TestCase):
     @NEEDS_MESA
     def test_a_disk_that_is_full_is_named_and_the_missions_events_stay(self):
         # A limit for the size of files stands in for a full disk; the maps are larger than that.
-        done = subprocess.run(['prlimit', '--fsize=100000', find_executable('study'), 'trial', *MISSION, '--engine',
+        done = subprocess.run(['prlimit', '--fsize=100000', sys.executable, STUDY, 'trial', *MISSION, '--engine',
                                'mesa', '--output', self.path('full')], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, timeout=GUARD, check=False)
         self.assertEqual(done.returncode, 1, done.stdout)
@@ -233,10 +233,10 @@ class Trials(unittest.TestCase):
     def test_a_python_without_what_the_study_needs_is_an_error_that_says_what_to_do(self):
         environment = dict(os.environ, SOIL_MAPPING_PYTHON='/no/such/python')
         done = subprocess.run([sys.executable, '-S', '-c', 'from soil_mapping.ros import find_python as f\n'
-                               'f.find_python(["study"])'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              timeout=GUARD, check=False, env=environment)
+                               'f.find_python(["study"], "study")'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, timeout=GUARD, check=False, env=environment)
         self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertIn('run `rosrun move_base_abstract study setup`', done.stdout)
+        self.assertIn('run `python3 examples/study.py setup`', done.stdout)
 
 
 def processes_with(word):

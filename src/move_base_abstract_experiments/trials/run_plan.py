@@ -69,7 +69,8 @@ def _add_own_nodes(config: Any, run: Run) -> None:
         config.params[PARTICIPANTS] = Param(PARTICIPANTS, list(experiment.participants or ()))
 
     def add(name: str, kind: str, parameters: Dict[str, Any], required: bool) -> None:
-        node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)
+        node = Node(PACKAGE, 'lockstep', name=name.lstrip('/'), required=required,
+                    args=f'--own move_base_abstract_ros.nodes.{kind}_node')
         node.machine = config.machines['']
         config.nodes.append(node)
         for key, value in parameters.items():

@@ -1,5 +1,6 @@
 """Decide which nodes of a launch file take part in lockstep, which look on, and why."""
 import os
+import re
 import shlex
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
 from . import programs
 
+_LAUNCHER, _OWN_NODE = 'lockstep', '--own'
 #: the program of the deputy, the node that takes part for a script that starts runs
 DEPUTY = 'lockstep_series'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
@@ -113,7 +115,7 @@ def _starts_recorder(node):
 
 
 def _is_by_itself(node):
-    return node.package == PACKAGE and node.type in _BY_ITSELF or _OWN_PREFIX in (node.launch_prefix or '')
+    return node.package == PACKAGE and _own_type(node) in _BY_ITSELF or _OWN_PREFIX in (node.launch_prefix or '')
 
 
 def _outside(node, with_respawned):
@@ -134,7 +136,15 @@ def _outside(node, with_respawned):
 
 def has_last_words(node):
     """Return whether a roslaunch Node may have something to do after the run, so that it must not be killed then."""
-    return not (node.package == PACKAGE and node.type in _WITHOUT_LAST_WORDS)
+    return not (node.package == PACKAGE and _own_type(node) in _WITHOUT_LAST_WORDS)
+
+
+def _own_type(node):
+    """Return the type of one of our nodes, or the last part of the module's name if it is `lockstep --own MODULE`."""
+    words = (node.args or '').split()
+    if node.type != _LAUNCHER or words[:1] != [_OWN_NODE]:
+        return node.type
+    return re.sub('_node$', '', words[1].rpartition('.')[2])
 
 
 def is_shell(node):

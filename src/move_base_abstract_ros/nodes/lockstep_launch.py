@@ -28,6 +28,7 @@ from move_base_abstract.radio import network
 
 from ..adopting import next_step
 from ..launching import command_line, light_imports, warm_client
+from ..launching.scripted import rostest_case
 from ..process.process_end import leave
 
 _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
@@ -36,7 +37,10 @@ _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
 def main(words=None):
     """Run the launch file and exit with the code."""
     outlive_readers()
-    parser, options = read_words(sys.argv[1:] if words is None else words)
+    words = sys.argv[1:] if words is None else words
+    if rostest_case.is_asked(words):
+        rostest_case.run(words)
+    parser, options = read_words(words)
     warm = None if options.list else warm_client.WarmClient(
         os.path.dirname(os.path.abspath(sys.argv[0])), not options.use_master)
     # Only now, while the warm process works beside this one: these imports take a while.

@@ -9,6 +9,7 @@ gets a preloaded library. A shell script is followed to the Python program that 
 work in lockstep, the program runs as if the launcher were not there.
 """
 import argparse
+import importlib
 import os
 import re
 import sys
@@ -21,10 +22,17 @@ from ..lockstep.programs.command_line import PYTHON, find, kind_of, own_words, p
 
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
 _AS_SCRIPT = '--as-script'
+#: from our own launch files and runs: main() of the module that follows is a node that takes part by itself
+_OWN = '--own'
 
 
 def main():
     """Run the program, and exit with its exit code."""
+    if sys.argv[1:2] == [_OWN] and sys.argv[2:]:
+        name = sys.argv[2]
+        del sys.argv[1:3]
+        importlib.import_module(name).main()
+        return
     options, command = _parse(sys.argv[1:])
     try:
         is_new_layout = address_layout.choose(os.environ)

@@ -10,6 +10,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from move_base_abstract.msg import RadioLinks
 
 from ..process.node_process import parse_no_arguments
+from ..replacing import rospy_start
 
 _WIDTH, _HEIGHT = 0.06, 0.03  # m
 _DOWN, _QUIET = ColorRGBA(0.85, 0.15, 0.15, 0.35), ColorRGBA(0.5, 0.5, 0.5, 0.6)
@@ -50,6 +51,7 @@ class RadioMarkers:
 def main():
     """Show links until ROS shuts down."""
     parse_no_arguments('radio_markers', __doc__)
+    rospy_start.prepare()
     rospy.init_node('radio_markers', disable_rosout=True)
     markers = RadioMarkers(rospy.get_param('~frame_id', 'map'))
     publisher = rospy.Publisher('/radio_markers', MarkerArray, queue_size=1, latch=True)

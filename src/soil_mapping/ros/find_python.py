@@ -21,8 +21,8 @@ STARTED_AGAIN = 'SOIL_MAPPING_STARTED_AGAIN'
 ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 
-def find_python(words):
-    """Start the program of this command line again with another Python, unless this one has all that is needed.
+def find_python(words, program):
+    """Start ``program``, by this command line, again with another Python, unless this one has all that is needed.
 
     If there is no such Python, the program exits with an error. Call this before numpy is imported, because it sets
     numpy's number of threads.
@@ -36,9 +36,9 @@ def find_python(words):
     candidates = _candidates()
     python = next((path for path in candidates if os.access(path, os.X_OK)), None)
     if started_again or python is None:
-        sys.exit(f'{Path(words[0]).name}: {", ".join(missing)} not installed for {sys.executable}'
-                 f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run `rosrun "
-                 f'move_base_abstract study setup`, or set {VARIABLE} to a Python that has all packages of '
+        sys.exit(f'{program}: {", ".join(missing)} not installed for {sys.executable}'
+                 f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run `python3 "
+                 f'examples/study.py setup`, or set {VARIABLE} to a Python that has all packages of '
                  f'{environment.STUDY_LISTS[0]}')
     os.environ[STARTED_AGAIN] = '1'
     os.execv(python, [python, *words])

@@ -110,7 +110,7 @@ def started(monkeypatch, tmp_path):
 
     def start():
         found.clear()
-        finder.find_python(['/opt/lib/study', 'trial'])
+        finder.find_python(['/opt/lib/study', 'trial'], 'study')
         monkeypatch.delenv(finder.STARTED_AGAIN)
         return found[0]
 
@@ -134,17 +134,19 @@ def test_an_installed_program_finds_the_users_environment_and_the_one_that_a_var
 
 
 def test_without_one_the_error_says_how_to_make_it(started):
-    with pytest.raises(SystemExit, match='(?s)no-such-package not installed.*rosrun move_base_abstract study setup'):
+    with pytest.raises(SystemExit, match='(?s)no-such-package not installed.*python3 examples/study.py setup'):
         started()
 
 
 def test_setup_runs_with_debians_python_alone(tmp_path):
     """What makes the environment must not need what the environment brings."""
     code = ('import sys\nfor name in ("numpy", "scipy", "yaml", "matplotlib"): sys.modules[name] = None\n'
-            'from soil_mapping.nodes import study\n'
+            'sys.path.append(sys.argv[1])\nimport study\n'
             'from soil_mapping import environment\n'
             'environment._run = lambda words, failure: None\nsys.argv = ["study", "setup"]\nstudy.main()')
-    done = subprocess.run([sys.executable, '-c', code], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
-                          env={**os.environ, 'XDG_DATA_HOME': str(tmp_path), 'PYTHONPATH': os.pathsep.join(sys.path)},
+    examples = str(Path(__file__).resolve().parents[3] / 'examples')
+    done = subprocess.run([sys.executable, '-c', code, examples], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          text=True, env={**os.environ, 'XDG_DATA_HOME': str(tmp_path),
+                                               'PYTHONPATH': os.pathsep.join(sys.path)},
                           check=False)
     assert (done.returncode, done.stdout) == (0, f'{tmp_path}/move_base_abstract/study_python/bin/python\n')

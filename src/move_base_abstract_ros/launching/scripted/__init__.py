@@ -1,1 +1,1 @@
-"""Scripts that start launch files one after another: each of these becomes a run in lockstep."""
+"""What starts launch files by itself: scripts, each file of which becomes a run in lockstep, and rostest."""

@@ -1,10 +1,10 @@
-"""Run a launch file in lockstep to its end and check its properties, as a test of rostest.
+"""`lockstep_launch` as a test of rostest: the result file has a case for each thing that a run promises.
 
-    <test pkg="move_base_abstract" type="run_checked" test-name="mission" time-limit="120"
-          args="$(find my_study)/launch/system.launch robots:=3"/>
+    <test pkg="move_base_abstract" type="lockstep_launch" test-name="mission" time-limit="120"
+          args="--check $(find my_study)/launch/system.launch robots:=3"/>
 
-The arguments are those of lockstep_launch. The run has a ROS master of its own; rostest's time limit holds for it. The
-result file has a case for the end of the run, for each built-in property, and for each statement that was made.
+The run has a ROS master of its own; rostest's time limit holds for it. There is a case for the end of the run and, with
+--check, for each built-in property and each statement that was made.
 """
 import collections
 import json
@@ -19,23 +19,27 @@ from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
 from ..launching import command_line
-from ..loopback import find_executable
+from ...loopback import find_executable
 
 _OUTPUT = '--gtest_output=xml:'
+_CHECK = '--check'
 _LAST_LINES = 15
 _GOOD, _BROKEN = 0, 4  # of lockstep_launch
 
 
-def main(words=None):
+def is_asked(words):
+    """Return whether rostest has given these words of a command line."""
+    return any(word.startswith(_OUTPUT) for word in words)
+
+
+def run(words):
     """Run the launch file and exit with 0, or with 1 if a property is broken or the run did not come to its end."""
-    words = sys.argv[1:] if words is None else words
     results = [word[len(_OUTPUT):] for word in words if word.startswith(_OUTPUT)]
     # rostest adds options of its own, and remappings that begin with two underscores.
     words = [word for word in words if not word.startswith(('--gtest_', '__')) and word != '--text']
-    name = next((word[len('__name:='):] for word in sys.argv if word.startswith('__name:=')), 'run_checked')
+    name = next((word[len('__name:='):] for word in sys.argv if word.startswith('__name:=')), 'lockstep_launch')
     cases = _run(words)
-    if results:
-        _write(results[-1], name, cases)
+    _write(results[-1], name, cases)
     for case, problem in cases.items():
         print('{}: {}'.format(case, 'broken: ' + problem if problem else 'kept'))
     if any(cases.values()):
@@ -47,7 +51,7 @@ def _run(words):
     """Run lockstep_launch; return {case: what is wrong, or ''}."""
     with tempfile.TemporaryDirectory(prefix='move_base_abstract_checked_') as folder:
         outcome = os.path.join(folder, 'outcome.json')
-        command = [sys.executable, find_executable('lockstep_launch'), '--check', '--outcome', outcome, *words]
+        command = [sys.executable, find_executable('lockstep_launch'), '--outcome', outcome, *words]
         last, signals = collections.deque(maxlen=_LAST_LINES), []
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors='replace') as process:
@@ -64,7 +68,7 @@ def _run(words):
     ended = '' if is_over else 'the run did not come to its end ({}):\n{}'.format(
         'it was ended from outside' if signals else 'exit code {}'.format(process.returncode),
         '\n'.join(map(shown_text, last)))
-    return {'the run comes to its end': ended, **_cases(told)}
+    return {'the run comes to its end': ended, **(_cases(told) if _CHECK in words else {})}
 
 
 def _cases(told):
