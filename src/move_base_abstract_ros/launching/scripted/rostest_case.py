@@ -18,8 +18,8 @@ import xml.etree.ElementTree as ElementTree
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
-from ..launching import command_line
 from ...loopback import find_executable
+from ..launching import command_line
 
 _OUTPUT = '--gtest_output=xml:'
 _CHECK = '--check'
