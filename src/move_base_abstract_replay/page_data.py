@@ -5,11 +5,10 @@ from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.story import Story
 
 from .charges import Charges
-from .links import find_links
 from .motions import Motions
 from .packed import Packer
 from .stays import count_orders, find_phases, find_stays
-from .timelines import find_timelines
+from .timelines import find_links, find_timelines
 from .world import World
 
 NOBODY = 2 ** 32 - 1  # stands for a robot's number where there is no robot

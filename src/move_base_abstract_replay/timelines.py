@@ -1,10 +1,12 @@
-"""The rows of the timeline: what robots did and when, and when other names were in the log."""
+"""The rows of the timeline, and of a radio when its links were up: what happened to a name, and when."""
 import json
 import re
 
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import IDLE
 from move_base_abstract.runs.story import owner
+
+from .recording import is_number
 
 #: the kinds of events of the radio; hosts get no rows in the timeline
 RADIO = ('radio', 'radio_lost', 'link', 'host')
@@ -51,3 +53,26 @@ def natural(name):
     """Return a key that sorts names with their numbers by value: robot_2 before robot_10."""
     return [(0, int(text), '') if text[0] in '0123456789' else (1, 0, text) for text in
             re.findall(r'[0-9]+|[^0-9]+', name)], name
+
+
+def find_links(recording, robots):
+    """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] for the links whose ends can be shown.
+
+    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] for a host that stands still.
+    Any program may write rows; those of another form are left out.
+    """
+    numbers = {name: number for number, name in enumerate(robots)}
+    places, links = {}, {}
+    for time_ns, name, kind, text in recording:
+        if kind not in ('link', 'host'):
+            continue
+        values = json.loads(text)
+        if kind == 'host' and len(values) == 2 and all(map(is_number, values)):
+            places[name] = {'name': name, 'x': values[0], 'y': values[1]}
+        elif kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
+            times, states = links.setdefault(tuple(values[:2]), ([], []))
+            times.append(time_ns)
+            states.append(values[2] == 'up')
+    ends = {**places, **{name: {'robot': number} for name, number in numbers.items()}}
+    return [{'ends': [ends[one] for one in pair], 'times': times, 'up': states}
+            for pair, (times, states) in links.items() if all(one in ends for one in pair)]

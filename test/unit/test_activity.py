@@ -13,7 +13,7 @@ def doing(fleet):
             for member in fleet.robots]
 
 
-def test_idle_travelling_waiting_working_held_and_failed():
+def test_idle_driving_waiting_working_held_and_failed():
     robots = [{'name': 'a'}, {'name': 'b'}, {'name': 'c', 'start_x': 3.0, 'failure_kind': 'stall'}]
     fleet = Fleet(make_scenario({'places': [{'name': 'dock', 'capacity': 1, 'duration': 5.0}], 'robots': robots}),
                   start_ns=0)
@@ -22,7 +22,7 @@ def test_idle_travelling_waiting_working_held_and_failed():
         fleet.robot(name).send_task(Task(name, 0, 'dock', Pose2D()))
     fleet.robot('c').send(9.0, 0.0)
     fleet.run(S)
-    assert doing(fleet) == ['working', 'waiting', 'travelling']
+    assert doing(fleet) == ['working', 'waiting', 'driving']
     navigator = fleet.robot('c').navigator
     navigator.travel.hold('gate', S)
     assert doing(fleet)[2] == 'held: gate'

@@ -157,7 +157,7 @@ def test_who_stands_may_be_sent_elsewhere(tmp_path, what):
         assert not fleet.robot('a').navigator.travel.held_for
     elif what == 'send':
         fleet.robot('a').send(0.0, 5.0)
-        assert fleet.robot('a').activity == 'travelling'
+        assert fleet.robot('a').activity == 'driving'
     else:
         fleet.robot('a').place(Pose2D(0.0, 20.0))
         assert fleet.robot('a').activity == 'held: encounter with b'

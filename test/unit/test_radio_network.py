@@ -19,7 +19,7 @@ from move_base_abstract.radio.network import resolve
 from move_base_abstract.runs import metrics
 from move_base_abstract.runs.story import Story
 from move_base_abstract_experiments.trials.radio import Radio
-from move_base_abstract_replay.links import find_links
+from move_base_abstract_replay.timelines import find_links
 
 HOSTS = """
 hosts:

@@ -8,12 +8,15 @@ from pathlib import Path
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.runs.states import NAMES, STATES
+from move_base_abstract_replay import page as page_module
 from move_base_abstract_replay.packed import Packer
 from move_base_abstract_replay.page import write_page
 from move_base_abstract_replay.recording import ReplayError
 from test_replay_recording import S, log_text
 
-MAP = Path(__file__).resolve().parents[2] / 'maps' / 'farm_yard.yaml'
+ROOT = Path(__file__).resolve().parents[2]
+MAP = ROOT / 'maps' / 'farm_yard.yaml'
 LEG = [(S, 'r', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)), (S, 'r', 'departed', (4.0, 0.0, 0.0)),
        (5 * S, 'r', 'stands', (4.0, 0.0, 0.0)), (5 * S, 'r', 'ended', ('g', 'SUCCEEDED', 'Goal reached.'))]
 
@@ -119,3 +122,16 @@ def test_two_logs_are_compared_and_the_first_difference_is_told(log, tmp_path):
 def test_three_logs_are_an_error(log, tmp_path):
     with pytest.raises(ReplayError, match='got 3 logs'):
         write_page([log('a.jsonl', LEG)] * 3, tmp_path / 'p.html')
+
+
+def test_the_states_of_the_page_are_those_of_the_table_and_stand_nowhere_else(log, tmp_path, monkeypatch):
+    more = STATES[0]._replace(name='paused', colours=('#000001', '#000002', '#000003'), stands_out=True)
+    monkeypatch.setattr(page_module, 'STATES', (*STATES, more))
+    write_page([log('run.jsonl', LEG)], tmp_path / 'p.html')
+    text = (tmp_path / 'p.html').read_text()
+    for state in (*STATES, more):
+        assert [text.count('--{}: {};'.format(state.name, colour)) > 0 for colour in state.colours] == [True] * 3
+        assert '{{"name": "{}", "standsOut": {}}}'.format(state.name, str(state.stands_out).lower()) in text
+    assert re.findall(r'<i class="(\w+)" style="background: var', text) == ['driving', 'idle']
+    for path in (ROOT / 'src' / 'move_base_abstract_replay' / 'templates').iterdir():
+        assert not re.search('--({}):'.format('|'.join(NAMES)), path.read_text()), path

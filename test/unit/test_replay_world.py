@@ -108,7 +108,7 @@ def test_the_charge_is_that_of_the_fleet_where_legs_are_exact(run):
             times, values = zip(*knots)
             before = max(place for place, time_ns in enumerate(times) if time_ns <= now_ns)
             after = min((place for place, time_ns in enumerate(times) if time_ns >= now_ns), default=before)
-            if doing[name] == 'travelling':  # in between the page draws a straight line
+            if doing[name] == 'driving':  # in between the page draws a straight line
                 assert min(values[before], values[after]) - CLOSE <= share <= max(values[before], values[after]) + CLOSE
             else:
                 assert np.interp(now_ns, times, values) == pytest.approx(share, abs=CLOSE)

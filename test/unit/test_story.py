@@ -322,7 +322,7 @@ def _doing(robot):
     if words == 'held':
         works = robot._tasks is not None and robot._tasks.is_working
         return 'waiting' if robot.navigator.is_active and not works else None
-    return {'travelling': 'driving', 'battery empty': None}.get(words, words)
+    return None if words == 'battery empty' else words
 
 
 def _deed(draw, robot):

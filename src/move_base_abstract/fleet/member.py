@@ -104,7 +104,7 @@ class Member:
 
     @property
     def activity(self) -> str:
-        """What the robot does, in a word or two: travelling, waiting, working, charging, idle, failed, held."""
+        """What the robot does, in a word or two: one of the states of :mod:`.runs.states`, held, or battery empty."""
         return activity(self.navigator, self.condition, self._tasks)
 
     def distance_to(self, x: float, y: float) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Optional
 
+from ..runs.states import STATES
+
 if TYPE_CHECKING:
     from ..faults.condition import Condition
     from ..tasks.place_tasks import PlaceTaskRunner
@@ -15,8 +17,8 @@ _LONGEST = 40  # characters
 def activity(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTaskRunner] = None) -> str:
     """Return what the robot of ``navigator`` (Navigator) does, in a word or two.
 
-    If the robot has failed, its battery is empty, or it is held, the text says so. Otherwise it is the first that holds
-    of travelling, working, waiting, charging, idle. If the robot has a battery, its charge follows in whole percent.
+    If the robot has failed, its battery is empty, or it is held, the text says so. Otherwise it is the state with the
+    lowest precedence of those that hold. If the robot has a battery, its charge follows in whole percent.
     ``condition``: the robot's Condition; ``tasks``: its PlaceTaskRunner, or None.
     """
     doing = _doing(navigator, condition, tasks)
@@ -28,14 +30,11 @@ def activity(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTa
 def _doing(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTaskRunner]) -> str:
     if condition.state_text:
         return shortened(condition.state_text)
-    if navigator.robot.leg is not None:
-        return 'travelling'
-    if tasks is not None and tasks.is_working:
-        return 'working'
-    if navigator.is_active or (tasks is not None and tasks.is_waiting):
-        return 'waiting'
+    works, waits = (False, False) if tasks is None else (tasks.is_working, tasks.is_waiting)
     battery = condition.battery
-    return 'charging' if battery is not None and battery.charger is not None and battery.soc < 1.0 else 'idle'
+    holds = {'driving': navigator.robot.leg is not None, 'working': works, 'waiting': navigator.is_active or waits,
+             'charging': battery is not None and battery.charger is not None and battery.soc < 1.0, 'idle': True}
+    return min((state for state in STATES if holds.get(state.name)), key=lambda state: state.precedence).name
 
 
 def shortened(text: str) -> str:
