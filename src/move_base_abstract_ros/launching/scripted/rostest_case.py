@@ -19,7 +19,7 @@ from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
 from ...loopback import find_executable
-from ..launching import command_line
+from .. import command_line
 
 _OUTPUT = '--gtest_output=xml:'
 _CHECK = '--check'
