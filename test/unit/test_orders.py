@@ -89,7 +89,7 @@ def test_files_are_tables_and_yaml_and_say_the_same(tmp_path):
     ({'stops': [{'place': 'moon'}]}, "stops[0]: place: got 'moon'; allowed: bay_1, bay_2, dock"),
     ({'stops': [{'place': 'dock', 'x': 1.0}]}, 'allowed: either a place or x, y and yaw'),
     ({'stops': [{'places': ['dock'], 'area': [0, 0, 1, 1]}]}, 'got places and area; allowed: one of place, places'),
-    ({'stops': [{'area': [2, 0, 1, 1]}]}, 'area: got [2.0, 0.0, 1.0, 1.0]; allowed: a list [x_min'),
+    ({'stops': [{'area': [2, 0, 1, 1]}]}, 'area: got [2, 0, 1, 1]; allowed: a list [x_min'),
     ({'stops': [{'place': 'dock', 'action': 'dance'}]}, "action: got 'dance'; allowed: 'work', 'load' or 'unload'"),
     ({'stops': [{'place': 'dock', 'weight': 1}]}, 'weight'),
     ({'stops': ['dock']}, "stops[0]: got 'dock'; allowed: a mapping"),

@@ -13,7 +13,7 @@ from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, number, one_of
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
-from ..tasks.arrivals import Task, find_place
+from ..tasks.arrivals import Task, place_or_pose
 from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
 
 #: what the robot does at a stop; after a load it carries goods
@@ -126,11 +126,7 @@ def read_stop(raw: Any, places: Dict[str, Place], where: str) -> ListedStop:
     :raises ConfigurationError: if it is not allowed; the text names ``where`` and what is allowed.
     """
     values = read_entry(raw, STOP_TABLE, where)
-    has_place, own = raw.get('place') is not None, [key for key in ('x', 'y', 'yaw') if key in raw]
-    if has_place == bool(own):
-        raise ConfigurationError('{}: got {}; allowed: either a place or x, y and yaw'.format(where, shown(raw)))
-    place = find_place(values['place'], places, where) if has_place else None
-    pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
+    place, pose = place_or_pose(raw, values, places, where)
     return stop_at(place, pose, values['action'], read_work(values, where, place.work if place else Work()))
 
 

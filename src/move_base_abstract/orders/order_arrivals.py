@@ -12,24 +12,32 @@ from __future__ import annotations
 
 import fnmatch
 import heapq
-import math
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
-from ..common.bounded_yaml import load_yaml_file
-from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, integer, number, numbers, text
+from ..common.parameter_table import Parameter, checked, number
 from ..common.shown import shown
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..motion.geometry import Pose2D
-from ..tasks.arrivals import MAX_ENTRIES, MAX_TASKS, drawn_ns
+from ..tasks.arrivals import (
+    AREA,
+    FILE,
+    RATE_TABLE,
+    TIME,
+    as_value,
+    drawn_ns,
+    exponential_ns,
+    file_alone,
+    instants,
+    point_in,
+    read_sources,
+    rows_in,
+)
 from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_entry, read_work
 from .order import ACTION, DEADLINE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
-
-_SECONDS = 'a number in {}..{:.0f} [s, simulated]'
 
 
 def _texts(value: Any) -> List[str]:
@@ -42,25 +50,16 @@ def _any(value: Any) -> Any:
     return value
 
 
-_AREA = Parameter('area', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
-                  'y_min <= y_max')
 _STOPS = Parameter('stops', None, _any, 'a list of stops')
-_TIME = Parameter('time', None, number(0.0, MAX_SECONDS), _SECONDS.format(0, MAX_SECONDS))
 ORDER_TABLE = (
-    NAME,
-    Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
-    Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
-    Parameter('every', None, number(1e-9, MAX_SECONDS), _SECONDS.format('1e-9', MAX_SECONDS)),
-    Parameter('count', None, integer(1), 'a whole number >= 1'),
-    Parameter('until', None, number(0.0, MAX_SECONDS), _SECONDS.format(0, MAX_SECONDS)),
-    _STOPS, DEADLINE, PRIORITY,
-    Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
-)
+    NAME, *RATE_TABLE,
+    Parameter('every', None, number(1e-9, MAX_SECONDS), 'a number in 1e-9..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
+    _STOPS, DEADLINE, PRIORITY, FILE)
 #: the keys of a stop of a template, in addition to those of a stop of a file
 DRAWN_STOP_TABLE = (
-    Parameter('places', None, _texts, "a list of names of places, or of patterns: 'bay_*'"), _AREA, ACTION,
+    Parameter('places', None, _texts, "a list of names of places, or of patterns: 'bay_*'"), AREA, ACTION,
     *WORK_TABLE)
-_ROW = (_TIME, _STOPS, DEADLINE, PRIORITY)
+_ROW = (TIME, _STOPS, DEADLINE, PRIORITY)
 
 
 @dataclass(frozen=True)
@@ -75,9 +74,7 @@ class DrawnStop:
         at = int(chance.uniform(number_, Purpose.ORDER_STOP) * len(self.choices)) if len(self.choices) > 1 else 0
         stop, seconds = self.choices[at].stop, self.choices[at].seconds
         if self.area is not None:
-            x_min, y_min, x_max, y_max = self.area
-            stop = replace(stop, pose=Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
-                                             y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y)))
+            stop = replace(stop, pose=point_in(self.area, chance, number_))
         return with_duration(stop, seconds, chance, number_)
 
 
@@ -109,20 +106,12 @@ class Template:
         """Yield the orders for ``seed``, in the order of their arrival."""
         chance = Chance(seed, 'orders {}'.format(self.name))
         of_stops = _chances(seed, self.name, len(self.stops))
-        arrival_ns, number_ = 0, 0
-        while self.count is None or number_ < self.count:
-            number_ += 1
-            arrival_ns = min(LAST_NS + 1, arrival_ns + self._gap_ns(chance, number_))
-            if arrival_ns > self.until_ns:
-                return
+
+        def gap_ns(number_: int) -> int:
+            return self.every_ns if self.rate is None else exponential_ns(self.rate, chance, number_)
+        for number_, arrival_ns in instants(gap_ns, self.count, self.until_ns):
             stops = tuple(stop.draw(one, number_) for stop, one in zip(self.stops, of_stops))
             yield Order('{}_{}'.format(self.name, number_), arrival_ns, stops, self.deadline_ns, self.priority)
-
-    def _gap_ns(self, chance: Chance, number_: int) -> int:
-        if self.rate is None:
-            return self.every_ns
-        gap = -math.log(chance.uniform(number_, Purpose.ARRIVAL)) / self.rate
-        return max(1, seconds_to_ns(min(gap, MAX_SECONDS)))
 
 
 @dataclass(frozen=True)
@@ -158,19 +147,7 @@ def read_orders(raw: Any, places: Dict[str, Place], where: str) -> Tuple[OrderSo
 
     :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
-    if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
-        raise ConfigurationError('{}: orders: got {}; allowed: a list of at most {} entries'.format(
-            where, shown(raw), MAX_ENTRIES))
-    sources: List[OrderSource] = []
-    names = set()
-    for index, entry in enumerate(raw):
-        here = '{}: orders[{}]'.format(where, index)
-        source = _read_one(read_entry(entry, ORDER_TABLE, here), places, here)
-        if source.name in names:
-            raise ConfigurationError("{}: name: '{}' is given to more than one entry".format(here, source.name))
-        names.add(source.name)
-        sources.append(source)
-    return tuple(sources)
+    return read_sources(raw, 'orders', ORDER_TABLE, where, lambda values, here: _read_one(values, places, here))
 
 
 def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -> OrderSource:
@@ -179,11 +156,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
         raise ConfigurationError('{}: got {} file and stops; allowed: one of them'.format(
             where, 'neither' if values['file'] is None else 'both'))
     if values['file'] is not None:
-        others = [key for key in ('rate', 'rate_per_hour', 'every', 'count', 'until', 'deadline')
-                  if values[key] is not None] + (['priority'] if values['priority'] else [])
-        if others:
-            raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
-                where, others[0], shown(values[others[0]])))
+        file_alone(values, ('rate', 'rate_per_hour', 'every', 'count', 'until', 'deadline', 'priority'), where)
         return _read_file(name, values['file'], places, where)
     given = [key for key in ('rate', 'rate_per_hour', 'every') if values[key] is not None]
     if len(given) != 1:
@@ -214,10 +187,7 @@ def _drawn(raw: Any, places: Dict[str, Place], where: str) -> DrawnStop:
             where, groups[0], also[0]))
     values = read_entry(raw, DRAWN_STOP_TABLE, where)
     if values['area'] is not None:
-        area = values['area']
-        if area[0] > area[2] or area[1] > area[3]:
-            raise ConfigurationError('{}: area: got {}; allowed: {}'.format(where, shown(list(area)), _AREA.allowed))
-        return DrawnStop((stop_at(None, Pose2D(), values['action'], read_work(values, where)),), area)
+        return DrawnStop((stop_at(None, Pose2D(), values['action'], read_work(values, where)),), values['area'])
     names = _named(values['places'], places, where)
     return DrawnStop(tuple(stop_at(places[name], places[name].pose, values['action'],
                                    read_work(values, where, places[name].work)) for name in names))
@@ -234,46 +204,22 @@ def _named(patterns: List[str], places: Dict[str, Place], where: str) -> List[st
 
 def _read_file(name: str, path: str, places: Dict[str, Place], where: str) -> ListedOrders:
     rows = []
-    for index, (here, row) in enumerate(_rows(path, where)):
+    for index, (here, row) in enumerate(rows_in(path, 'orders', where, _cell)):
         values = read_entry(row, _ROW, here)
         if values['time'] is None:
-            raise ConfigurationError('{}: time: not given; allowed: {}'.format(here, _TIME.allowed))
+            raise ConfigurationError('{}: time: not given; allowed: {}'.format(here, TIME.allowed))
         stops = tuple(read_stop(one, places, '{}: stops[{}]'.format(here, number_))
                       for number_, one in enumerate(read_stops(values['stops'], here)))
         rows.append((index + 1, Order('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), (),
                                       _ns(values['deadline']), values['priority']), stops))
-    if not rows:
-        raise ConfigurationError('{}: got no orders; allowed: at least one'.format(path))
     return ListedOrders(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
-
-
-def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
-    """Yield (location for messages, mapping) of each row of a file of orders, CSV or YAML."""
-    if path.endswith('.csv'):
-        with open_csv(path) as stream:
-            for index, (here, row) in enumerate(rows_of(stream, path)):
-                if index >= MAX_TASKS:
-                    raise ConfigurationError('{}: got more rows; allowed: at most {} orders'.format(here, MAX_TASKS))
-                yield here, {key: _cell(key, cell) for key, cell in row.items() if cell}
-        return
-    if not path.endswith(('.yaml', '.yml')):
-        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ORDER_TABLE[-1].allowed))
-    raw = load_yaml_file(path)
-    if not isinstance(raw, dict) or list(raw) != ['orders'] or not isinstance(raw['orders'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, orders, a list'.format(
-            path, shown(raw)))
-    for index, row in enumerate(raw['orders']):
-        yield '{}: orders[{}]'.format(path, index), row
 
 
 def _cell(key: str, cell: str) -> Any:
     """Return the value of a cell. Stops are separated by semicolons; each is 'load bay_1', or a place alone."""
     if key == 'stops':
         return [_stop_words(part.split()) for part in cell.split(';') if part.strip()]
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
+    return as_value(cell)
 
 
 def _stop_words(words: List[str]) -> Dict[str, str]:

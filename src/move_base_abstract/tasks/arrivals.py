@@ -20,11 +20,11 @@ from typing import (
     Dict,
     Iterable,
     Iterator,
-    List,
     Mapping,
     Optional,
     Sequence,
     Tuple,
+    TypeVar,
     Union,
 )
 
@@ -32,7 +32,7 @@ from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, integer, number, numbers, text
+from ..common.parameter_table import SCHEMAS, Parameter, checked, integer, number, numbers, text
 from ..common.shown import shown
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
@@ -54,25 +54,35 @@ from .places import (
 if TYPE_CHECKING:
     from ..engine.factors import Lognormal
 
+Source = TypeVar('Source')
 MAX_TASKS = 1_000_000  # in a file
 MAX_ENTRIES = 10_000
+_corners = numbers(4)
+
+
+def _area(value: object) -> Tuple[float, ...]:
+    area = _corners(value)
+    if area[0] > area[2] or area[1] > area[3]:
+        raise ValueError
+    return area
+
+
+SCHEMAS[_area] = SCHEMAS[_corners]
 _PLACE = Parameter('place', None, place_name, 'the name of one of the places')
-ARRIVAL_TABLE = (
-    NAME,
-    _PLACE,
-    Parameter('area', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
-              'y_min <= y_max'),
+AREA = Parameter('area', None, _area, 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
+                 'y_min <= y_max')
+FILE = Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml')
+#: how often something arrives
+RATE_TABLE = (
     Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
     Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
     Parameter('count', None, integer(1), 'a whole number >= 1'),
     Parameter('until', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
-    Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
-    PRIORITY,
-    *WORK_TABLE,
 )
-_TIME = Parameter('time', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS))
+ARRIVAL_TABLE = (NAME, _PLACE, AREA, *RATE_TABLE, FILE, PRIORITY, *WORK_TABLE)
+TIME = Parameter('time', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS))
 _DURATION, _, _, _POWER, _ENERGY = WORK_TABLE
-_ROW = (_TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
+_ROW = (TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
 
 
 @dataclass(frozen=True)
@@ -129,26 +139,12 @@ class Poisson:
     def tasks(self, seed: int) -> Iterator[Task]:
         """Yield the :class:`Task` objects for ``seed``, in the order of their arrival."""
         chance = Chance(seed, 'arrivals {}'.format(self.name))
-        arrival_ns, number_ = 0, 0
-        while self.count is None or number_ < self.count:
-            number_ += 1
-            gap = -math.log(chance.uniform(number_, Purpose.ARRIVAL)) / self.rate
-            arrival_ns = min(LAST_NS + 1, arrival_ns + max(1, seconds_to_ns(min(gap, MAX_SECONDS))))
-            if arrival_ns > self.until_ns:
-                return
+        for number_, arrival_ns in instants(lambda number_: exponential_ns(self.rate, chance, number_), self.count,
+                                            self.until_ns):
             yield Task('{}_{}'.format(self.name, number_), arrival_ns, self.place.name if self.place else '',
-                       self._pose(chance, number_), self._duration_ns(chance, number_), self.work.power,
-                       self.work.energy, self.priority)
-
-    def _pose(self, chance: Chance, number_: int) -> Pose2D:
-        if self.place is not None:
-            return self.place.pose
-        x_min, y_min, x_max, y_max = self.area
-        return Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
-                      y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y))
-
-    def _duration_ns(self, chance: Chance, number_: int) -> int:
-        return drawn_ns(self.work.seconds, lambda place: chance.uniform(number_, Purpose.TASK_DURATION, place))
+                       self.place.pose if self.place else point_in(self.area, chance, number_),
+                       drawn_ns(self.work.seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)),
+                       self.work.power, self.work.energy, self.priority)
 
 
 @dataclass(frozen=True)
@@ -166,6 +162,32 @@ class Listed:
                 seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)))
 
 
+def instants(gap_ns: Callable[[int], int], count: Optional[int], until_ns: int) -> Iterator[Tuple[int, int]]:
+    """Yield (number, from 1 on; instant [ns]) of things that arrive ``gap_ns(number)`` [ns] after one another.
+
+    There are at most ``count`` of them (None: endless), and none after ``until_ns`` [ns].
+    """
+    arrival_ns, number_ = 0, 0
+    while count is None or number_ < count:
+        number_ += 1
+        arrival_ns = min(LAST_NS + 1, arrival_ns + gap_ns(number_))
+        if arrival_ns > until_ns:
+            return
+        yield number_, arrival_ns
+
+
+def exponential_ns(rate: float, chance: Chance, number_: int) -> int:
+    """Return the gap [ns] before the ``number_``-th of things that arrive at a ``rate`` [1/s]."""
+    return max(1, seconds_to_ns(min(-math.log(chance.uniform(number_, Purpose.ARRIVAL)) / rate, MAX_SECONDS)))
+
+
+def point_in(area: Tuple[float, float, float, float], chance: Chance, number_: int) -> Pose2D:
+    """Return a point that is drawn evenly from ``area`` (x_min, y_min, x_max, y_max) [m]."""
+    x_min, y_min, x_max, y_max = area
+    return Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
+                  y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y))
+
+
 def drawn_ns(seconds: Any, uniform: Callable[[int], float]) -> int:
     """Return a duration [ns], at least 1, drawn from the distribution ``seconds`` by ``uniform(place)`` in (0, 1)."""
     return max(1, seconds_to_ns(min(seconds.draw(uniform), MAX_SECONDS)))
@@ -181,19 +203,27 @@ def read_arrivals(raw: Mapping[str, Any], places: Dict[str, Place], where: str) 
 
     :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
+    return read_sources(raw, 'arrivals', ARRIVAL_TABLE, where, lambda values, here: _read_one(values, places, here))
+
+
+def read_sources(raw: Any, key: str, table: Tuple[Parameter, ...], where: str,
+                 read_one: Callable[[Mapping[str, Any], str], Source]) -> Tuple[Source, ...]:
+    """Return what ``read_one(values of an entry, where it stands)`` returns for each entry of the list at ``key``.
+
+    :raises ConfigurationError: if ``raw`` is no list, or an entry is not allowed or has the name of another one.
+    """
     if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
-        raise ConfigurationError('{}: arrivals: got {}; allowed: a list of at most {} entries'.format(
-            where, shown(raw), MAX_ENTRIES))
-    arrivals, names = [], set()
+        raise ConfigurationError('{}: {}: got {}; allowed: a list of at most {} entries'.format(
+            where, key, shown(raw), MAX_ENTRIES))
+    sources: Dict[str, Source] = {}
     for index, entry in enumerate(raw):
-        here = '{}: arrivals[{}]'.format(where, index)
-        one = _read_one(read_entry(entry, ARRIVAL_TABLE, here), places, here)
-        if one.name in names:
+        here = '{}: {}[{}]'.format(where, key, index)
+        one: Any = read_one(read_entry(entry, table, here), here)
+        if one.name in sources:
             raise ConfigurationError("{}: name: '{}' is given to more than one entry; allowed: a name of its own "
                                      '(if none is given, it is the name of the place)'.format(here, one.name))
-        names.add(one.name)
-        arrivals.append(one)
-    return tuple(arrivals)
+        sources[one.name] = one
+    return tuple(sources.values())
 
 
 def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -> Union[Listed, Poisson]:
@@ -202,17 +232,14 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
         raise ConfigurationError('{}: got {}; allowed: one of place, area and file'.format(
             where, ' and '.join(given) or 'none of place, area and file'))
     name = checked(values['name'] or values['place'], 'name', NAME, where)
-    rates = [values['rate'], None if values['rate_per_hour'] is None else values['rate_per_hour'] / 3600.0]
     if values['file'] is not None:
-        return _read_file(name, values, rates, places, where)
+        return _read_file(name, values, places, where)
+    rates = [values['rate'], None if values['rate_per_hour'] is None else values['rate_per_hour'] / 3600.0]
     if rates.count(None) != 1:
         raise ConfigurationError('{}: got {} rate and rate_per_hour; allowed: one of them'.format(
             where, 'neither' if None in rates else 'both'))
     place = None if values['place'] is None else find_place(values['place'], places, where)
     area = values['area'] or (0.0,) * 4
-    if area[0] > area[2] or area[1] > area[3]:
-        raise ConfigurationError('{}: area: got {}; allowed: {}'.format(where, shown(list(area)),
-                                                                        ARRIVAL_TABLE[2].allowed))
     work = read_work(values, where, place.work if place else Work())
     if work.seconds is None:
         raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
@@ -232,42 +259,57 @@ def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
     return places[name]
 
 
-def _read_file(name: str, values: Mapping[str, Any], rates: List[Optional[float]], places: Dict[str, Place],
-               where: str) -> Listed:
-    path = values['file']
-    others = [key for key in ('count', 'until', 'duration') if values[key] is not None]
-    others += [key for key, rate in zip(('rate', 'rate_per_hour'), rates) if rate is not None]
-    others += [key for key in ('power', 'energy', 'duration_cv', 'priority') if values[key]]
-    if others:
-        raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
-            where, others[0], shown(values[others[0]])))
-    rows = [(index + 1, *_task_of(row, index, name, places, here))
-            for index, (here, row) in enumerate(_rows(path, where))]
-    if not rows:
-        raise ConfigurationError('{}: got no tasks; allowed: at least one'.format(path))
+def _read_file(name: str, values: Mapping[str, Any], places: Dict[str, Place], where: str) -> Listed:
+    file_alone(values, ('count', 'until', 'duration', 'rate', 'rate_per_hour', 'power', 'energy', 'duration_cv',
+                        'priority'), where)
+    rows = [(index + 1, *_task_of(row, index, name, places, here)) for index, (here, row) in enumerate(
+        rows_in(values['file'], 'tasks', where, lambda key, cell: cell.strip() if key == 'place' else as_value(cell)))]
     return Listed(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
 
 
-def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
-    """Yield (location for messages, mapping) of each row of a file of tasks, CSV or YAML."""
+def file_alone(values: Mapping[str, Any], others: Sequence[str], where: str) -> None:
+    """Check that an entry with a file has none of the keys ``others``.
+
+    :raises ConfigurationError: if it has one.
+    """
+    for key in others:
+        if values[key]:
+            raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
+                where, key, shown(values[key])))
+
+
+def rows_in(path: str, key: str, where: str, value_of: Callable[[str, str], Any]) -> Iterator[
+        Tuple[str, Dict[str, Any]]]:
+    """Yield (location for messages, mapping) of each row of a file, CSV or YAML with one list at ``key``.
+
+    ``value_of(column, cell)`` returns the value of a cell of a CSV file.
+
+    :raises ConfigurationError: if the file cannot be read, or has no rows or too many.
+    """
     if path.endswith('.csv'):
         with open_csv(path) as stream:
+            index = -1
             for index, (here, row) in enumerate(rows_of(stream, path)):
                 if index >= MAX_TASKS:
-                    raise ConfigurationError('{}: got more rows; allowed: at most {} tasks'.format(here, MAX_TASKS))
-                yield here, {key: cell.strip() if key == 'place' else _value(cell) for key, cell in row.items() if cell}
-        return
-    if not path.endswith(('.yaml', '.yml')):
-        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ARRIVAL_TABLE[7].allowed))
-    raw = load_yaml_file(path)
-    if not isinstance(raw, dict) or list(raw) != ['tasks'] or not isinstance(raw['tasks'], list):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, tasks, a list'.format(
-            path, shown(raw)))
-    for index, row in enumerate(raw['tasks']):
-        yield '{}: tasks {}'.format(path, index), row
+                    raise ConfigurationError('{}: got more rows; allowed: at most {} {}'.format(here, MAX_TASKS, key))
+                yield here, {column: value_of(column, cell) for column, cell in row.items() if cell}
+            is_empty = index < 0
+    elif path.endswith(('.yaml', '.yml')):
+        raw = load_yaml_file(path)
+        if not isinstance(raw, dict) or list(raw) != [key] or not isinstance(raw[key], list):
+            raise ConfigurationError('{}: got {}; allowed: a mapping with one key, {}, a list'.format(
+                path, shown(raw), key))
+        for index, row in enumerate(raw[key]):
+            yield '{}: {}[{}]'.format(path, key, index), row
+        is_empty = not raw[key]
+    else:
+        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), FILE.allowed))
+    if is_empty:
+        raise ConfigurationError('{}: got no {}; allowed: at least one'.format(path, key))
 
 
-def _value(cell: str) -> Union[float, str]:
+def as_value(cell: str) -> Union[float, str]:
+    """Return the number that a cell of a CSV file is, or, if it is none, its text."""
     try:
         return float(cell)
     except ValueError:
@@ -278,16 +320,26 @@ def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place
              where: str) -> Tuple[Task, Union[Constant, Lognormal]]:
     """Return (the :class:`Task` of a row without its duration, the distribution of the duration)."""
     values = read_entry(row, _ROW, where)
-    has_place, own = 'place' in row, [key for key in ('x', 'y', 'yaw') if key in row]
-    if 'time' not in row or has_place == bool(own):
-        raise ConfigurationError('{}: got {}; allowed: a time, and either a place or x, y and yaw'.format(
-            where, shown(row)))
-    place = find_place(values['place'], places, where) if has_place else None
+    if values['time'] is None:
+        raise ConfigurationError('{}: time: not given; allowed: {}'.format(where, TIME.allowed))
+    place, pose = place_or_pose(row, values, places, where)
     work = place.work if place else Work()
     seconds = work.seconds if values['duration'] is None else Constant(values['duration'])
     if seconds is None:
         raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
             where, _DURATION.allowed))
-    pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
     return Task('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), place.name if place else '', pose, 0,
                 values['power'] or work.power, values['energy'] or work.energy, values['priority']), seconds
+
+
+def place_or_pose(raw: Mapping[str, Any], values: Mapping[str, Any], places: Dict[str, Place],
+                  where: str) -> Tuple[Optional[Place], Pose2D]:
+    """Return (the place, or None; the pose) of an entry ``raw`` with the checked ``values``.
+
+    :raises ConfigurationError: if it does not have either a place or a pose.
+    """
+    has_place, own = raw.get('place') is not None, [key for key in ('x', 'y', 'yaw') if key in raw]
+    if has_place == bool(own):
+        raise ConfigurationError('{}: got {}; allowed: either a place or x, y and yaw'.format(where, shown(raw)))
+    place = find_place(values['place'], places, where) if has_place else None
+    return place, place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
