@@ -229,10 +229,30 @@ def list_of_programs(name):
     return [*lines, '']
 
 
+def rooms(house):
+    """Return the lines of the table of a house's rooms, from above, or of the rooms within a package."""
+    borders = (ROOT / 'pyproject.toml').read_text(encoding='utf-8').split('[tool.importlinter]')[1]
+    inside = {'lockstep': 'move_base_abstract_ros.lockstep', 'experiments': 'move_base_abstract_experiments',
+              'study': 'soil_mapping'}.get(house)
+    if inside:
+        names = re.findall('[a-z_]+', re.search(rf'\["{inside}"\]\nlayers = (.*)', borders).group(1))
+    else:
+        layers = borders.split('layers = [')[1].split('\n]\n')[0]
+        names = re.findall(r'(?<=[" ])[a-z_.]+(?=[" ])', re.search(
+            rf'  # .*\b{house.replace("_", "[- ]")}\b.*\n((?:  ".*\n?)+)', layers).group(1))
+    lines = ['| room | what |', '|---|---|']
+    for name in names:
+        path = ROOT / 'src' / f'{inside + "." if inside else ""}{name}'.replace('.', '/')
+        path = path / '__init__.py' if path.is_dir() else path.with_suffix('.py')
+        said = ast.get_docstring(ast.parse(path.read_text(encoding='utf-8'))).partition('\n\n')[0]
+        lines.append('| `{}` | {} |'.format(name, ' '.join(said.split()).replace('|', r'\|').replace('``', '`')))
+    return lines
+
+
 #: what makes the other tables within pages, by their kind
 OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
           'rows': rows_of, 'faults': faults, 'failures': failures_of_runs,
-          'programs': list_of_programs}
+          'programs': list_of_programs, 'rooms': rooms}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

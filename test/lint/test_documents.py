@@ -117,6 +117,12 @@ def test_the_readme_is_short():
     assert len(text_of(ROOT / 'README.md').splitlines()) <= README_LINES
 
 
+def test_the_architecture_and_each_house_have_up_to_150_lines():
+    pages = [ROOT / 'docs' / 'architecture.md', *sorted((ROOT / 'docs').glob('house_*.md'))]
+    assert len(pages) == 6
+    assert [name(page) for page in pages if len(text_of(page).splitlines()) > 150] == []
+
+
 def test_programs_launch_files_and_targets_that_are_named_are_there():
     rules = re.findall(r'^([a-z][a-z -]*):(?!=)', text_of(ROOT / 'Makefile'), re.MULTILINE)
     targets = {target for rule in rules for target in rule.split()}

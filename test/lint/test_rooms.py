@@ -27,10 +27,12 @@ def test_every_room_is_below_its_house_and_has_a_sentence(package):
     borders = (ROOT / 'pyproject.toml').read_text().split('[tool.importlinter]')[1]
     layers = re.search(r'containers = \["{}"\]\nlayers = (.*)'.format(package.replace('/', '.')), borders)
     houses = borders.split('layers = [')[1].split('\n]\n')[0]
-    for room in rooms_of(package):
-        name = f'{room.name}' if layers else '.'.join(room.relative_to(SRC).parts)
+    modules = [path for path in sorted((SRC / package).glob('*.py')) if path.stem != '__init__']
+    for room in [*rooms_of(package), *modules]:
+        name = room.stem if layers else '.'.join(room.relative_to(SRC).with_suffix('').parts)
         assert re.search(rf'[ "]{re.escape(name)}[ "]', layers.group(1) if layers else houses), name
-        assert ast.get_docstring(ast.parse((room / '__init__.py').read_text())), room
+        text = (room / '__init__.py' if room.is_dir() else room).read_text()
+        assert ast.get_docstring(ast.parse(text)), room
 
 
 def test_unit_tests_do_not_wait_and_use_no_network():
