@@ -1,6 +1,6 @@
 import pytest
 
-from move_base_abstract.supervision.stamp_check import StampCheck
+from move_base_abstract.supervision.follow_check import StampCheck
 
 S = 10 ** 9
 

@@ -3,10 +3,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .clock_source import ClockSource as ClockSource
-    from .follow_check import FollowCheck as FollowCheck
+    from .follow_check import FollowCheck as FollowCheck, StampCheck as StampCheck
     from .rate_cap import RateCap as RateCap
     from .silence_watch import SilenceWatch as SilenceWatch
-    from .stamp_check import StampCheck as StampCheck
 else:
     from ..common.lazy_exports import lazy_exports
 

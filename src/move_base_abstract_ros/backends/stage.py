@@ -9,8 +9,7 @@ from nav_msgs.msg import Odometry
 from move_base_abstract.common.errors import FrameError
 from move_base_abstract.engine.event_queue import NOBODY
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
-from move_base_abstract.supervision.follow_check import FollowCheck
-from move_base_abstract.supervision.stamp_check import StampCheck
+from move_base_abstract.supervision.follow_check import FollowCheck, StampCheck
 
 from ..messages import conversions
 from ..messages.packing import InFrame
