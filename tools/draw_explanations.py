@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draw docs/images/round.svg, windows.svg and rooms.svg: a round, windows, and the layers of the package.
+"""Draw docs/images/round.svg, windows.svg and rooms.svg: a round, windows, and the houses of the package.
 
 usage: python3 tools/draw_explanations.py
 
@@ -130,32 +130,29 @@ def windows():
 
 
 def rooms():
-    """Draw the layers of the package; each layer is above the layers that it may use."""
-    drawing = Drawing('The rooms of the package: each knows only what lies below it', 470)
-    drawing.text(4, 18, 'yours', 's')
-    drawing.box(2, 26, 184, 46, 'warm', ('your nodes', 'rospy, roscpp, any'))
-    drawing.box(194, 26, 184, 46, 'warm', ('your plain Python', 'no ROS'))
-    drawing.text(4, 96, 'programs around runs', 's')
-    drawing.box(2, 104, 376, 46, 'box', ('experiments · report · chaos · tests', 'replay · calibrate · scenario'))
-    drawing.text(4, 174, 'between nodes and the core', 's')
-    drawing.box(2, 182, 118, 62, 'box', ('preloaded', 'what unmodified', 'programs ask'))
-    drawing.box(130, 182, 118, 62, 'box', ('ROS shell', 'topics, services,', 'parameters'))
-    drawing.box(258, 182, 120, 62, 'box', ('time master', 'sockets, /clock,', 'event log'))
-    drawing.text(4, 268, 'pure: no ROS, no threads, no wall clock', 's')
-    drawing.box(2, 276, 246, 176, 'blue')
-    drawing.text(125, 296, 'core (Python)', 'm b')
-    for number, words in enumerate(('fleet · '
-                                    'processes '
-                                    '· scenario', 'tasks · traffic · encounters', 'goals · faults · energy · sensing',
-                                    'maps: grids, '
-                                    'lanes, ways', 'motion: legs in closed form', 'engine: events in stated order')):
-        drawing.box(12, 306 + 24 * number, 226, 20, 'box')
-        drawing.text(125, 320.5 + 24 * number, words, 'm')
-    drawing.box(258, 276, 120, 176, 'blue')
-    drawing.text(318, 296, 'lockstep (C++)', 'm b')
-    for number, words in enumerate(('session', 'rounds', 'routing', 'radio', 'chaos', 'wire')):
-        drawing.box(268, 306 + 24 * number, 100, 20, 'box')
-        drawing.text(318, 320.5 + 24 * number, words, 'm')
+    """Draw the houses of the package; each house is above those that it may use."""
+    drawing = Drawing('The houses of the package: each knows only what lies below it', 392)
+    drawing.text(4, 18, 'as users write them', 's')
+    drawing.box(2, 26, 120, 46, 'warm', ('your nodes', 'rospy, roscpp, any'))
+    drawing.box(130, 26, 120, 46, 'warm', ('your Python', 'no ROS'))
+    drawing.box(258, 26, 120, 46, 'warm', ('the study', 'of soil mapping'))
+    drawing.text(4, 96, 'experiments and tools', 's')
+    drawing.box(2, 104, 376, 46, 'box', ('experiments · chaos · report · tests',
+                                         'replay · calibration · scenarios · plans'))
+    drawing.text(4, 174, 'the drop-in', 's')
+    drawing.box(2, 182, 376, 46, 'box', ('robots under the interface of move_base',
+                                         'topics, actions, parameters, tf, RViz'))
+    houses = (('the clock', ('launch files', 'preloaded libraries', 'time master', 'rounds, windows, radio')),
+              ('the robots', ('fleet, processes', 'orders, tasks, traffic', 'goals, faults, energy',
+                              'maps, motion, engine')))
+    for left, (name, rows) in zip((2, 194), houses):
+        drawing.box(left, 236, 184, 118, 'blue')
+        drawing.text(left + 92, 252, name, 'm b')
+        for number, words in enumerate(rows):
+            drawing.box(left + 8, 258 + 23 * number, 168, 20, 'box')
+            drawing.text(left + 92, 272.5 + 23 * number, words, 'm')
+    drawing.box(2, 362, 376, 24, 'box')
+    drawing.text(190, 378, 'common: errors, files, options, the story of a run', 'm')
     return drawing.svg()
 
 
