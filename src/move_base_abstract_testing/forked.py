@@ -86,10 +86,10 @@ def _runner(item: Any) -> Any:
 
 def _import_all() -> None:
     """Import the modules that each run needs. This is done once, in the process that is then forked."""
-    from move_base_abstract_experiments.carrying import warm_ros
+    from move_base_abstract_ros.launching import warm_nodes
 
     from . import system_under_test  # noqa: F401 - for the forks
-    warm_ros.import_all()
+    warm_nodes.import_all()
 
 
 def _read(descriptor: int, wall_limit: float) -> Optional[bytes]:

@@ -26,9 +26,8 @@ def pytest_cmdline_main(config: Any) -> None:
     """Restart Python with a fixed order of sets and a fixed layout of memory, unless it was started like that."""
     if config.option.collectonly or config.option.help or hasattr(config, 'workerinput'):
         return
-    from move_base_abstract_experiments.carrying import warm_ros
-    if warm_ros.prepare(os.environ, 'PYTHONHASHSEED' not in os.environ):
-        os.environ.setdefault('PYTHONHASHSEED', '0')
+    from move_base_abstract_ros.launching import warm_nodes
+    if warm_nodes.wants_start(os.environ):
         capture = config.pluginmanager.getplugin('capturemanager')
         if capture is not None:
             capture.stop_global_capturing()

@@ -12,8 +12,11 @@ The runner of the tests calls import_all(), and prepare() in each of its forks: 
 fork, too, which needs no imports.
 """
 import functools
+import gc
 import importlib
+import json
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -22,11 +25,12 @@ import tempfile
 
 from move_base_abstract.common import processes, sockets
 from move_base_abstract_ros import loopback
-from move_base_abstract_ros.launching import request, ros_master, warm_nodes, warm_process
-from move_base_abstract_ros.lockstep.programs import address_layout, native_library
+from move_base_abstract_ros.launching import ros_master, warm_nodes
+from move_base_abstract_ros.lockstep.programs import native_library
 
 GUARD = 60.0  # s, wall
 LAUNCHER, PLAIN = 'launcher', 'plain'
+_FORKING = ('lockstep', 'lockstep_launch', 'lockstep_series', 'verify')  # these fork nodes, or are nodes
 _HERE = os.path.dirname(os.path.abspath(__file__))
 _ROOT = os.path.dirname(os.path.dirname(_HERE))
 _MASTER = 'a ROS master'
@@ -110,7 +114,8 @@ def kind_of(command):
         words = command
     else:
         return None, command
-    return LAUNCHER if words[0] == launcher() else PLAIN, words
+    is_own = os.path.dirname(words[0]) == os.path.dirname(launcher())
+    return LAUNCHER if is_own and os.path.basename(words[0]) in _FORKING else PLAIN, words
 
 
 @functools.lru_cache(maxsize=None)
@@ -166,16 +171,16 @@ class _Parent:
                                          stdin=subprocess.DEVNULL, pass_fds=[its.fileno()])
 
     def fork(self, words, environment, outputs, cwd=None):
-        """Fork for a command line; return the processes.Forked."""
-        request.send(self._socket, request.Request(words, environment, cwd or os.getcwd(), outputs))
-        return processes.Forked(request.receive_answer(self._socket))
+        """Fork for a command line; return the processes.Forked. outputs: descriptors of this process."""
+        paths = ['/proc/{}/fd/{}'.format(os.getpid(), one) for one in outputs]
+        self._socket.sendall(json.dumps([words, environment, cwd or os.getcwd(), paths]).encode() + b'\n')
+        return processes.Forked(int(self._socket.makefile().readline()))
 
 
 def main(kind, descriptor, path):
     """Serve until the test ends; in a fork, return the function that it must call. path: Python's own sys.path[1:]."""
     processes.die_with(os.getppid())
-    if kind == LAUNCHER and address_layout.choose(os.environ):
-        native_library.preload(os.environ)
+    if kind == LAUNCHER and warm_nodes.wants_start(os.environ):
         with open('/proc/self/cmdline', 'rb') as stream:
             os.execv(sys.executable, stream.read().split(b'\0')[:-1])
     os.setsid()
@@ -204,30 +209,84 @@ def _serve(kind, descriptor, path):
         sys.path[1:] = path  # without the entries that imports have added
     else:
         sys.path[sys.path.index(_HERE)] = os.path.dirname(own_launcher)
-    return warm_process.serve(socket.socket(fileno=descriptor), lambda asked: _become(asked, own_launcher))
+    return _fork_for_each(socket.socket(fileno=descriptor), lambda *asked: _become(kind, own_launcher, *asked))
 
 
-def _become(asked, own_launcher):
+def _fork_for_each(client, become):
+    """Fork for each request until the client has gone, then return None. In a fork, return the function that it calls.
+
+    Only forks read requests, so that they all begin with the same memory, whatever was started before.
+    """
+    gc.collect()
+    gc.freeze()  # so that no garbage collection in a fork touches, and so copies, the present objects
+    while True:
+        select.select([client], [], [])
+        taken, take = os.pipe()
+        if _fork(taken):
+            os.close(take)
+            is_there = os.read(taken, 1)
+            os.close(taken)
+            if not is_there:
+                return None
+            continue
+        line = client.makefile().readline()
+        if not line:
+            os._exit(0)
+        os.setsid()  # before the client knows the process to which it may send signals
+        os.write(take, b'1')
+        words, environment, cwd, outputs = json.loads(line)
+        for target, path in zip((1, 2), outputs):
+            os.dup2(os.open(path, os.O_WRONLY | os.O_APPEND), target)
+        client.sendall(b'%d\n' % os.getpid())
+        client.detach()
+        os.chdir(cwd)
+        return functools.partial(become, words, environment)
+
+
+def _fork(*not_for_fork):
+    """Fork twice; return True in this process and False in the second fork, which goes on once it is an orphan.
+
+    The client adopts it, and so gets its status. The second fork closes the descriptors ``not_for_fork``.
+    """
+    processes.assert_one_thread()
+    gate, opener = os.pipe()
+    first = os.fork()
+    if first:
+        os.waitpid(first, 0)
+        os.close(gate)
+        os.close(opener)
+        return True
+    if os.fork():
+        os._exit(0)
+    os.close(opener)
+    with os.fdopen(gate, 'rb') as stream:
+        stream.read()
+    for descriptor in not_for_fork:
+        os.close(descriptor)
+    return False
+
+
+def _become(kind, own_launcher, words, environment):
     """Become the program that was asked for; if a fork cannot be it, start it anew."""
     processes.die_with(os.getppid())
-    if asked.words == [_MASTER]:
-        _be_master(asked)
+    if words == [_MASTER]:
+        _be_master(environment)
         return
-    environment = warm_nodes.with_log_settings(asked.environment)
-    if asked.words[0] == own_launcher:
+    given, environment = environment, warm_nodes.with_log_settings(environment)
+    if kind == LAUNCHER:
         environment = {'PYTHONHASHSEED': os.environ['PYTHONHASHSEED'], **environment}  # otherwise it would start again
-    processes.show_name('python3', sys.executable, *asked.words)
-    if warm_nodes.may_become(asked.words, environment, own_launcher):
-        warm_nodes.become(asked.words, environment)
+    if warm_nodes.may_become(words, environment, own_launcher):
+        warm_nodes.become(words, environment)
     else:
-        os.execve(sys.executable, [sys.executable, *asked.words], asked.environment)
+        os.execve(sys.executable, [sys.executable, *words], given)
 
 
-def _be_master(asked):
+def _be_master(environment):
     """Become a ROS master, and write its URI to the standard output, which is then closed."""
     processes.show_name('rosmaster', 'rosmaster', '--core')
+    warm_nodes.be_as_started(environment)
     os.environ.clear()
-    os.environ.update(asked.environment)
+    os.environ.update(environment)
 
     def tell(uri):
         os.write(1, uri.encode())

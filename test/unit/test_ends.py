@@ -1,14 +1,10 @@
 """The rule that says which end of a process is a crash."""
 import json
-import subprocess
-import sys
-from types import SimpleNamespace
 
 import pytest
 
 from move_base_abstract.runs import ends
 from move_base_abstract.runs.ends import Process
-from move_base_abstract_ros.launching.watched_process import Watched
 
 SHUT_DOWN = ('Traceback (most recent call last):', 'rospy.exceptions.ROSInterruptException: rospy shutdown')
 
@@ -86,20 +82,6 @@ def test_a_job_for_which_somebody_asks_in_time_is_no_crash(tmp_path):
     assert crash_of(log_of(tmp_path, of_jobs=[*jobs, (10, 'asked', [2])]), Process('/a', True, 0)) == []
     assert crash_of(log_of(tmp_path, uncaught=[('/a', 'KeyError')], of_jobs=jobs), Process('/a', True, 0)) == [
         '/a crashed at 0.000000007 s: KeyError in a place (and 1 more)']
-
-
-def test_a_process_that_crashed_and_was_started_again_has_crashed():
-    codes = [7, 0]
-
-    def start():
-        process.popen = subprocess.Popen([sys.executable, '-c', 'raise SystemExit({})'.format(codes.pop(0))])
-    process = SimpleNamespace(popen=None, start=start, _configure_logging=lambda: (None, None))
-    watched = Watched(process)
-    for _ in range(2):
-        process.start()
-        process.popen.wait()
-        watched.look(is_early=True)
-    assert watched.process('/a', False).code == 7
 
 
 def test_an_error_of_shutting_down_is_none_of_the_program(tmp_path):

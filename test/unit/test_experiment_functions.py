@@ -12,6 +12,7 @@ import pytest
 
 from experiment_jobs import job_of
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.runs.calls import DeathError
 from move_base_abstract_experiments import records
 from move_base_abstract_experiments.trials import execution, functions, run_folders
 
@@ -137,7 +138,7 @@ def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
     (None, True, [], 'time_limit')])
 def test_a_function_whose_process_died_has_crashed(monkeypatch, code, is_late, crashes, how):
     def run_trial(*_):
-        raise functions.DeathError(8.0, code, is_late)
+        raise DeathError(8.0, code, is_late)
     monkeypatch.setattr(functions, 'run_trial', run_trial)
     result = records.Result('x')
     with pytest.raises(SimulatorError) as raised:

@@ -19,7 +19,7 @@ from move_base_abstract_ros.launching.conditions import CONDITIONS
 def test_a_fleet_that_crashed_or_counts_robots_is_not_compared_with_one_in_two_processes(
         tmp_path, fleets, crashes, can, said):
     told = []
-    run = verification.Verification([], [], str(tmp_path), 1.0, told.append)
+    run = verification.Verification(None, [], [], str(tmp_path), 1.0, told.append)
     run.runs.append(SimpleNamespace(fleets=fleets, crashes=crashes))
     assert (run._can_split(), told) == (can, said)
 
@@ -28,7 +28,7 @@ def concluded(folder, names, events=1, bags=(), broken=()):
     """Return (exit code, lines) of a verification whose runs were equal, under these conditions."""
     told = []
     next_steps = {verification.LABELLED: 'look', verification.IDENTICAL: 'search'}
-    verify = verification.Verification([], next_steps, str(folder), 1.0, told.append)
+    verify = verification.Verification(None, [], next_steps, str(folder), 1.0, told.append)
     log = folder / 'events.jsonl'
     row = '{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n'
     sent = '{"time_ns":2,"robot":"/a","kind":"message","values":["/a","/b",4,"00"]}\n'
@@ -64,18 +64,6 @@ def test_broken_properties_and_what_to_type_next_are_said(tmp_path):
 def test_bags_are_numbered_by_their_nodes():
     assert verification._by_number([['/a', 'x'], ['/b', 'y'], ['/a', 'z: 1\n']]) == {
         ('/a', 1): 'x', ('/b', 1): 'y', ('/a', 2): 'z: 1\n'}
-
-
-def test_a_run_that_says_nothing_has_nothing(tmp_path):
-    assert verification._outcome(str(tmp_path / 'outcome.json')) == {
-        'bags': [], 'fleets': [], 'crashes': [], 'properties': {'broken': []}}
-
-
-def test_what_a_run_says_for_programs_is_read_once_and_gone(tmp_path):
-    path = tmp_path / 'outcome.json'
-    path.write_text('{"bags": [], "fleets": ["/fleet"], "crashes": []}')
-    assert verification._outcome(str(path)) == {'bags': [], 'fleets': ['/fleet'], 'crashes': []}
-    assert not path.exists()
 
 
 @pytest.mark.parametrize('below, why', [

@@ -9,7 +9,6 @@ import atexit
 import contextlib
 import ctypes
 import gc
-import io
 import os
 import signal
 import subprocess
@@ -29,6 +28,8 @@ _SHORT_POLL_S = 0.005  # wall
 _ARGUMENTS = slice(45, 47)  # fields of /proc/PID/stat after the name: addresses of begin and end of the command line
 _KILL_ROUNDS = 200
 _TASKS = '/proc/self/task'
+#: whether this process is a user's program, whose objects finish() destroys as Python does: files are written out
+end_as_program = False
 #: set for all programs of a trial, because trials run side by side, and sums must not depend on the number of cores
 ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 
@@ -116,14 +117,16 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
 
 def execute(words: List[str], environment: Mapping[str, str], output: str, cwd: str) -> int:
     """Start a program; return its process id. If it cannot be started, its output says so, and its exit code is 127."""
-    def become() -> None:
-        try:
-            os.execvpe(words[0], words, environment)
-        except OSError as error:
-            print(f'{words[0]}: cannot be started: {error.strerror}', file=sys.stderr)
-            sys.stderr.flush()
-            os._exit(127)
-    return fork(become, output, cwd)
+    return fork(lambda: become(words, environment), output, cwd)
+
+
+def become(words: List[str], environment: Mapping[str, str]) -> None:
+    """Become another program. If that cannot be, say so, and end with the exit code 127."""
+    try:
+        os.execvpe(words[0], words, environment)
+    except OSError as error:
+        os.write(2, f'{words[0]}: cannot be started: {error.strerror}\n'.encode())
+        os._exit(127)
 
 
 class Forked:
@@ -221,26 +224,8 @@ def show_name(name: str, *words: str) -> None:
     _LIBC.prctl(_PR_SET_MM, _PR_SET_MM_ARG_END, ctypes.c_ulong(begin + len(text) + 1), 0, 0)
 
 
-def renew_outputs(environment: Mapping[str, str]) -> None:
-    """Create sys.stdout and sys.stderr again for their present targets, as Python does at its start."""
-    is_buffered = not environment.get('PYTHONUNBUFFERED')
-    for number, name in enumerate(('stdout', 'stderr'), 1):
-        new = _output(getattr(sys, name), number, is_buffered)
-        vars(sys).update({name: new, f'__{name}__': new})
-
-
-def _output(old: Any, number: int, is_buffered: bool) -> Any:
-    raw: Any = io.FileIO(number, 'w', closefd=False)
-    raw.name = old.name
-    is_by_line = is_buffered and (raw.isatty() or (number == 2 and sys.version_info >= (3, 9)))
-    new: Any = io.TextIOWrapper(io.BufferedWriter(raw) if is_buffered else raw, old.encoding, old.errors,
-                           line_buffering=is_by_line, write_through=not is_buffered)
-    new.mode = 'w'
-    return new
-
-
 def finish(code: int) -> None:
-    """End this process with exit code ``code``, as Python does at its end, but without destroying all objects.
+    """End this process with exit code ``code``, as Python does at its end; objects are destroyed only for programs.
 
     Destroying them may take half a second. A process that was forked from within other functions cannot return.
     """
@@ -256,23 +241,35 @@ def finish(code: int) -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):
             stream.flush()
+    if end_as_program:
+        ctypes.pythonapi.Py_Exit(code)
     os._exit(code)
 
 
-def end(pids: Collection[int], polite: int, grace: float, statuses: Dict[int, int]) -> None:
+def await_child(seconds: float) -> None:
+    """Wait until a child has ended, or ``seconds`` [s, wall]; SIGCHLD must be blocked (see block_child_signal)."""
+    signal.sigtimedwait({signal.SIGCHLD}, seconds)
+
+
+def end(pids: Collection[int], polite: int, grace: float, statuses: Dict[int, int],
+        pause: Callable[[float], None] = await_child) -> None:
     """End children and their groups: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
 
-    ``statuses`` gets {pid: exit status of waitpid} of all children that end meanwhile.
+    ``statuses`` gets {pid: exit status of waitpid} of all children that end meanwhile. ``pause``: see await_ends.
     """
     for number in (polite, signal.SIGKILL):
         left = [pid for pid in pids if pid not in statuses]  # other processes may have the ids of the rest by now
         for pid in left:
             signal_group(pid, number)
-        await_ends(set(left), grace, statuses)
+        await_ends(set(left), grace, statuses, pause)
 
 
-def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> None:
-    """Wait until all children ``waiting`` (pids) have ended, at most ``seconds`` [s, wall]; fill ``statuses``."""
+def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int],
+               pause: Callable[[float], None] = await_child) -> None:
+    """Wait until all children ``waiting`` (pids) have ended, at most ``seconds`` [s, wall]; fill ``statuses``.
+
+    ``pause(seconds)`` waits meanwhile, at most so long [s, wall].
+    """
     deadline = time.monotonic() + seconds
     while waiting - set(statuses):
         if reap(statuses):
@@ -280,12 +277,7 @@ def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> N
         left = deadline - time.monotonic()
         if left <= 0.0:
             break
-        await_child(min(left, _POLL_S))
-
-
-def await_child(seconds: float) -> None:
-    """Wait until a child has ended, or ``seconds`` [s, wall]; SIGCHLD must be blocked (see block_child_signal)."""
-    signal.sigtimedwait({signal.SIGCHLD}, seconds)
+        pause(min(left, _POLL_S))
 
 
 def block_child_signal() -> None:

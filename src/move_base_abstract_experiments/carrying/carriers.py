@@ -1,6 +1,6 @@
 """A process that carries out trials that are functions, one after another. It is forked from a warm process.
 
-functions.call() forks a process of its own for each function, and ends everything that it has started. So a trial
+calls.call() forks a process of its own for each function, and ends everything that it has started. So a trial
 leaves nothing behind for the next one, and one fork per trial is saved.
 """
 from __future__ import annotations

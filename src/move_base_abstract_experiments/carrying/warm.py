@@ -37,12 +37,8 @@ READY = b'ready\n'
 
 def main(words: List[str]) -> None:
     """Serve until the socket is closed."""
-    is_new = _HASH_SEED not in os.environ or any(os.environ.get(name) != value
-                                                 for name, value in processes.ONE_THREAD.items())
-    if (warm_ros.prepare(os.environ, is_new) if warm_ros.is_there() else is_new):
-        # Start Python anew, once, as the launcher does: with a fixed order of sets, a fixed layout of memory and our
-        # library in front of libc.
-        os.environ.setdefault(_HASH_SEED, '0')
+    is_new = _wants_start()
+    if is_new or any(os.environ.get(name) != value for name, value in processes.ONE_THREAD.items()):
         os.environ.update(processes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
     processes.keep_memory()
@@ -57,6 +53,16 @@ def main(words: List[str]) -> None:
                 _serve(client, folder)
         finally:
             processes.end_all_children()
+
+
+def _wants_start() -> bool:
+    """Return whether this Python must be started again, once, with what is in the environment now, as nodes are."""
+    if warm_ros.is_there():
+        from move_base_abstract_ros.launching.warm_nodes import wants_start
+        return bool(wants_start(os.environ))
+    is_new = _HASH_SEED not in os.environ
+    os.environ.setdefault(_HASH_SEED, '0')
+    return is_new
 
 
 def _import(wanted: Sequence[str]) -> None:

@@ -56,11 +56,11 @@ class WarmLoopback(Loopback):  # type: ignore[misc]
                  f'__name:={name}']
         if not os.access(words[0], os.X_OK):
             words[0] = loopback.find_executable(executable)
-        if not warm_nodes.is_fit(words, self.environment, launcher, os.path.dirname(launcher)):
+        if not warm_nodes.is_fit(words, self.environment, launcher):
             return self.spawn(full_name, words)
-        environment, log_path = self.environment, self._log_path(full_name)
-        return self._child(full_name, processes.Forked(
-            processes.fork(lambda: warm_nodes.become(words, environment), log_path)), log_path)
+        log_path = self._log_path(full_name)
+        return self._child(full_name, processes.Forked(warm_nodes.start(
+            words, self.environment, lambda: processes.redirect(log_path), os.getcwd(), launcher)), log_path)
 
     def _start_master(self) -> None:
         log_path = self._log_path('rosmaster')

@@ -62,10 +62,10 @@ class Runs:
         self._wanted = wanted
         trial, = plan.trials(spec.checked(document, folder))
         self._job = jobs.make_job(trial)
-        self._idle: Any = queue.SimpleQueue()
-        self._all = [jobs.WarmProcess() for _ in range(workers)]
-        for warm in self._all:
-            self._idle.put(warm)
+        self._idle: Any = queue.LifoQueue()  # of warm processes, and of None for each that was not needed yet
+        self._all: List[jobs.WarmProcess] = []
+        for _ in range(workers):
+            self._idle.put(None)
         # These threads only wait; this process does not fork.
         self._pool = concurrent.futures.ThreadPoolExecutor(workers)
         self._workers = workers
@@ -122,15 +122,14 @@ class Runs:
         return self.one(RunRequest(found.chosen.seed, tuple(left)))
 
     def _run(self, chosen: RunRequest) -> RunResult:
-        warm = self._idle.get()
+        warm = self._idle.get() or self._started()
         try:
             content = warm.run(self._job_of(chosen)) or b''
         except (jobs.TrialError, jobs.WorkerError) as problem:
             if isinstance(problem, jobs.WorkerError) and not self._is_over:
                 warm.close()
                 self._all.remove(warm)
-                warm = jobs.WarmProcess()
-                self._all.append(warm)
+                warm = None
             return RunResult(chosen, failures.Failure('unfinished', str(problem)), [], '', str(problem))
         finally:
             self._idle.put(warm)
@@ -148,6 +147,12 @@ class Runs:
         return RunResult(chosen, failures.of_run(evidence, self._wanted),
                          sorted(made, key=lambda one: int(one['time_ns'])),
                          hashlib.sha256(log).hexdigest() if log is not None else '', judged=evidence.judged)
+
+    def _started(self) -> jobs.WarmProcess:
+        """Start a warm process, when it is needed for the first time."""
+        warm = jobs.WarmProcess()
+        self._all.append(warm)
+        return warm
 
     def _job_of(self, chosen: RunRequest) -> Job:
         trial = self._job.trial

@@ -15,6 +15,7 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
 from move_base_abstract.runs import ends, event_log, run_difference
+from move_base_abstract.runs.calls import CallError, DeathError
 
 from ..description import ingredients, launch_files, plan, worker_files
 from ..description.job import Job
@@ -162,9 +163,10 @@ def _call(job: Job, folders: Folders, result: Result) -> None:
     begin = time.monotonic()
     try:
         answer = functions.run_trial(job, folders)
-    except functions.DeathError as error:
+    except DeathError as error:
         died = ends.Process('the function', False, error.code, was_early=error.code is not None)
-        _judge(job, result, [died], ends.Log(), error)
+        _judge(job, result, [died], ends.Log(), RunError(
+            str(error), termination.TIME_LIMIT if error.is_late else None))
         raise
     result.wall_seconds, result.repeatable = round(time.monotonic() - begin, 6), True
     log = ends.Log()
@@ -184,7 +186,7 @@ def _measure(job: Job, folders: Folders, result: Result) -> None:
     """Call the user's function for metrics. If it fails, the result gets an error, and the trial stays complete."""
     try:
         result.metrics.update(user_metrics.call(job, folders, result))
-    except functions.FunctionError as problem:
+    except CallError as problem:
         result.error = f'metrics {job.trial.experiment.metrics.function}: {problem}'[:_LONGEST_ERROR]
 
 

@@ -16,52 +16,31 @@ import os
 import pickle
 import random
 import re
-import select
 import signal
 import sys
 import threading
-import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
-from move_base_abstract.runs import ends
+from move_base_abstract.runs.calls import CallError, call, described
 from move_base_abstract.runs.failures import words_of
 
 from ..description.experiment import OWN_COLUMNS, Experiment
 from ..description.job import Job
 from ..description.trial import Trial
-from . import run_folders, termination
+from . import run_folders
 
 LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # imported if a function starts nodes with it
 _NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
-_DYING_S = 1.0  # wall; a process that has closed its pipe has this time to end
 _MOST_METRICS = 200
 _MOST_LABELS = 100
 _LONGEST_LABEL = 200
 _LARGEST = int(sys.float_info.max)
 _NAME = re.compile(r'[A-Za-z]\w{0,63}\Z', re.ASCII)
-
-
-class FunctionError(SimulatorError):
-    """A function raised an exception, did not come to its end, or returned a value that is not allowed."""
-
-
-class DeathError(FunctionError):
-    """A process that has ended, or was ended, without a result.
-
-    ``code``: its exit code, or the negative number of the signal that ended it, or None. ``ended_by``: a code of
-    termination, or None.
-    """
-
-    def __init__(self, seconds: float, code: Optional[int], is_late: bool) -> None:
-        how = '' if code is None else f': {ends.described(code)}'
-        super().__init__(f'it was not over after {seconds:g} s of wall time' if is_late
-                         else f'its process ended without a result{how}')
-        self.code, self.ended_by = code, termination.TIME_LIMIT if is_late else None
 
 
 class FunctionTrial:
@@ -163,53 +142,6 @@ def load(name: str, folder: str) -> Callable[..., Any]:
     if not callable(found):
         raise TypeError(f'{name} cannot be called')
     return found
-
-
-def call(work: Callable[[], Any], seconds: float, output: str, cwd: str) -> Any:
-    """Call work() in a forked process; return its result, as JSON can hold it. All processes that it started are ended.
-
-    seconds: the limit of wall time. output: the path of the file for its prints. cwd: its working folder.
-    :raises FunctionError: saying what is wrong.
-    """
-    read, write = os.pipe()
-
-    def child() -> None:
-        os.close(read)
-        try:
-            text = json.dumps({'value': work()})
-        except BaseException as problem:
-            text = json.dumps({'problem': described(problem)})
-            if not isinstance(problem, SimulatorError):
-                raise
-        finally:
-            for stream in (sys.stdout, sys.stderr):
-                stream.flush()
-            # Children of this process may hold the pipe open, so the end of the line marks the end of the answer.
-            with os.fdopen(write, 'wb') as stream:
-                stream.write(text.encode() + b'\n')
-    pid = processes.fork(child, output, cwd)
-    os.close(write)
-    text = _read_line(read, seconds)
-    statuses: Dict[int, int] = {}
-    if text is not None and not text.endswith(b'\n'):
-        processes.await_ends({pid}, _DYING_S, statuses)
-    code = processes.code_of(statuses[pid]) if pid in statuses else None
-    processes.end([pid], signal.SIGKILL, 1.0, {})
-    processes.end_all_children()
-    try:
-        answer = json.loads(text or b'')
-    except ValueError:
-        raise DeathError(seconds, code, text is None) from None
-    if 'problem' in answer:
-        raise FunctionError(answer['problem'])
-    return answer['value']
-
-
-def described(problem: BaseException) -> str:
-    """Return the type and the first line of an exception; for a SimulatorError the line alone."""
-    lines = str(problem).strip().splitlines()
-    text = lines[0] if lines else ''
-    return text if isinstance(problem, SimulatorError) and text else f'{type(problem).__name__}: {text}'
 
 
 def checked(found: Any, factors: Iterable[str], known: Iterable[str]) -> Dict[str, Optional[float]]:
@@ -326,22 +258,6 @@ def prepare(experiment: Experiment, folder: str) -> None:
         raise ConfigurationError(f'prepare: {name}: {described(problem)}') from problem
 
 
-def _read_line(descriptor: int, seconds: float) -> Optional[bytes]:
-    """Return the bytes up to the end of the first line, or of the pipe; None if that takes longer [s, wall]."""
-    pieces: List[bytes] = []
-    deadline = time.monotonic() + seconds
-    with os.fdopen(descriptor, 'rb', buffering=0) as stream:
-        while sum(map(len, pieces)) < _MOST_BYTES:
-            ready, _, _ = select.select([stream], [], [], max(0.0, deadline - time.monotonic()))
-            if not ready:
-                return None
-            piece = stream.read(1 << 16)
-            pieces.append(piece)
-            if not piece or piece.endswith(b'\n'):
-                break
-    return b''.join(pieces)
-
-
 def again(job: Job, path: str, folders: run_folders.Folders) -> Returned:
     """Run a job's function a second time, in a new Python process with another hash seed.
 
@@ -359,9 +275,9 @@ def again(job: Job, path: str, folders: run_folders.Folders) -> Returned:
     with contextlib.suppress(OSError, ValueError), open(path + '.answer', encoding='utf-8') as answer_file:
         answer = json.load(answer_file)
         if 'problem' in answer:
-            raise FunctionError(answer['problem'])
+            raise CallError(answer['problem'])
         return Returned(**answer)
-    raise FunctionError('its process died')
+    raise CallError('its process died')
 
 
 def main(words: List[str]) -> None:

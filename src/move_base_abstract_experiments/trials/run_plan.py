@@ -47,8 +47,8 @@ class Run(NamedTuple):
         return os.path.join(self.folders.own, name)
 
 
-def plan_of(run: Run) -> Tuple[Any, List[str]]:
-    """Return roslaunch's configuration, changed for lockstep, and the names of the participants."""
+def plan_of(run: Run) -> Any:
+    """Return the Plan of a run."""
     from move_base_abstract_ros.launching import plan
     plan.name_anonymous_ones_alike()
     trial, experiment = run.job.trial, run.experiment
@@ -57,7 +57,7 @@ def plan_of(run: Run) -> Tuple[Any, List[str]]:
     _add_own_nodes(config, run)
     options = _launch_options(config, run)
     options = launch_files.adopted(config, options) if experiment.adopt else options
-    return config, plan.plan_of(config, _with_participants(config, experiment, options)).participants
+    return plan.plan_of(config, _with_participants(config, experiment, options))
 
 
 def _add_own_nodes(config: Any, run: Run) -> None:

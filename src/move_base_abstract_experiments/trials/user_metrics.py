@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, Optional, Tuple
 
 from move_base_abstract.runs import event_log
+from move_base_abstract.runs.calls import call as call_apart
 from move_base_abstract.runs.metrics import USUAL
 
 from ..description.job import Job
@@ -61,7 +62,7 @@ class TrialData:
 def call(job: Job, folders: run_folders.Folders, result: Result) -> Dict[str, Optional[float]]:
     """Call the user's function for metrics; return {name: number or None}.
 
-    :raises FunctionError: saying what is wrong.
+    :raises CallError: saying what is wrong.
     """
     experiment = job.trial.experiment
 
@@ -69,6 +70,6 @@ def call(job: Job, folders: run_folders.Folders, result: Result) -> Dict[str, Op
         function = functions.load(experiment.metrics.function, job.modules)
         known = (*USUAL, *result.metrics)
         return functions.checked(function(TrialData(folders, result)), experiment.factors, known)
-    found: Dict[str, Optional[float]] = functions.call(work, _LIMIT_S, os.path.join(folders.logs, 'metrics.txt'),
-                                                       folders.own)
+    found: Dict[str, Optional[float]] = call_apart(work, _LIMIT_S, os.path.join(folders.logs, 'metrics.txt'),
+                                                   folders.own)
     return found

@@ -2,11 +2,9 @@
 
 The digest is that of a bag's bytes. In equal runs a recorder that takes part writes the same bytes.
 """
-import contextlib
 import hashlib
 import json
 import os
-import tempfile
 from typing import NamedTuple
 
 from move_base_abstract.common.shown import shown_text
@@ -32,17 +30,6 @@ class Bag(NamedTuple):
     def record(self):
         """The bag's entry in the event log. It is the same in each run."""
         return {'node': self.node, 'name': os.path.basename(self.path), 'bytes': self.size, 'sha256': self.sha256}
-
-
-@contextlib.contextmanager
-def notes():
-    """Make an empty file for the notes of programs about their bags (VARIABLE). Give its path; remove it at the end."""
-    descriptor, path = tempfile.mkstemp(prefix='move_base_abstract_bags_')
-    os.close(descriptor)
-    try:
-        yield path
-    finally:
-        os.unlink(path)
 
 
 def written(path):

@@ -1,8 +1,6 @@
 """Plan the run of a launch file in lockstep: roslaunch's configuration of it, with our launcher and a time master."""
-import contextlib
 import os
 import shlex
-import tempfile
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -145,21 +143,18 @@ def scripts_of(plan):
     return sorted(found - {None})
 
 
-@contextlib.contextmanager
-def log_of_run(plan, is_whole=False):
-    """Give the path of the event log of a Plan's run.
+def log_of_run(plan, folder, is_whole=False):
+    """Return the path of the event log of a Plan's run.
 
-    If the user wants none, it is a temporary log, which has only the ends of nodes, or all events if ``is_whole``.
+    If the user wants none, it is in ``folder``, and has only the ends of nodes, or all events if ``is_whole``.
     """
     asked = _value(plan.config, TIME_MASTER + '/event_log', '')
     if asked:
-        yield os.path.join(rospkg.get_ros_home(), asked)
-        return
-    with tempfile.TemporaryDirectory(prefix='move_base_abstract_ends_') as folder:
-        path = os.path.join(folder, 'ends.jsonl')
-        _set(plan.config, TIME_MASTER + '/event_log', path)
-        _set(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
-        yield path
+        return os.path.join(rospkg.get_ros_home(), asked)
+    path = os.path.join(folder, 'ends.jsonl')
+    _set(plan.config, TIME_MASTER + '/event_log', path)
+    _set(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
+    return path
 
 
 def name_anonymous_ones_alike():

@@ -1,26 +1,21 @@
 """Run one launch file under several conditions and look for the first difference."""
 import contextlib
-import json
 import os
 import shlex
 import shutil
-import signal
-import subprocess
-import sys
 import time
 from typing import NamedTuple
 
 from move_base_abstract.common.own_files import OutputError
-from move_base_abstract.runs import event_log, run_difference
+from move_base_abstract.runs import ends, event_log, run_difference
+from move_base_abstract.runs.calls import DeathError, call
 from move_base_abstract.runs.event_log import EventLogError
 
-from ..loopback import find_executable
 from . import difference_report
 from .conditions import CONDITIONS, busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED, BROKEN = 0, 1, 2, 3, 4, 5, 6
 _BROKEN = 4  # exit code of lockstep_launch: the run has come to its end
-_GRACE_S = 60.0  # wall, from SIGINT to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
 _MOST_BAG_BYTES = 1 << 30  # of the first run's bags, which are kept to be compared with others message by message
 
@@ -57,12 +52,13 @@ class Unfinished(Exception):
 class Verification:
     """Runs of one launch file, each in a folder of its own below ``folder``. ``say(line)`` prints a line."""
 
-    def __init__(self, words, next_steps, folder, time_limit, say):
-        """words: for lockstep_launch; time_limit: of each run [s, wall].
+    def __init__(self, start, words, next_steps, folder, time_limit, say):
+        """start(words): runs lockstep_launch with these words in this process, and returns what is in Launched.
 
-        next_steps: what to type next, {LABELLED: command, IDENTICAL: command}, each with words that say what for.
+        words: for lockstep_launch; time_limit: of each run [s, wall]. next_steps: what to type next,
+        {LABELLED: command, IDENTICAL: command}, each with words that say what for.
         """
-        self._words = words
+        self._start, self._words = start, words
         self._next_steps = next_steps
         self._folder = folder
         self._time_limit = time_limit
@@ -107,43 +103,45 @@ class Verification:
         except OSError as error:
             raise OutputError('{}: cannot be made: {}'.format(folder, error.strerror)) from None
         log, output = os.path.join(folder, 'events.jsonl'), os.path.join(folder, 'output.txt')
-        message_bytes, outcome = os.path.join(folder, 'messages.bin'), os.path.join(folder, 'outcome.json')
-        command = [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', '--message-bytes',
-                   message_bytes, '--outcome', outcome, '--end-when-idle', *condition.options]
+        message_bytes = os.path.join(folder, 'messages.bin')
+        words = ['--event-log', log, '--log-messages', '--message-bytes', message_bytes, '--end-when-idle',
+                 *condition.options]
         if condition.is_limited:
             simulated = self.runs[0].simulated if self.runs else 0.0
-            command += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]
-        environment = dict(os.environ, ROS_LOG_DIR=os.path.join(folder, 'ros_log'), PYTHONUNBUFFERED='1',
-                           ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **dict(condition.environment))
+            words += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]
+        environment = {'ROS_LOG_DIR': os.path.join(folder, 'ros_log'), 'PYTHONUNBUFFERED': '1',
+                       'ROSCONSOLE_STDOUT_LINE_BUFFERED': '1', **dict(condition.environment)}
         begin = time.monotonic()
         with busy() if condition.is_busy else contextlib.nullcontext():
-            code = self._wait(command + self._words, environment, output)
+            code, bags, crashes, fleets, broken = self._launched(words + self._words, environment, output)
         wall = time.monotonic() - begin
-        said = _outcome(outcome)
-        crashes = said['crashes']
         if code != 0 and crashes:
             raise Unfinished("nodes crashed in the run '{}', so that it is not compared; --crashes allow "
                              'compares such runs, too:\n{}\nall output of the nodes: {}'.format(
                                  condition.name, '\n'.join('    ' + one for one in crashes), output), CRASHED)
         if code not in (0, _BROKEN):
-            how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
+            how = 'could not be started' if code == CANNOT else 'did not come to its end ({})'.format(
+                ends.described(code))
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)
-        return Run(condition, log, output, *_read_end(log), wall, message_bytes, _by_number(said['bags']), crashes,
-                   said['fleets'], [one['words'] for one in said['properties']['broken']])
+        return Run(condition, log, output, *_read_end(log), wall, message_bytes, _by_number(bags), crashes, fleets,
+                   broken)
 
-    def _wait(self, command, environment, output):
-        with open(output, 'wb') as stream:
-            process = subprocess.Popen([sys.executable, *command], env=environment, stdin=subprocess.DEVNULL,
-                                       stdout=stream, stderr=subprocess.STDOUT, start_new_session=True)
+    def _launched(self, words, environment, output):
+        """Run lockstep_launch in a fork; return (its exit code, [[node, path of a bag]], crashes, fleets, broken)."""
+        def work():
+            os.environ.update(environment)
+            launched = self._start(words)
+            return (launched.code, [[bag.node, bag.path] for bag in launched.bags], launched.crashes, launched.fleets,
+                    [one.words() for one in launched.judged.broken])
         try:
-            return process.wait(self._time_limit)
-        except subprocess.TimeoutExpired:
+            return call(work, self._time_limit, output)
+        except DeathError as error:
+            if not error.is_late:
+                return error.code or UNFINISHED, [], [], [], []
             raise Unfinished('a run was not over after {:g} s of wall time (--time-limit). It needs an end: '
                              '--until S, a node with required="true", or nothing left to do. Its last lines:\n{}'
                              .format(self._time_limit, _last_lines(output))) from None
-        finally:
-            _end(process)
 
     def _tell(self, run):
         found = run_difference.compare(run.log, run.log)
@@ -219,14 +217,6 @@ class Verification:
             counts.events, counts.messages, bags, '; of {} only the events'.format(', '.join(without)) * bool(without))
 
 
-def _outcome(path):
-    """Return the outcome of a run as lockstep_launch wrote it: bags, fleets, crashes; empty lists if it wrote none."""
-    with contextlib.suppress(FileNotFoundError), open(path, encoding='utf-8') as stream:
-        os.unlink(path)  # this run's lockstep_launch has made it, only for this function
-        return json.load(stream)
-    return {'bags': [], 'fleets': [], 'crashes': [], 'properties': {'broken': []}}
-
-
 def _by_number(bags):
     """Return {(node, number of its bag from 1 on): path} for the pairs [node, path]."""
     counts, found = {}, {}
@@ -256,16 +246,6 @@ def _remove(run):
     """Remove the file of a run's messages, which was kept only to compare runs."""
     with contextlib.suppress(OSError):
         os.unlink(run.message_bytes)  # this run's time master has made it
-
-
-def _end(process):
-    """End a run that is not over: by SIGINT, so that roslaunch ends its nodes; by SIGKILL if that does not help."""
-    for number in (signal.SIGINT, signal.SIGKILL):
-        if process.poll() is not None:
-            return
-        process.send_signal(number)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(_GRACE_S)
 
 
 def _read_end(path):

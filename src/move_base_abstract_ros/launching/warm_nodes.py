@@ -1,12 +1,17 @@
 """Start a node as a program, or, if the result is the same, as a fork of this process, which has all imports done.
 
+The process that is forked was started with one order of sets, one layout of memory and our library in front of libc
+(wants_start), as the launcher of unmodified programs starts each of them.
+
 A fork is possible for our launcher of Python programs and for this package's own nodes, if the node's environment asks
 for the settings with which this process was started. Everything else is started as a program.
 """
 import builtins
 import contextlib
 import functools
+import gc
 import importlib
+import io
 import os
 import re
 import sys
@@ -15,12 +20,16 @@ import types
 
 from move_base_abstract.common import processes
 
+from ..lockstep.programs import address_layout, native_library
+
 _FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_', 'LC_', 'LANG', 'TZ',
           'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT')
 _HASH_SEED = 'PYTHONHASHSEED'
 _LOG_SETTINGS = 'ROS_PYTHON_LOG_CONFIG_FILE'
-_NODES = 'move_base_abstract_ros.nodes'
+_OWN_NODES = 'move_base_abstract_ros.nodes'
 _OWN_NODE = re.compile(rb"^start\('(\w+)'\)", re.MULTILINE)
+_SPACE = ' ' * 4000  # room on the command line, in which each fork shows its own
+_NODES = ('rospy', 'move_base_abstract_ros.lockstep.program', 'move_base_abstract_ros.nodes.lockstep_launcher')
 _LARGEST = 1 << 20  # bytes of a script that are read
 #: modules that are imported before the fork: messages and libraries of others, and our own nodes
 MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.server', 'geometry_msgs.msg',
@@ -34,23 +43,92 @@ MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.serv
            'move_base_abstract_ros.nodes.property_monitor_node')
 
 
-def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
-    """Start a node; return (process id, whether it is a fork).
+def wants_start(environment):
+    """Add to the environment what only a new Python can take, so that forks of it can be nodes.
 
-    words: program and arguments. environment: {name: value}. output: the path of a file for its output. cwd: the
-    working folder. launcher: path of our launcher; own_folder: that of this package's programs. is_warm: whether a fork
-    is allowed.
+    Return whether there is something, so that this Python must be started again with it.
+    """
+    is_new = address_layout.choose(environment)
+    is_new = _HASH_SEED not in environment or is_new
+    is_new = not native_library.is_loaded() and native_library.preload(environment) or is_new
+    environment.setdefault(_HASH_SEED, '0')
+    return is_new
+
+
+def start_again():
+    """Start this Python again, once, if it wants that, with the same command line, and room to show those of forks."""
+    if wants_start(os.environ):
+        os.execv(sys.executable, [sys.executable, '-X', _SPACE, *sys.argv])
+    processes.show_name(os.path.basename(sys.argv[0]), sys.executable, *sys.argv)
+
+
+@contextlib.contextmanager
+def importing():
+    """Import inside the context quickly, and what starts no thread: a process with two of them cannot fork.
+
+    roslaunch asks distutils, which setuptools replaces by its own, for one function. It works without setuptools.
+    """
+    added = {name: value for name, value in processes.ONE_THREAD.items() if name not in os.environ}
+    os.environ.update(added)
+    hack = sys.modules.get('_distutils_hack') if sys.version_info < (3, 12) else None
+    if hack is not None:
+        hack.remove_shim()
+    try:
+        yield
+    finally:
+        if hack is not None:
+            hack.add_shim()
+        for name in added:
+            del os.environ[name]
+
+
+def import_all():
+    """Import the modules, and look up the paths, that nodes and those who start them need."""
+    from . import look_ups
+    with importing():
+        for name in MODULES:
+            importlib.import_module(name)
+    look_ups.packages()
+    look_ups.remember()
+    be_ready()
+
+
+def be_ready(paths=(), own_folder=''):
+    """Import what the Python programs at ``paths`` import; of our own ones, in ``own_folder``, all of it."""
+    with importing():
+        for name in _NODES if paths else ():
+            importlib.import_module(name)
+        for path in paths:
+            _import_for(path, own_folder)
+    from ..replacing import replaced
+    replaced.look_up()
+    log_settings()
+    gc.collect()
+    gc.freeze()  # so that no garbage collection in a fork touches, and so copies, the present objects
+
+
+def start(words, environment, enter, cwd, launcher, is_warm=True):
+    """Start a node, which leads a session of its own; return its process id.
+
+    words: program and arguments. environment: {name: value}. enter: called first in the new process, to give it its
+    outputs. cwd: the working folder. launcher: path of our launcher. is_warm: whether a fork is allowed.
     """
     environment = with_log_settings(environment)
-    if is_warm and is_fit(words, environment, launcher, own_folder):
-        return processes.fork(lambda: become(words, environment), output, cwd), True
-    return processes.execute(words, environment, output, cwd), False
+
+    def begin():
+        enter()
+        os.chdir(cwd)
+        if is_warm and is_fit(words, environment, launcher):
+            become(words, environment)
+        else:
+            processes.become(words, environment)
+    return processes.fork(begin, new_session=True)
 
 
-def is_fit(words, environment, launcher, own_folder):
+def is_fit(words, environment, launcher):
     """Return whether a fork of this process may become the Python program of a command line in an environment."""
     is_own = words[0] != launcher
-    if is_own and os.path.dirname(words[0]) != own_folder:
+    if is_own and os.path.dirname(words[0]) != os.path.dirname(launcher):
         return False
     # Own nodes may also run in a virtual environment over their Python; programs of others need their own Python.
     python = processes.interpreter_of(words[0])
@@ -68,7 +146,7 @@ def may_become(words, environment, launcher):
         return False
     # Own nodes do not depend on the hash seed. They have one only if their environment sets it, and then the same.
     own_seed = os.environ.get(_HASH_SEED, '')
-    return environment.get(_HASH_SEED, own_seed) == own_seed and all(
+    return own_seed != 'random' and environment.get(_HASH_SEED, own_seed) == own_seed and all(
         environment.get(name) == os.environ.get(name) for name in {*environment, *os.environ}
         if name.startswith(_FIXED) and name not in (_HASH_SEED, 'PYTHONUNBUFFERED', *processes.ONE_THREAD))
 
@@ -88,15 +166,13 @@ def _is_shadowed(words):
         os.path.join(folder, entry, '__init__.py'))) for entry in os.listdir(folder))
 
 
-def import_for(path, own_folder):
+def _import_for(path, own_folder):
     """Import beforehand what the script at ``path`` imports: for our own programs all, for others those of MODULES."""
+    text = b''
     with contextlib.suppress(OSError), open(path, 'rb') as stream:
-        _import_for(stream.read(_LARGEST), os.path.dirname(path) == own_folder)
-
-
-def _import_for(text, is_own):
-    own = _OWN_NODE.search(text) if is_own else None
-    names = [f'{_NODES}.{own.group(1).decode()}'] if own else [
+        text = stream.read(_LARGEST)
+    own = _OWN_NODE.search(text) if os.path.dirname(path) == own_folder else None
+    names = [f'{_OWN_NODES}.{own.group(1).decode()}'] if own else [
         name for name in MODULES if re.search(rb'^[ \t]*(from|import)\b.*\b%b\b' % name.encode(), text, re.MULTILINE)]
     for name in names:
         with contextlib.suppress(Exception):  # the node itself will report the error
@@ -129,21 +205,14 @@ def _has_settings(folder):
     return any(os.path.exists(os.path.join(folder, 'python_logging' + end)) for end in ('.conf', '.yaml'))
 
 
-def be_or_start(words, environment, launcher):
-    """Become the program of a command line, in a fork. If a fork cannot be the same, execute the program."""
-    environment = with_log_settings(environment)
-    if words[0] == launcher:
-        environment = {_HASH_SEED: os.environ[_HASH_SEED], **environment}  # otherwise the launcher would start again
-    if is_fit(words, environment, launcher, os.path.dirname(launcher)):
-        become(words, environment)
-    else:
-        os.execvpe(words[0], words, environment)
-
-
 def become(words, environment):
-    """Become the Python program of a command line, as if Python had been started with it."""
+    """Become, in a fork, the Python program of a command line, as if Python had been started with it."""
     import rospy.names
     from rosgraph.names import get_ros_namespace, load_mappings
+    is_launcher = os.path.basename(words[0]) == 'lockstep'
+    processes.show_name(os.path.basename(sys.executable if is_launcher else words[0]), sys.executable, *words)
+    be_as_started(environment)
+    processes.end_as_program = True
     os.environ.clear()
     os.environ.update(environment)
     path = words[0]
@@ -163,3 +232,28 @@ def become(words, environment):
     module.__file__ = path
     sys.modules['__main__'] = module
     exec(compile(source, path, 'exec', dont_inherit=True), module.__dict__)
+
+
+def be_as_started(environment):
+    """Make this fork like a Python that has just started: its open files, sys.stdout and sys.stderr, working folder."""
+    for name in os.listdir('/proc/self/fd'):
+        with contextlib.suppress(OSError):
+            if int(name) > 2:
+                os.close(int(name))
+    is_buffered = not environment.get('PYTHONUNBUFFERED')
+    for number, name in enumerate(('stdout', 'stderr'), 1):
+        new = _output(getattr(sys, f'__{name}__'), number, is_buffered)
+        vars(sys).update({name: new, f'__{name}__': new})
+    multiprocessing = sys.modules.get('multiprocessing.process')
+    if multiprocessing is not None:
+        multiprocessing.ORIGINAL_DIR = os.getcwd()
+
+
+def _output(old, number, is_buffered):
+    raw = io.FileIO(number, 'w', closefd=False)
+    raw.name = old.name
+    is_by_line = is_buffered and (raw.isatty() or (number == 2 and sys.version_info >= (3, 9)))
+    new = io.TextIOWrapper(io.BufferedWriter(raw) if is_buffered else raw, old.encoding, old.errors,
+                           line_buffering=is_by_line, write_through=not is_buffered)
+    new.mode = 'w'
+    return new

@@ -19,14 +19,19 @@ import shutil
 import sys
 import tempfile
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.lasting_output import outlive_readers
 from move_base_abstract.common.options import words_of
 from move_base_abstract.common.own_files import FolderKind
 from move_base_abstract.common.shown import shown
 
-from ..launching import command_line, conditions, verification
+from ..launching import command_line, conditions, warm_nodes
 from ..loopback import LoopbackError
+from . import lockstep_launch
+
+with warm_nodes.importing():
+    from ..launching import verification
 
 _FOLDER = FolderKind('verification')
 
@@ -35,7 +40,11 @@ def main(words=None):
     """Verify and exit with the code."""
     outlive_readers()
     words = sys.argv[1:] if words is None else words
-    options, launch_words = _parse(words)
+    warm_nodes.start_again()
+    processes.adopt_orphans()
+    with warm_nodes.importing():
+        options, launch_words = _parse(words)
+        warm_nodes.import_all()  # once for all runs
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are not text
     try:
@@ -66,7 +75,7 @@ def _verify(options, launch_words):
         os.close(_FOLDER.make(folder))
     code = None
     try:
-        run = verification.Verification(launch_words, _next_steps(options), folder, options.time_limit, _say)
+        run = verification.Verification(_start, launch_words, _next_steps(options), folder, options.time_limit, _say)
         code = run.verify(_names(options))
         return code
     finally:
@@ -74,6 +83,14 @@ def _verify(options, launch_words):
             shutil.rmtree(folder)  # this process made it above
         else:
             print('verify: logs and outputs are in {}'.format(folder), flush=True)
+
+
+def _start(words):
+    """Run lockstep_launch in this process, and return the Launched."""
+    try:
+        return lockstep_launch.launch(*lockstep_launch.read_words(words))
+    except SystemExit as error:  # its words are wrong; it has said why
+        return lockstep_launch.Launched(error.code)
 
 
 def _say(line):

@@ -10,15 +10,14 @@ import collections
 import json
 import os
 import signal
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
 
-from ...loopback import find_executable
 from .. import command_line
 
 _OUTPUT = '--gtest_output=xml:'
@@ -32,13 +31,16 @@ def is_asked(words):
     return any(word.startswith(_OUTPUT) for word in words)
 
 
-def run(words):
-    """Run the launch file and exit with 0, or with 1 if a property is broken or the run did not come to its end."""
+def run(words, launch):
+    """Run the launch file; exit with 0, or with 1 if a property is broken or the run did not come to its end.
+
+    launch(words): runs lockstep_launch with these words in this process, and returns its Launched.
+    """
     results = [word[len(_OUTPUT):] for word in words if word.startswith(_OUTPUT)]
     # rostest adds options of its own, and remappings that begin with two underscores.
     words = [word for word in words if not word.startswith(('--gtest_', '__')) and word != '--text']
     name = next((word[len('__name:='):] for word in sys.argv if word.startswith('__name:=')), 'lockstep_launch')
-    cases = _run(words)
+    cases = _run(words, launch)
     _write(results[-1], name, cases)
     for case, problem in cases.items():
         print('{}: {}'.format(case, 'broken: ' + problem if problem else 'kept'))
@@ -47,27 +49,31 @@ def run(words):
     sys.exit(1 if any(cases.values()) else 0)
 
 
-def _run(words):
-    """Run lockstep_launch; return {case: what is wrong, or ''}."""
-    with tempfile.TemporaryDirectory(prefix='move_base_abstract_checked_') as folder:
-        outcome = os.path.join(folder, 'outcome.json')
-        command = [sys.executable, find_executable('lockstep_launch'), '--outcome', outcome, *words]
+def _run(words, launch):
+    """Run lockstep_launch in a fork; return {case: what is wrong, or ''}."""
+    read, write = os.pipe()
+    with tempfile.TemporaryFile('w+') as outcome:
+        def child():
+            for number in (1, 2):
+                os.dup2(write, number)
+            launched = launch(words)
+            json.dump(launched.judged.told(), outcome)
+            outcome.flush()
+            sys.exit(launched.code)
+        process = processes.Held(processes.Forked(processes.fork(child, new_session=True)))
+        os.close(write)
         last, signals = collections.deque(maxlen=_LAST_LINES), []
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              errors='replace') as process:
-            for each in (signal.SIGINT, signal.SIGTERM):  # from rostest, when time is up: no process must stay behind
-                signal.signal(each, lambda number, _: (signals.append(number), process.send_signal(signal.SIGINT)))
-            for line in process.stdout:
+        for each in (signal.SIGINT, signal.SIGTERM):  # from rostest, when time is up: no process must stay behind
+            signal.signal(each, lambda number, _: (signals.append(number), process.send_signal(signal.SIGINT)))
+        with open(read, errors='replace') as lines:
+            for line in lines:
                 print(line, end='', flush=True)
                 last.append(line.rstrip('\n'))
-        told = {'broken': [], 'statements': []}
-        if os.path.exists(outcome):
-            with open(outcome, encoding='utf-8') as stream:
-                told = json.load(stream)['properties']
-    is_over = process.returncode in (_GOOD, _BROKEN) and not signals
-    ended = '' if is_over else 'the run did not come to its end ({}):\n{}'.format(
-        'it was ended from outside' if signals else 'exit code {}'.format(process.returncode),
-        '\n'.join(map(shown_text, last)))
+        code = process.wait()
+        outcome.seek(0)
+        told = json.loads(outcome.read() or '{"broken": [], "statements": []}')
+    ended = '' if code in (_GOOD, _BROKEN) and not signals else 'the run did not come to its end ({}):\n{}'.format(
+        'it was ended from outside' if signals else 'exit code {}'.format(code), '\n'.join(map(shown_text, last)))
     return {'the run comes to its end': ended, **(_cases(told) if _CHECK in words else {})}
 
 
