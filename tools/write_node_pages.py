@@ -20,7 +20,6 @@ sys.path.insert(0, str(ROOT / 'src'))
 DOCS = ROOT / 'docs'
 NODES = DOCS / 'nodes'
 
-from move_base_abstract.common.parameter_table import SCHEMAS  # noqa: E402
 from move_base_abstract.config import node_tables, robot_table  # noqa: E402
 from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
@@ -64,7 +63,7 @@ TABLES = {
 
 def kind_of(parameter):
     """Return the type of a Parameter in a word."""
-    schema = SCHEMAS.get(parameter.convert, {})
+    schema = parameter.kind.schema
     if 'enum' in schema:
         return 'text'
     if schema:

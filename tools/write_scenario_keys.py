@@ -73,7 +73,7 @@ def as_parameters(names, known):
     lost = [name for name in names if name not in found and name not in TEXTS]
     if lost:
         raise SystemExit('{}: no known table of the code has this key: add it to TEXTS'.format(lost[0]))
-    return [found.get(name) or Parameter(name, TEXTS[name][0], None, TEXTS[name][1]) for name in names]
+    return [found.get(name) or Parameter(name, TEXTS[name][0], None, allowed=TEXTS[name][1]) for name in names]
 
 
 def sections():

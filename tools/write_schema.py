@@ -12,7 +12,6 @@ import sys
 import write_scenario_keys
 from output_file import ROOT
 
-from move_base_abstract.common.parameter_table import SCHEMAS
 from move_base_abstract_experiments.description import spec
 
 FILE = os.path.join('config', 'scenario.schema.json')
@@ -21,7 +20,7 @@ EXPERIMENT_FILE = os.path.join('config', 'experiment.schema.json')
 
 def of_parameter(parameter):
     """Return the schema of a Parameter: the allowed values in words, and their type if the code knows it."""
-    schema = {'description': parameter.allowed, **SCHEMAS.get(parameter.convert, {})}
+    schema = {'description': parameter.allowed, **parameter.kind.schema}
     if isinstance(parameter.default, (bool, int, float)) or parameter.default and isinstance(parameter.default, str):
         schema['default'] = parameter.default
     return schema

@@ -7,7 +7,6 @@ This module needs only the standard library and PyYAML. Everything is checked wh
 from __future__ import annotations
 
 import csv
-import difflib
 import math
 import random
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequenc
 from .common.bounded_yaml import load_yaml_file
 from .common.csv_files import open_csv
 from .common.errors import ConfigurationError
+from .common.kinds import similar
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
 from .motion.geometry import Pose2D
@@ -144,9 +144,8 @@ def _check_mapping(value: Any, known: Sequence[str], required: Sequence[str], wh
         raise MissionError(f'{where}: must be a mapping with the keys {", ".join(known)}, got {shown(value)}')
     for key in value:
         if key not in known:
-            close = difflib.get_close_matches(shown_text(key), known, n=1)
-            hint = f"did you mean '{close[0]}'?" if close else f'known keys: {", ".join(known)}'
-            raise MissionError(f'{where}.{shown_text(key)}: unknown key; {hint}')
+            hint = similar(key, known, f'; known keys: {", ".join(known)}')
+            raise MissionError(f'{where}.{shown_text(key)}: unknown key{hint}')
     for key in required:
         if key not in value:
             raise MissionError(f"{where}: the key '{key}' is missing")

@@ -25,8 +25,8 @@ from simpy.core import EmptySchedule, StopSimulation
 from simpy.events import NORMAL, URGENT, Event
 
 from .common.arguments import as_float, check_kind
+from .common.kinds import check_keys
 from .common.units import NS_PER_S, check_reachable, seconds_to_ns
-from .common.unknown_keys import check_keys
 from .fleet.fleet import Fleet
 from .fleet.member import Member
 from .fleet.user_calls import AFTER_USERS

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, 
 from .common.arguments import check_kind
 from .common.bounded_yaml import load_yaml_file
 from .common.errors import ConfigurationError
-from .common.parameter_table import Parameter, checked, integer, number, one_of
+from .common.kinds import check_keys, integer, number, one_of
+from .common.parameter_table import Parameter, checked
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
-from .common.unknown_keys import check_keys
 from .config.node_tables import MAX_ROBOTS
 from .config.robot_table import OWN_NAMES
 from .config.settings import RobotSettings, read_settings
@@ -51,11 +51,11 @@ _TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *RULES, 'encounters', *_NETW
 #: settings that are paths of files; a calibration may also be named, without .yaml, if it ships with the package
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
-_COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
-_SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
-_ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'), "'calibrated' or 'none'")
+_COUNT = Parameter('count', None, integer(1, MAX_ROBOTS))
+_SEED = Parameter('seed', 0, integer(0))
+_ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'))
 _THRESHOLDS = next(one.default for one in BATTERY_TABLE if one.name == 'battery_thresholds')
-_STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
+_STEP = Parameter('step', 0.0, number(unit='m'))
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 import re
 from dataclasses import asdict, dataclass, fields
-from difflib import get_close_matches
 from enum import Enum
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import check_keys
 from move_base_abstract.common.shown import shown
 
 PUBLISHED_CONFIGURATIONS = (('ssi', 'random'), ('ssi', 'dynamic'), ('rr', 'random'), ('rr', 'dynamic'))
@@ -102,11 +102,7 @@ class TrialConfig:
         :raises ConfigurationError: for an unknown key, with the most similar known one, or a value that cannot be used.
         """
         known = [field.name for field in fields(cls)]
-        for key in values:
-            if key not in known:
-                close = get_close_matches(str(key), known, n=1)
-                hint = f"did you mean '{close[0]}'?" if close else f'known keys: {", ".join(known)}'
-                raise ConfigurationError(f'trial configuration: {key}: unknown key; {hint}')
+        check_keys(values, known, 'trial configuration', '')
         return cls(**values)
 
 

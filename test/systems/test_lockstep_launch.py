@@ -288,7 +288,7 @@ class LaunchTest(unittest.TestCase):
         simulator = '<launch><node pkg="stage_ros" type="stageros" name="stage"/></launch>'
         nobody = '<launch><node pkg="rosbag" type="play" name="player"/></launch>'
         for words, text in (((self.path('none.launch'),), 'none.launch'), ((), 'a launch file must be given'),
-                            (('--until', '-1', SYSTEM), '--until: got -1.0; allowed: a number in 1e-09..2147483647 [s'),
+                            (('--until', '-1', SYSTEM), '--until: got -1.0; allowed: a number in 1e-9..2147483647 [s'),
                             (('--list', '--until', 'x', SYSTEM), "got 'x'"),
                             (('--onlooker', '/x', SYSTEM), 'no node of this'),
                             (('--replace', 'a/b=c', SYSTEM), 'PACKAGE/TYPE=PACKAGE/TYPE')):

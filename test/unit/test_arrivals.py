@@ -87,7 +87,7 @@ def test_a_file_says_when_and_where(tmp_path):
     ([{'name': 'dock', 'capasity': 1}], [], ("places[0]: capasity: unknown key; did you mean 'capacity'?",)),
     ([DOCK, DOCK], [], ('places[1]', "'dock' is given to more than one place")),
     ([{**DOCK, 'capacity': 0}], [], ('capacity', 'got 0', 'a whole number >= 1')),
-    ([{**DOCK, 'duration': 0.0}], [], ('duration', 'got 0.0', 'a number in 1e-09..2147483647')),
+    ([{**DOCK, 'duration': 0.0}], [], ('duration', 'got 0.0', 'a number in 1e-9..2147483647')),
     ([{**DOCK, 'duration_cv': 0.5}], [], ('duration_cv', '> 0 with lognormal and gamma')),
     ([DOCK], {}, ('arrivals', 'a list of at most')),
     ([DOCK], [{'rate': 1.0}], ('arrivals[0]', 'none of place, area and file')),

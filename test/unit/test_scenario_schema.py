@@ -8,7 +8,6 @@ import pytest
 import yaml
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import SCHEMAS
 from move_base_abstract.scenario import make_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -57,13 +56,13 @@ def test_what_the_code_refuses_is_not(document):
     assert not SCHEMA.is_valid(document)
 
 
-@pytest.mark.parametrize('parameter', [parameter for parameter in PARAMETERS if parameter.convert in SCHEMAS],
+@pytest.mark.parametrize('parameter', [parameter for parameter in PARAMETERS if parameter.kind.schema],
                          ids=lambda parameter: parameter.name)
 def test_kinds_and_bounds_are_those_of_the_converter(parameter):
-    one = jsonschema.Draft7Validator(SCHEMAS[parameter.convert])
+    one = jsonschema.Draft7Validator(parameter.kind.schema)
     for value in (None, True, -1, 0, 1, 2, 1.5, -0.5, 1e12, 'x', 'wait', 'stall', [], [1.0, 2.0], {}):
         try:
-            parameter.convert(value)
+            parameter.kind(value)
         except (ValueError, TypeError):
             assert not one.is_valid(value), value
         else:
@@ -71,4 +70,4 @@ def test_kinds_and_bounds_are_those_of_the_converter(parameter):
 
 
 def test_most_keys_have_a_kind():
-    assert sum(parameter.convert in SCHEMAS for parameter in PARAMETERS) > 0.7 * len(PARAMETERS)
+    assert sum(bool(parameter.kind.schema) for parameter in PARAMETERS) > 0.7 * len(PARAMETERS)

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, checked, integer, name, number, unknown_names
+from move_base_abstract.common.kinds import FRAME, integer, number
+from move_base_abstract.common.parameter_table import Parameter, checked, unknown_names
 from move_base_abstract.common.shown import shown
 from move_base_abstract.config.robot_table import OWN_NAMES
 from move_base_abstract.config.settings import read_settings
@@ -358,10 +359,10 @@ def test_numbers_become_floats_and_their_limits_belong_to_them():
 
 
 def test_other_converters_keep_good_values():
-    assert (integer(-1)(-1), name('//map'), name('a/b')) == (-1, 'map', 'a/b')
+    assert (integer(-1)(-1), FRAME('//map'), FRAME('a/b')) == (-1, 'map', 'a/b')
 
 
 def test_a_conversion_that_fails_says_all_there_is_to_say():
     with pytest.raises(ConfigurationError) as error:
-        checked('x', 'group/key', Parameter('key', 1, integer(2), 'a whole number >= 2'), '/ns/')
+        checked('x', 'group/key', Parameter('key', 1, integer(2)), '/ns/')
     assert str(error.value) == "parameter /ns/group/key: got 'x'; allowed: a whole number >= 2"

@@ -6,6 +6,7 @@ where. Maps, scenarios, missions and services use this module, so that all of th
 """
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING, Any, Dict, Hashable, NamedTuple, Optional, Tuple, Union
 
@@ -82,6 +83,12 @@ def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -
         raise ConfigurationError('{}: {}'.format(where, error)) from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise ConfigurationError('{}: is not YAML of plain values: {}'.format(where, _told(error))) from None
+
+
+def yaml_line(value: Any) -> str:
+    """Return plain data as YAML in one line, which load_yaml_text() reads as the same data."""
+    dumped: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
+    return dumped.replace('\n...\n', '').rstrip('\n')
 
 
 def _told(error: Any) -> str:

@@ -8,23 +8,28 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from typing import Any, Callable, Dict, Iterable, NamedTuple, Tuple
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, Iterable, Mapping, Optional, Sequence, Tuple
 
 from .errors import ConfigurationError
 from .shown import shown, shown_text
 
 Schema = Dict[str, Any]
+#: ((x, y), ...), ascending by x
+Pairs = Tuple[Tuple[float, float], ...]
 _PRINTABLE = r'^[^\x00-\x1f\x7f-\x9f]*$'
 _LONGEST_TEXT = 4096
 _LARGEST_WHOLE = 10**18
 
 
-class Kind(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Kind:
     """One kind of value. ``check(where, value)`` returns the value for the code, or raises a ConfigurationError.
 
     ``of_word(word)`` converts a word of a command line to the value that a file would have, or raises a ValueError;
     ``to_word(value)`` converts the code's value back. ``each``: for lists and mappings, whose words are given once for
-    each value, the Kind of one of them, a mapping's as NAME=VALUE.
+    each value, the Kind of one of them, a mapping's as NAME=VALUE. ``allowed``: what is allowed, in words; '': only the
+    errors of ``check`` say it.
     """
 
     check: Callable[[str, Any], Any]
@@ -32,6 +37,11 @@ class Kind(NamedTuple):
     of_word: Callable[[str], Any] = str
     to_word: Callable[[Any], str] = str
     each: Any = None
+    allowed: str = ''
+
+    def __call__(self, value: Any) -> Any:
+        """Return ``value`` for the code. :raises ConfigurationError: if it is not allowed."""
+        return self.check('', value)
 
 
 def error(where: str, value: object, allowed: str) -> ConfigurationError:
@@ -39,57 +49,106 @@ def error(where: str, value: object, allowed: str) -> ConfigurationError:
     return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}'.lstrip(': '))
 
 
+def similar(name: object, known: Iterable[str], otherwise: str = '') -> str:
+    """Return "; did you mean 'NAME'?" with the known name that is most similar; ``otherwise`` if none is."""
+    near = difflib.get_close_matches(shown_text(name), list(known), n=1)
+    return f"; did you mean '{near[0]}'?" if near else otherwise
+
+
 def unknown(what: str, name: str, known: Iterable[str]) -> ConfigurationError:
     """Return the error for an unknown name, with the most similar known one."""
     known = list(known)
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f'; did you mean {near[0]!r}?' if near else ''
-    return ConfigurationError(f'{what} {shown_text(name)!r} is unknown{hint} (known: {", ".join(known) or "none"})')
+    return ConfigurationError(f'{what} {shown_text(name)!r} is unknown{similar(name, known)} '
+                              f'(known: {", ".join(known) or "none"})')
+
+
+def check_keys(raw: Mapping[str, Any], known: Sequence[str], where: str, prefix: str) -> None:
+    """Check that all keys of the mapping ``raw`` are among ``known``; an error shows the key with ``prefix`` before it.
+
+    :raises ConfigurationError: if one is not; the text begins with ``where``, and names the most similar known key.
+    """
+    for key in raw:
+        if key not in known:
+            hint = similar(key, known, '; allowed: ' + ', '.join(known[:12]))
+            raise ConfigurationError(f'{where}: {prefix}{shown_text(key)}: unknown key{hint}')
+
+
+def made_by(made: Callable[[Any], Any], allowed: str, schema: Optional[Schema] = None, **others: Any) -> Kind:
+    """Return the Kind of the values for which ``made(value)`` raises neither a ValueError nor a TypeError."""
+    def check(where: str, value: Any) -> Any:
+        try:
+            return made(value)
+        except (ValueError, TypeError, OverflowError):
+            raise error(where, value, allowed) from None
+    return Kind(check, schema or {}, allowed=allowed, **others)
+
+
+def _kept(is_allowed: Callable[[Any], bool], allowed: str, schema: Optional[Schema] = None) -> Kind:
+    """Return the Kind of the values for which ``is_allowed(value)``; the code gets them as they are."""
+    def made(value: Any) -> Any:
+        if not is_allowed(value):
+            raise ValueError
+        return value
+    return made_by(made, allowed, schema)
 
 
 def text(longest: int = _LONGEST_TEXT) -> Kind:
     """Return the kind of texts of one line that are not empty, with at most ``longest`` characters."""
-    def check(where: str, value: Any) -> str:
-        if not isinstance(value, str) or not value or len(value) > longest or not value.isprintable():
-            raise error(where, value, f'a text of one line, 1 to {longest} characters')
-        return value
-    return Kind(check, {'type': 'string', 'minLength': 1, 'maxLength': longest, 'pattern': _PRINTABLE})
+    return _kept(lambda value: isinstance(value, str) and 0 < len(value) <= longest and value.isprintable(),
+                 f'a text of one line, 1 to {longest} characters',
+                 {'type': 'string', 'minLength': 1, 'maxLength': longest, 'pattern': _PRINTABLE})
 
 
 def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> Kind:
     """Return the kind of texts that match a regular expression; ``made(text)`` returns the value for the code."""
     form = re.compile(f'(?:{expression})\\Z', re.ASCII)
 
-    def check(where: str, value: Any) -> str:
+    def convert(value: Any) -> str:
         if not isinstance(value, str) or not form.match(value):
-            raise error(where, value, allowed)
+            raise ValueError
         return made(value)
-    return Kind(check, {'type': 'string', 'pattern': f'^(?:{expression})$'})
+    return made_by(convert, allowed, {'type': 'string', 'pattern': f'^(?:{expression})$'})
 
 
-def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False, unit: str = '',
-           or_word: str = '') -> Kind:
-    """Return the kind of finite numbers in ``lowest`` .. ``highest``; with ``whole``, 2.0 is allowed, too.
+def number(low: float = -math.inf, high: float = math.inf, whole: bool = False, or_zero: bool = False, unit: str = '',
+           or_word: str = '', above: Optional[float] = None, note: str = '') -> Kind:
+    """Return the kind of finite numbers in ``low`` .. ``high``; with ``whole``, 2.0 is allowed, too, as in roscpp.
 
-    ``or_zero``: 0 is allowed, too. ``unit``: the unit in error texts, for example 's, simulated'. ``or_word``: a text
-    that is allowed instead of a number; '': none.
+    ``above``: the numbers are > this. ``or_zero``: 0 is allowed, too. ``or_word``: a text that is allowed instead of a
+    number; '': none. In error texts, ``unit`` is the unit, for example 's, simulated', and ``note`` follows.
     """
-    allowed = f'a {"whole " if whole else ""}number in {short(lowest)}..{short(highest)}' + (
-        f' [{unit}]' if unit else '') + (', or 0' if or_zero else '') + (f', or {or_word}' if or_word else '')
-
-    def check(where: str, value: Any) -> Any:
+    def made(value: Any) -> Any:
         if or_word and value == or_word:
             return value
         if whole and isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not (
-                lowest <= value <= highest or or_zero and value == 0):
-            raise error(where, value, allowed)
+                low <= value <= high and (above is None or value > above) or or_zero and value == 0) or not (
+                whole or math.isfinite(value)):
+            raise ValueError
         return value if whole else float(value)
-    schema = {'type': 'integer' if whole else 'number', 'minimum': lowest, 'maximum': highest}
+    words = _range(low, high, above, 'a whole number' if whole else 'a number') + (f' [{unit}]' if unit else '') + (
+        ', or 0' if or_zero else '') + (f', or {or_word}' if or_word else '') + (f', {note}' if note else '')
+    schema: Schema = {'type': 'integer' if whole else 'number', **{
+        name: value for name, value in (('minimum', low), ('maximum', high)) if math.isfinite(value)},
+        **({} if above is None else {'exclusiveMinimum': above})}
     others = [{'type': 'number', 'enum': [0]}] * or_zero + [{'enum': [or_word]}] * bool(or_word)
-    return Kind(check, {'anyOf': [*others, schema]} if others else schema,
-                lambda word: word if or_word and word == or_word else int(word) if whole else float(word), short)
+    return made_by(made, words, {'anyOf': [*others, schema]} if others else schema, to_word=short,
+                   of_word=lambda word: word if or_word and word == or_word else int(word) if whole else float(word))
+
+
+def _range(low: float, high: float, above: Optional[float], what: str) -> str:
+    """Return in words which numbers are allowed: 'a number in 0..1e9', 'a finite number > 0'."""
+    if math.isfinite(high):
+        return f'{what} in {_end(low)}..{_end(high)}' if above is None else f'{what} > {_end(above)}, <= {_end(high)}'
+    what = what.replace('a number', 'a finite number')
+    return f'{what} > {_end(above)}' if above is not None else f'{what} >= {_end(low)}' if math.isfinite(low) else what
+
+
+def _end(value: float) -> str:
+    """Return an end of a range: '1e9', '1e-6', '2147483647', '3.14159'."""
+    brief = f'{value:g}'
+    return re.sub(r'e\+?(-?)0*', r'e\1', brief) if float(brief) == value or value % 1 else str(int(value))
 
 
 def short(value: Any) -> str:
@@ -98,34 +157,73 @@ def short(value: Any) -> str:
         str(value))
 
 
+def integer(low: float, high: float = math.inf, **others: Any) -> Kind:
+    """Return the kind of whole numbers in ``low`` .. ``high``; ``others``: as for number()."""
+    return number(low, high, whole=True, **others)
+
+
 def one_of(*allowed: str) -> Kind:
     """Return the kind of texts that are among ``allowed``."""
-    def check(where: str, value: Any) -> str:
-        if not isinstance(value, str) or value not in allowed:
-            raise error(where, value, ', '.join(allowed))
-        return value
-    return Kind(check, {'enum': list(allowed)})
+    *first, last = map(repr, allowed)
+    return _kept(lambda value: isinstance(value, str) and value in allowed, ' or '.join(filter(None, (
+        ', '.join(first), last))), {'enum': list(allowed)})
 
 
-def _flag(where: str, value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise error(where, value, 'true or false')
-    return value
+def numbers(count: int, allowed: str = '') -> Kind:
+    """Return the kind of lists of ``count`` finite numbers, which the code gets as a tuple of floats."""
+    single = number()
+
+    def made(value: Any) -> Tuple[float, ...]:
+        if not isinstance(value, (list, tuple)) or len(value) != count:
+            raise ValueError
+        return tuple(map(single, value))
+    return made_by(made, allowed or f'a list of {count} numbers', {
+        'type': 'array', 'items': single.schema, 'minItems': count, 'maxItems': count})
 
 
-def _scalar(where: str, value: Any) -> Any:
-    if isinstance(value, str) and len(value) <= _LONGEST_TEXT and (value.isprintable() or not value):
-        return value
-    if isinstance(value, bool) or isinstance(value, int) and abs(value) < _LARGEST_WHOLE:
-        return value
-    if isinstance(value, float) and math.isfinite(value):
-        return value
-    raise error(where, value, 'a text, a number, true or false')
+def ascending_pairs(first: Callable[[Any], float], second: Callable[[Any], float], allowed: str = '') -> Kind:
+    """Return the kind of lists of [x, y] with ascending x, as tuples of pairs; x by ``first``, y by ``second``."""
+    def made(value: Any) -> Pairs:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ValueError
+        pairs = tuple((first(x), second(y)) for x, y in value)
+        if any(one[0] >= other[0] for one, other in zip(pairs, pairs[1:])):
+            raise ValueError
+        return pairs
+    return made_by(made, allowed)
 
 
-FLAG = Kind(_flag, {'type': 'boolean'})
+def _scalar(value: Any) -> bool:
+    return isinstance(value, str) and len(value) <= _LONGEST_TEXT and (value.isprintable() or not value) or (
+        isinstance(value, bool) or isinstance(value, int) and abs(value) < _LARGEST_WHOLE) or (
+        isinstance(value, float) and math.isfinite(value))
+
+
+def string(allowed: str) -> Kind:
+    """Return the kind of all texts."""
+    return _kept(lambda value: isinstance(value, str), allowed, {'type': 'string'})
+
+
+def bare_name(allowed: str) -> Kind:
+    """Return the kind of names of frames and topics, which the code gets without leading slashes."""
+    return made_by(_bare, allowed, {'type': 'string'})
+
+
+def _bare(value: Any) -> str:
+    if not isinstance(value, str) or not value.strip('/'):
+        raise ValueError
+    return value.lstrip('/')
+
+
+FLAG = _kept(lambda value: isinstance(value, bool), 'true or false', {'type': 'boolean'})
+FRAME = bare_name('a frame name')
+BELOW_ROOT = bare_name('a topic name')
+PATH = string('the path of a file')
+#: the name of a topic, with its leading slash
+TOPIC = _kept(lambda value: isinstance(value, str) and bool(value.strip('/')), 'a topic name', {'type': 'string'})
 #: the kind of values that can be in a table
-SCALAR = Kind(_scalar, {'type': ['string', 'number', 'boolean'], 'maxLength': _LONGEST_TEXT, 'pattern': _PRINTABLE})
+SCALAR = _kept(_scalar, 'a text, a number, true or false', {
+    'type': ['string', 'number', 'boolean'], 'maxLength': _LONGEST_TEXT, 'pattern': _PRINTABLE})
 #: the name of a factor or a metric
 NAME = pattern('[A-Za-z][A-Za-z0-9_]{0,63}', 'a letter, then at most 63 letters, digits and underscores')
 
@@ -180,7 +278,7 @@ def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kin
             if isinstance(value, type_):
                 return made(kind.check(where, value))
         return others.check(where, value)
-    return others._replace(check=check, schema={'anyOf': [*(kind.schema for _, _, kind in kinds), others.schema]})
+    return replace(others, check=check, schema={'anyOf': [*(kind.schema for _, _, kind in kinds), others.schema]})
 
 
 def or_null(kind: Kind) -> Kind:

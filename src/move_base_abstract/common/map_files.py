@@ -5,7 +5,6 @@ ConfigurationError that names the file.
 """
 from __future__ import annotations
 
-import difflib
 import math
 import os
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
 from .geometry import Pose2D
 from .input_files import open_input
+from .kinds import similar
 from .map_images import ImageRule, MapMode
 from .pnm_files import BYTES_MAX, is_pnm, read_pnm
 from .shown import shown, shown_text
@@ -118,9 +118,7 @@ def _image_path(raw: Any, path: StrPath) -> str:
 def _warnings(document: Dict[Any, Any], rule: ImageRule, path: StrPath) -> Iterator[str]:
     for key in document:
         if key not in _KEYS:
-            close = difflib.get_close_matches(shown_text(key), _KEYS, n=1)
-            yield '{}: {}: unknown key, not used{}'.format(
-                path, shown_text(key), "; did you mean '{}'?".format(close[0]) if close else '')
+            yield '{}: {}: unknown key, not used{}'.format(path, shown_text(key), similar(key, _KEYS))
     if rule.free_thresh > rule.occupied_thresh:
         yield '{}: free_thresh {:g} is above occupied_thresh {:g}: all cells above the latter are occupied'.format(
             path, rule.free_thresh, rule.occupied_thresh)

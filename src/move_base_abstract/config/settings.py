@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, name, read_table, unknown_names
+from ..common.kinds import FRAME
+from ..common.parameter_table import Parameter, checked, read_table, unknown_names
 from ..common.shown import shown
 from ..energy.battery import BatterySettings, read_battery
 from ..faults.buggify import Buggify, read_buggify
@@ -210,7 +211,7 @@ def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> 
         group = raw.get(costmap)
         if values[own] is None and isinstance(group, dict) and key in group:
             path = '{}/{}'.format(costmap, key)
-            values[own] = checked(group[key], path, Parameter(key, None, name, 'a frame name'), where)
+            values[own] = checked(group[key], path, Parameter(key, None, FRAME), where)
             used.append(path)
         elif values[own] is None:
             values[own] = default

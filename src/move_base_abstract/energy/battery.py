@@ -4,6 +4,7 @@ The instants at which the charge crosses a threshold follow from the formula, to
 """
 from __future__ import annotations
 
+import functools
 import math
 import operator
 import sys
@@ -11,7 +12,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Optional, Tuple, Union
 
-from ..common.parameter_table import Parameter, number
+from ..common.kinds import number
+from ..common.parameter_table import Parameter
 from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
@@ -37,10 +39,10 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
 
-_POSITIVE = number(above=0.0, high=1e9)
-_NOT_NEGATIVE = number(0.0, 1e9)
+_positive = functools.partial(number, above=0.0, high=1e9)
+_not_negative = functools.partial(number, 0.0, 1e9)
 _SHARE = number(0.0, 1.0)
-STATE_OF_CHARGE = Parameter('state_of_charge', None, _SHARE, 'a number in 0..1')
+STATE_OF_CHARGE = Parameter('state_of_charge', None, _SHARE)
 
 
 def _thresholds(value: Any) -> Any:
@@ -54,28 +56,19 @@ def _thresholds(value: Any) -> Any:
 
 #: the defaults are those of a small robot in the demos of rmf
 TABLE = (
-    Parameter('battery_capacity', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [Ah], 0 = no battery',
-              'Charge of the full battery.'),
-    Parameter('nominal_voltage', 12.0, _POSITIVE, 'a number > 0, <= 1e9 [V]',
+    Parameter('battery_capacity', 0.0, _not_negative(unit='Ah', note='0 = no battery'), 'Charge of the full battery.'),
+    Parameter('nominal_voltage', 12.0, _positive(unit='V'),
               'Voltage; capacity times voltage is the energy of the full battery.'),
-    Parameter('charging_current', 5.0, _POSITIVE, 'a number > 0, <= 1e9 [A]',
-              'Charging current at a charger that has none of its own.'),
-    Parameter('mass', 70.0, _POSITIVE, 'a number > 0, <= 1e9 [kg]',
-              'Mass of the robot.'),
-    Parameter('moment_of_inertia', 40.0, _POSITIVE, 'a number > 0, <= 1e9 [kg m^2]',
-              'Moment of inertia about the vertical axis.'),
-    Parameter('friction_coefficient', 0.22, _NOT_NEGATIVE, 'a number in 0..1e9',
-              'Rolling resistance divided by weight.'),
-    Parameter('ambient_power', 20.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]',
-              'Power of computers and sensors, always on.'),
-    Parameter('tool_power', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]',
-              'Power of the tool while it works.'),
-    Parameter('battery_start', 1.0, _SHARE, 'a number in 0..1',
-              'State of charge at the start and after a reset.'),
-    Parameter('battery_thresholds', (0.2,), _thresholds, 'a list of different numbers > 0, < 1',
-              'States of charge whose crossing is reported.'),
-    Parameter('battery_state_freq', 0.0, number(0.0, 1000.0),
-              'a number in 0..1000 [Hz, simulated], 0 = at changes only',
+    Parameter('charging_current', 5.0, _positive(unit='A'), 'Charging current at a charger that has none of its own.'),
+    Parameter('mass', 70.0, _positive(unit='kg'), 'Mass of the robot.'),
+    Parameter('moment_of_inertia', 40.0, _positive(unit='kg m^2'), 'Moment of inertia about the vertical axis.'),
+    Parameter('friction_coefficient', 0.22, _not_negative(), 'Rolling resistance divided by weight.'),
+    Parameter('ambient_power', 20.0, _not_negative(unit='W'), 'Power of computers and sensors, always on.'),
+    Parameter('tool_power', 0.0, _not_negative(unit='W'), 'Power of the tool while it works.'),
+    Parameter('battery_start', 1.0, _SHARE, 'State of charge at the start and after a reset.'),
+    Parameter('battery_thresholds', (0.2,), _thresholds,
+              'States of charge whose crossing is reported.', 'a list of different numbers > 0, < 1'),
+    Parameter('battery_state_freq', 0.0, number(0.0, 1000.0, unit='Hz, simulated', note='0 = at changes only'),
               'Rate at which the state of the battery is repeated.'),
 )
 

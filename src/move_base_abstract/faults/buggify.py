@@ -10,7 +10,8 @@ import hashlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Tuple
 
-from ..common.parameter_table import Parameter, integer, number
+from ..common.kinds import integer, number
+from ..common.parameter_table import Parameter
 from ..common.units import seconds_to_ns
 from ..engine.alarm import Alarm
 from ..engine.chance import Purpose
@@ -126,13 +127,15 @@ def _names(value: Any) -> Tuple[str, ...]:
 
 TABLE = (
     Parameter('buggify', (), _chances,
-              'a mapping with some of {}; each a chance in 0..1 per goal'.format(', '.join(_BY_NAME)),
               'Chance per goal of each deliberate fault; if several are drawn, only the first one in this order '
-              'comes.'),
-    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: no deliberate faults',
-              "Seed of the deliberate faults; in lockstep the run's `chaos_seed`."),
-    Parameter('buggify_only', (), _names, 'a list of names of faults; empty: all may come',
-              "Names of the deliberate faults that may come; in lockstep the run's `chaos_only`."),
+              'comes.',
+              'a mapping with some of {}; each a chance in 0..1 per goal'.format(', '.join(_BY_NAME))),
+    Parameter('buggify_seed', 0, integer(0),
+              "Seed of the deliberate faults; in lockstep the run's `chaos_seed`.",
+              'a whole number >= 0; 0: no deliberate faults'),
+    Parameter('buggify_only', (), _names,
+              "Names of the deliberate faults that may come; in lockstep the run's `chaos_only`.",
+              'a list of names of faults; empty: all may come'),
 )
 
 

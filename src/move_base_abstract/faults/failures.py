@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Pairs, Parameter, ascending_pairs, checked, number, one_of
+from ..common.kinds import Pairs, ascending_pairs, number, one_of
+from ..common.parameter_table import Parameter, checked
 from ..common.shown import shown
 from ..common.units import seconds_to_ns
 from ..engine.factors import Constant, Lognormal
@@ -15,7 +16,7 @@ ABORT, STALL, SILENT, STUCK = KINDS = ('abort', 'stall', 'silent', 'stuck')
 HOUR, KM, GOAL, CLEARANCE, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'clearance', 'script', 'request'
 _NEVER = 'never'
 _MOST_SECONDS = 1e9
-_SECONDS = number(0.0, _MOST_SECONDS)
+_SECONDS = number(0.0, _MOST_SECONDS, unit='s, simulated')
 _KIND = one_of(*KINDS)
 _KINDS_TEXT = "'abort', 'stall', 'silent' or 'stuck'"
 _BY_CLEARANCE = ascending_pairs(number(0.0, 100.0), number(0.0, 1.0))
@@ -46,32 +47,32 @@ def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
 
 
 TABLE = (
-    Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT,
+    Parameter('failure_kind', 'none', one_of('none', *KINDS),
               'Behaviour of a robot that has failed; `none`: it never fails.'),
-    Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]',
+    Parameter('failures_per_hour', 0.0, number(0.0, 3600.0, unit='1/h'),
               'Mean number of failures in an hour in which the robot has a goal and has not failed.'),
-    Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]',
-              'Mean number of failures in a kilometre driven.'),
-    Parameter('failures_per_goal', 0.0, number(0.0, 1000.0), 'a number in 0..1000',
-              'Mean number of failures on the way to a goal.'),
-    Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
-              'kind: ' + _KINDS_TEXT + ', repair: seconds}',
-              'Failures at these instants of `/clock`; instants before the robot exists are left out.'),
-    Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]',
-              'Mean time until a failed robot is repaired.'),
-    Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'",
+    Parameter('failures_per_km', 0.0, number(0.0, 1e6, unit='1/km'), 'Mean number of failures in a kilometre driven.'),
+    Parameter('failures_per_goal', 0.0, number(0.0, 1000.0), 'Mean number of failures on the way to a goal.'),
+    Parameter('failure_times', (), _script,
+              'Failures at these instants of `/clock`; instants before the robot exists are left out.',
+              'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
+              'kind: ' + _KINDS_TEXT + ', repair: seconds}'),
+    Parameter('repair_time', 60.0, _SECONDS,
+              'Mean time until a failed robot is repaired.', 'a number in 0..1e9 [s, simulated]'),
+    Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER),
               'Distribution of that time; `never`: until you repair the robot. If it is not set, `fixed` counts; with '
               '`stuck`, `never` does.'),
-    Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10',
+    Parameter('repair_cv', 0.0, number(0.0, 10.0),
               'Coefficient of variation of the time (standard deviation / mean), with `lognormal` only.'),
     Parameter('stuck_by_clearance', (), _BY_CLEARANCE,
-              'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending',
-              "With `stuck` and a map: the chance to get stuck on the way to a goal, by the way's least clearance."),
-    Parameter('stuck_patience', 6.4, _SECONDS, 'a number in 0..1e9 [s, simulated]',
-              'Time for which a robot that is stuck tries before it gives the goal up.'),
+              "With `stuck` and a map: the chance to get stuck on the way to a goal, by the way's least clearance.",
+              'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending'),
+    Parameter('stuck_patience', 6.4, _SECONDS,
+              'Time for which a robot that is stuck tries before it gives the goal up.',
+              'a number in 0..1e9 [s, simulated]'),
 )
-_REQUESTED_KIND = Parameter('kind', None, _KIND, _KINDS_TEXT)
-_REQUESTED_REPAIR = Parameter('repair', None, _SECONDS, 'a number in 0..1e9 [s, simulated]')
+_REQUESTED_KIND = Parameter('kind', None, _KIND)
+_REQUESTED_REPAIR = Parameter('repair', None, _SECONDS)
 _RATES = {HOUR: 'failures_per_hour', KM: 'failures_per_km', GOAL: 'failures_per_goal'}
 
 

@@ -15,7 +15,7 @@ from ..engine.instants import first_ns
 from ..goals.outcome import NO_CONTROL
 
 if TYPE_CHECKING:
-    from ..common.parameter_table import Pairs
+    from ..common.kinds import Pairs
     from ..engine.chance import Chance
     from ..engine.event_queue import EventQueue
     from ..goals.navigator import Navigator

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Dict, Tuple, Union
 
-from ..common.bounded_yaml import REQUEST, load_yaml_text
+from ..common.bounded_yaml import REQUEST, load_yaml_text, yaml_line
 from ..common.errors import ConfigurationError
 from ..common.kinds import FLAG, Kind, error, list_of, map_of, number, one_of, pattern, short, text
 from ..common.options import option
@@ -78,13 +78,7 @@ def _of_yaml(word: str) -> Any:
     return '' if found is None and not word.strip() else found
 
 
-def _to_yaml(value: Any) -> str:
-    import yaml
-    dumped: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
-    return dumped.replace('\n...\n', '').rstrip('\n')
-
-
-ROS_VALUE = Kind(_ros_value, {'type': ['string', 'number', 'boolean', 'array', 'object']}, _of_yaml, _to_yaml)
+ROS_VALUE = Kind(_ros_value, {'type': ['string', 'number', 'boolean', 'array', 'object']}, _of_yaml, yaml_line)
 
 
 #: {full name: value} of parameters

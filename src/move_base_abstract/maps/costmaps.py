@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, number
+from ..common.kinds import number
+from ..common.parameter_table import Parameter, checked
 from ..motion.geometry import share_along
 
 if TYPE_CHECKING:
@@ -22,11 +23,11 @@ _MAX_POINTS = 1000
 _MAX_TEXT = 100_000
 _MAX_CELLS = 4_000_000
 _POINTS = '3 to 1000 points [[x, y], ...] [m, base frame], as a list or as its text'
-_ROBOT_RADIUS = Parameter('robot_radius', _RADIUS, number(low=0.0), 'a finite number >= 0 [m]')
-_FOOTPRINT_PADDING = Parameter('footprint_padding', _PADDING, number(), 'a finite number [m]')
-_WINDOW = (Parameter('width', 10.0, number(above=0.0), 'a finite number > 0 [m]'),
-           Parameter('height', 10.0, number(above=0.0), 'a finite number > 0 [m]'),
-           Parameter('resolution', 0.05, number(above=0.0), 'a finite number > 0 [m/cell]'))
+_ROBOT_RADIUS = Parameter('robot_radius', _RADIUS, number(low=0.0, unit='m'))
+_FOOTPRINT_PADDING = Parameter('footprint_padding', _PADDING, number(unit='m'))
+_WINDOW = (Parameter('width', 10.0, number(above=0.0, unit='m')),
+           Parameter('height', 10.0, number(above=0.0, unit='m')),
+           Parameter('resolution', 0.05, number(above=0.0, unit='m/cell')))
 
 
 @dataclass(frozen=True)
@@ -182,4 +183,4 @@ def _parse(text: str) -> List[List[float]]:
     return points
 
 
-_FOOTPRINT = Parameter('footprint', None, _points, _POINTS)
+_FOOTPRINT = Parameter('footprint', None, _points, allowed=_POINTS)

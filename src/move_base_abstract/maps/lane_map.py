@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, boolean, checked, integer, number
+from ..common.kinds import FLAG, check_keys, integer, number
+from ..common.parameter_table import Parameter, checked
 from ..common.ros_names import is_robot_name
 from ..common.shown import shown
-from ..common.unknown_keys import check_keys
 from ..motion.geometry import Pose2D
 from .topological_map import is_topological_map, plain_map
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     pass
 
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
-_COORDINATE = number(-1e9, 1e9)
+_COORDINATE = number(-1e9, 1e9, unit='m, global frame')
 _NODE_TABLE = {
-    'x': Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
-    'y': Parameter('y', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
-    'yaw': Parameter('yaw', 0.0, number(), 'a finite number [rad]'),
+    'x': Parameter('x', None, _COORDINATE),
+    'y': Parameter('y', None, _COORDINATE),
+    'yaw': Parameter('yaw', 0.0, number(unit='rad')),
 }
 
 
@@ -50,13 +50,13 @@ def _group(value: Any) -> str:
 
 
 #: also the key of a zone
-GROUP = Parameter('group', None, _group, "letters, digits and '_', a letter first")
+GROUP = Parameter('group', None, _group, allowed="letters, digits and '_', a letter first")
 _EDGE_TABLE = {
-    'points': Parameter('points', (), _points, 'a list of [x, y] [m, global frame, within +-1e9]'),
-    'length': Parameter('length', None, number(1e-6, 1e9), 'a number in 1e-6..1e9 [m]'),
-    'speed': Parameter('speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s]'),
-    'capacity': Parameter('capacity', None, integer(1), 'a whole number >= 1'),
-    'one_way': Parameter('one_way', False, boolean, 'true or false'),
+    'points': Parameter('points', (), _points, allowed='a list of [x, y] [m, global frame, within +-1e9]'),
+    'length': Parameter('length', None, number(1e-6, 1e9, unit='m')),
+    'speed': Parameter('speed', None, number(1e-6, 1e6, unit='m/s')),
+    'capacity': Parameter('capacity', None, integer(1)),
+    'one_way': Parameter('one_way', False, FLAG),
     'group': GROUP,
 }
 

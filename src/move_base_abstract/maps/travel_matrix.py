@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, number
+from ..common.kinds import check_keys, number
+from ..common.parameter_table import Parameter, checked
 from ..common.shown import shown
-from ..common.unknown_keys import check_keys
 from ..motion.geometry import share_along
 from ..motion.planned_way import PlannedWay
 from .lane_map import found, is_place_name
@@ -35,9 +35,8 @@ if TYPE_CHECKING:
 AT_PLACE = 0.1  # m; a robot as near as this to a place is there
 _ON_LINE = 0.01  # m; a robot as near as this to the straight line between two places is on it
 CSV_COLUMNS = ['from', 'from_x', 'from_y', 'to', 'to_x', 'to_y', 'seconds']
-_COORDINATE = number(-1e9, 1e9)
-_XY = Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]')
-_SECONDS = Parameter('seconds', None, number(0.0, 1e9), 'a number in 0..1e9 [s, simulated]')
+_XY = Parameter('x', None, number(-1e9, 1e9, unit='m, global frame'))
+_SECONDS = Parameter('seconds', None, number(0.0, 1e9, unit='s, simulated'))
 
 
 class TravelMatrix(NamedTuple):

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, NamedTuple, Opti
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, ascending_pairs, number, read_table, text
+from ..common.kinds import ascending_pairs, number, string
+from ..common.parameter_table import Parameter, read_table
 from ..common.shown import shown
 from ..common.units import NS_PER_S
 from ..engine.chance import Purpose
@@ -35,17 +36,16 @@ _REQUIRED = object()
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
 
 
-def _row(name: str, convert: Callable[..., Any], allowed: str) -> Parameter:
-    return Parameter(name, _REQUIRED, convert, allowed)
+def _row(name: str, kind: Callable[..., Any], allowed: str = '') -> Parameter:
+    return Parameter(name, _REQUIRED, kind, allowed=allowed)
 
 
 def _number(name: str, low: float, high: float, unit: str = '') -> Parameter:
-    allowed = 'a number in {:g}..{:g}'.format(low, high)
-    return _row(name, number(low, high), '{} [{}]'.format(allowed, unit) if unit else allowed)
+    return _row(name, number(low, high, unit=unit))
 
 
 TABLE = (
-    _row('source', text, 'a text'),
+    _row('source', string('a text')),
     _number('max_speed', 0.001, 100.0, 'm/s'),
     _number('acceleration', 0.001, 1000.0, 'm/s^2'),
     _number('xy_goal_tolerance', 0.0, 10.0, 'm'),
@@ -88,12 +88,15 @@ def read_tail_motion(value: Mapping[str, float]) -> TailMotion:
 
 #: optional sections of a calibration
 SECTIONS = (
-    Parameter('tail_most', math.inf, number(0.001, 1000.0), 'a number in 0.001..1000 [s per m]'),
-    Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
+    Parameter('tail_most', math.inf, number(0.001, 1000.0, unit='s per m')),
+    Parameter('recorded', None, read_recorded,
+              allowed='a mapping of length [m] and start_turn [rad], and perhaps clearance '
               '[m], to [low, high]'),
-    Parameter('tail_motion', None, read_tail_motion, 'a mapping of reverse_speed [m/s] and spin_speed [rad/s], both '
+    Parameter('tail_motion', None, read_tail_motion,
+              allowed='a mapping of reverse_speed [m/s] and spin_speed [rad/s], both '
               '> 0.001'),
-    Parameter('intervals', None, read_intervals, "a mapping of names to [low, high], or to 'held by the prior'"),
+    Parameter('intervals', None, read_intervals,
+              allowed="a mapping of names to [low, high], or to 'held by the prior'"),
 )
 
 

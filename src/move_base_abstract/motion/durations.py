@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, ascending_pairs, checked, number, one_of, text
+from ..common.kinds import PATH, ascending_pairs, number, one_of
+from ..common.parameter_table import Parameter, checked
 from ..common.shown import shown
 from ..common.units import seconds_to_ns
 from ..engine.chance import Chance, Purpose
@@ -31,24 +32,23 @@ _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
 
 TABLE = (
-    Parameter('goal_overhead', 0.0, number(0.0, 86400.0), 'a number in 0..86400 [s, simulated]',
+    Parameter('goal_overhead', 0.0, number(0.0, 86400.0, unit='s, simulated'),
               'Time for which the robot stands before it begins to move, once for each goal.'),
-    Parameter('duration_factor', 1.0, number(0.001, 1000.0), 'a number in 0.001..1000',
+    Parameter('duration_factor', 1.0, number(0.001, 1000.0),
               'Mean of the factor by which a leg takes longer than by the law of motion.'),
-    Parameter('duration_distribution', 'constant', one_of(*DISTRIBUTIONS),
-              ', '.join("'{}'".format(one) for one in DISTRIBUTIONS[:-1]) + " or 'quantiles'",
-              'Distribution of that factor.'),
-    Parameter('duration_cv', 0.0, number(0.0, 10.0), 'a number in 0..10',
+    Parameter('duration_distribution', 'constant', one_of(*DISTRIBUTIONS), 'Distribution of that factor.'),
+    Parameter('duration_cv', 0.0, number(0.0, 10.0),
               'Coefficient of variation of the factor (standard deviation / mean), with `lognormal` and `gamma` '
               'only.'),
-    Parameter('duration_quantiles', None, text, 'the path of a file',
+    Parameter('duration_quantiles', None, PATH,
               "File with the factor's quantiles, which `duration_factor` multiplies; with `quantiles` only."),
     Parameter('failure_by_length', (), _FAILURES,
-              'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending',
-              'Chance that a goal fails on the way, linear between the given lengths and constant outside of them.'),
+              'Chance that a goal fails on the way, linear between the given lengths and constant outside of them.',
+              'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
 _POINTS_PARAMETER = Parameter('quantiles', None, _POINTS,
-                              'a list of [probability, factor > 0 and <= 1e6], the probabilities ascending from 0 to 1')
+                              allowed='a list of [probability, factor > 0 and <= 1e6], the probabilities ascending '
+                              'from 0 to 1')
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Pairs, Parameter, ascending_pairs, number, read_table, text
+from ..common.kinds import Pairs, ascending_pairs, number, string
+from ..common.parameter_table import Parameter, read_table
 from ..common.shown import shown
 from ..engine.chance import Purpose
 from ..engine.factors import Gamma, Lognormal, along
@@ -15,10 +16,9 @@ from ..engine.factors import Gamma, Lognormal, along
 HEAD_ON, CROSSING, OVERTAKING, STANDING = KINDS = ('head_on', 'crossing', 'overtaking', 'standing')
 _CHANCES = ascending_pairs(number(0.0, 1000.0), number(0.0, 1.0))
 _CHANCE = number(0.0, 1.0)
-_SECONDS = number(0.001, 86400.0)
+_SECONDS = number(0.001, 86400.0, unit='s')
 _CV = number(0.01, 10.0)
 _REQUIRED = object()
-_OF_CHANCE, _OF_SECONDS, _OF_CV = 'a number in 0..1', 'a number in 0.001..86400 [s]', 'a number in 0.01..10'
 _OF_CHANCES = 'a list of [nearest distance [m], chance in 0..1], the distances >= 0 and ascending'
 
 
@@ -28,25 +28,25 @@ def _chances(value: Any) -> Pairs:
     return pairs
 
 
-def _row(name: str, convert: Callable[[Any], Any], allowed: str) -> Parameter:
-    return Parameter(name, _REQUIRED, convert, allowed)
+def _row(name: str, kind: Callable[[Any], Any], allowed: str = '') -> Parameter:
+    return Parameter(name, _REQUIRED, kind, allowed=allowed)
 
 
 TABLE = (
-    _row('source', text, 'a text'),
-    _row('radius', number(0.01, 1000.0), 'a number in 0.01..1000 [m]'),
+    _row('source', string('a text')),
+    _row('radius', number(0.01, 1000.0, unit='m')),
     *(_row('chance_' + kind, _CHANCES, _OF_CHANCES) for kind in KINDS),
-    _row('both_chance', _CHANCE, _OF_CHANCE),
-    _row('delay_mean', _SECONDS, _OF_SECONDS),
-    _row('delay_cv', _CV, _OF_CV),
-    _row('block_chance', _chances, _OF_CHANCE + ', or ' + _OF_CHANCES),
-    _row('block_mean', _SECONDS, _OF_SECONDS),
-    _row('block_cv', _CV, _OF_CV),
-    _row('abort_chance', _CHANCE, _OF_CHANCE),
-    Parameter('long_chance', 0.0, _CHANCE, _OF_CHANCE),
-    Parameter('long_mean', 600.0, _SECONDS, _OF_SECONDS),
-    _row('narrow_below', number(0.0, 1000.0), 'a number in 0..1000 [m]'),
-    _row('narrow_weight', number(0.01, 100.0), 'a number in 0.01..100'),
+    _row('both_chance', _CHANCE),
+    _row('delay_mean', _SECONDS),
+    _row('delay_cv', _CV),
+    _row('block_chance', _chances, _CHANCE.allowed + ', or ' + _OF_CHANCES),
+    _row('block_mean', _SECONDS),
+    _row('block_cv', _CV),
+    _row('abort_chance', _CHANCE),
+    Parameter('long_chance', 0.0, _CHANCE),
+    Parameter('long_mean', 600.0, _SECONDS),
+    _row('narrow_below', number(0.0, 1000.0, unit='m')),
+    _row('narrow_weight', number(0.01, 100.0)),
 )
 
 

@@ -5,7 +5,8 @@ import math
 import re
 from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 
-from ..common.parameter_table import Parameter, number, numbers, read_table
+from ..common.kinds import number, numbers
+from ..common.parameter_table import Parameter, read_table
 
 #: (lowest value, highest value)
 Range = Tuple[float, float]
@@ -82,9 +83,9 @@ def _range(high: float) -> Callable[[object], Range]:
 
 
 _TABLE = (
-    Parameter('length', None, _range(1e6), 'a list [low, high] [m], both >= 0'),
-    Parameter('start_turn', None, _range(3.15), 'a list [low, high] in 0..3.15 [rad]'),
-    Parameter('clearance', None, _range(1e6), 'a list [low, high] [m], both >= 0'),
+    Parameter('length', None, _range(1e6), allowed='a list [low, high] [m], both >= 0'),
+    Parameter('start_turn', None, _range(3.15), allowed='a list [low, high] in 0..3.15 [rad]'),
+    Parameter('clearance', None, _range(1e6), allowed='a list [low, high] [m], both >= 0'),
 )
 
 

@@ -10,7 +10,8 @@ from numbers import Integral, Real
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, number, one_of
+from ..common.kinds import number, one_of
+from ..common.parameter_table import Parameter
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task, place_or_pose
@@ -20,10 +21,9 @@ from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, pla
 WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
 ACTIONS = (WORK, LOAD, UNLOAD)
 MAX_STOPS = 100
-DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(
-    MAX_SECONDS))
-_PLACE = Parameter('place', None, place_name, 'the name of one of the places')
-ACTION = Parameter('action', WORK, one_of(*ACTIONS), "'work', 'load' or 'unload'")
+DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS, unit='s, simulated'))
+_PLACE = Parameter('place', None, place_name, allowed='the name of one of the places')
+ACTION = Parameter('action', WORK, one_of(*ACTIONS))
 STOP_TABLE = (_PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
 
 

@@ -17,7 +17,8 @@ from functools import partial
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, number
+from ..common.kinds import number
+from ..common.parameter_table import Parameter, checked
 from ..common.shown import shown
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
@@ -50,14 +51,13 @@ def _any(value: Any) -> Any:
     return value
 
 
-_STOPS = Parameter('stops', None, _any, 'a list of stops')
+_STOPS = Parameter('stops', None, _any, allowed='a list of stops')
 ORDER_TABLE = (
-    NAME, *RATE_TABLE,
-    Parameter('every', None, number(1e-9, MAX_SECONDS), 'a number in 1e-9..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
-    _STOPS, DEADLINE, PRIORITY, FILE)
+    NAME, *RATE_TABLE, Parameter('every', None, number(1e-9, MAX_SECONDS, unit='s, simulated')), _STOPS, DEADLINE,
+    PRIORITY, FILE)
 #: the keys of a stop of a template, in addition to those of a stop of a file
 DRAWN_STOP_TABLE = (
-    Parameter('places', None, _texts, "a list of names of places, or of patterns: 'bay_*'"), AREA, ACTION,
+    Parameter('places', None, _texts, allowed="a list of names of places, or of patterns: 'bay_*'"), AREA, ACTION,
     *WORK_TABLE)
 _ROW = (TIME, _STOPS, DEADLINE, PRIORITY)
 

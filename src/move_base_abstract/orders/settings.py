@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, integer, number, one_of, read_table
+from ..common.kinds import check_keys, integer, number, one_of
+from ..common.parameter_table import Parameter, read_table
 from ..common.shown import shown
-from ..common.unknown_keys import check_keys
 from .policies import POLICIES
 
 RESTART, RESUME = 'restart', 'resume'
@@ -31,13 +31,13 @@ def _is_reference(value: str) -> bool:
 
 _SHARE = number(0.0, 1.0)
 DISPATCHER_TABLE = (
-    Parameter('policy', 'nearest', _policy, '{}, or module:Class'.format(', '.join(POLICIES))),
-    Parameter('distances', 'ways', one_of('ways', 'straight'), "'ways' or 'straight'"),
-    Parameter('attempts', 3, integer(1, 1000), 'a whole number in 1..1000'),
-    Parameter('after_failure', RESTART, one_of(RESTART, RESUME), "'restart' or 'resume'"),
-    Parameter('charge_below', 0.3, _SHARE, 'a number in 0..1'),
-    Parameter('charge_until', 0.9, _SHARE, 'a number in 0..1'),
-    Parameter('charge_when_idle', 0.0, _SHARE, 'a number in 0..1, 0 = never'),
+    Parameter('policy', 'nearest', _policy, allowed='{}, or module:Class'.format(', '.join(POLICIES))),
+    Parameter('distances', 'ways', one_of('ways', 'straight')),
+    Parameter('attempts', 3, integer(1, 1000)),
+    Parameter('after_failure', RESTART, one_of(RESTART, RESUME)),
+    Parameter('charge_below', 0.3, _SHARE),
+    Parameter('charge_until', 0.9, _SHARE),
+    Parameter('charge_when_idle', 0.0, number(0.0, 1.0, note='0 = never')),
 )
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Sequence
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, integer, name, number, topic
+from ..common.kinds import FRAME, TOPIC, integer, number
+from ..common.parameter_table import Parameter
 from ..motion.geometry import Pose2D
 
 if TYPE_CHECKING:
@@ -15,37 +16,24 @@ if TYPE_CHECKING:
     from ..maps.occupancy import OccupancyMap
     from .rays import Body
 
-_FINITE = 'a finite number'
 _MOST_BEAMS = 10_000
 _FARTHEST = 1e6  # m
-_ANGLE = 'a number in -6.3..6.3 [rad, laser frame]'
-_ANGLES = number(-6.3, 6.3)
+_ANGLES = number(-6.3, 6.3, unit='rad, laser frame')
 
 TABLE = (
-    Parameter('scan_rate', 0.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none',
-              'Rate of the scans.'),
-    Parameter('scan_beams', 361, integer(1, _MOST_BEAMS), 'a whole number in 1..10000',
-              'Number of beams, at equal angles.'),
-    Parameter('scan_angle_min', -math.pi, _ANGLES, _ANGLE,
-              'Direction of the first beam.'),
-    Parameter('scan_angle_max', math.pi, _ANGLES, _ANGLE,
-              'Direction of the last beam.'),
-    Parameter('scan_range_min', 0.05, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]',
-              'Ranges below this are -inf (REP 117).'),
-    Parameter('scan_range_max', 10.0, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]',
-              'Ranges above this are inf (REP 117).'),
-    Parameter('scan_noise', 0.0, number(0.0, 10.0), 'a number in 0..10, the standard deviation [m]',
+    Parameter('scan_rate', 0.0, number(0.0, 1000.0, unit='Hz, simulated', note='0 = none'), 'Rate of the scans.'),
+    Parameter('scan_beams', 361, integer(1, _MOST_BEAMS), 'Number of beams, at equal angles.'),
+    Parameter('scan_angle_min', -math.pi, _ANGLES, 'Direction of the first beam.'),
+    Parameter('scan_angle_max', math.pi, _ANGLES, 'Direction of the last beam.'),
+    Parameter('scan_range_min', 0.05, number(0.0, _FARTHEST, unit='m'), 'Ranges below this are -inf (REP 117).'),
+    Parameter('scan_range_max', 10.0, number(0.0, _FARTHEST, unit='m'), 'Ranges above this are inf (REP 117).'),
+    Parameter('scan_noise', 0.0, number(0.0, 10.0, note='the standard deviation [m]'),
               'Standard deviation of each range.'),
-    Parameter('scan_frame', 'base_laser_link', name, 'a frame name',
-              "Frame of the scan; it gets the robot's `tf_prefix`."),
-    Parameter('scan_topic', 'scan', topic, 'a topic name',
-              "Topic of the scan, in the robot's namespace."),
-    Parameter('scan_x', 0.0, number(), _FINITE + ' [m, base frame]',
-              'Position of the laser on the robot.'),
-    Parameter('scan_y', 0.0, number(), _FINITE + ' [m, base frame]',
-              'Position of the laser on the robot.'),
-    Parameter('scan_yaw', 0.0, number(), _FINITE + ' [rad, base frame]',
-              'Heading of the laser on the robot.'),
+    Parameter('scan_frame', 'base_laser_link', FRAME, "Frame of the scan; it gets the robot's `tf_prefix`."),
+    Parameter('scan_topic', 'scan', TOPIC, "Topic of the scan, in the robot's namespace."),
+    Parameter('scan_x', 0.0, number(unit='m, base frame'), 'Position of the laser on the robot.'),
+    Parameter('scan_y', 0.0, number(unit='m, base frame'), 'Position of the laser on the robot.'),
+    Parameter('scan_yaw', 0.0, number(unit='rad, base frame'), 'Heading of the laser on the robot.'),
 )
 
 

@@ -32,7 +32,8 @@ from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import SCHEMAS, Parameter, checked, integer, number, numbers, text
+from ..common.kinds import integer, made_by, number, numbers, string
+from ..common.parameter_table import Parameter, checked
 from ..common.shown import shown
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
@@ -61,26 +62,25 @@ _corners = numbers(4)
 
 
 def _area(value: object) -> Tuple[float, ...]:
-    area = _corners(value)
+    area: Tuple[float, ...] = _corners(value)
     if area[0] > area[2] or area[1] > area[3]:
         raise ValueError
     return area
 
 
-SCHEMAS[_area] = SCHEMAS[_corners]
-_PLACE = Parameter('place', None, place_name, 'the name of one of the places')
-AREA = Parameter('area', None, _area, 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
-                 'y_min <= y_max')
-FILE = Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml')
+_PLACE = Parameter('place', None, place_name, allowed='the name of one of the places')
+AREA = Parameter('area', None, made_by(_area, 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
+                                       'y_min <= y_max', _corners.schema))
+FILE = Parameter('file', None, string('the path of a file: .csv, .yaml or .yml'))
 #: how often something arrives
 RATE_TABLE = (
-    Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
-    Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
-    Parameter('count', None, integer(1), 'a whole number >= 1'),
-    Parameter('until', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
+    Parameter('rate', None, number(1e-12, 1e9, unit='1/s, simulated')),
+    Parameter('rate_per_hour', None, number(1e-9, 1e12, unit='1/h, simulated')),
+    Parameter('count', None, integer(1)),
+    Parameter('until', None, number(0.0, MAX_SECONDS, unit='s, simulated')),
 )
 ARRIVAL_TABLE = (NAME, _PLACE, AREA, *RATE_TABLE, FILE, PRIORITY, *WORK_TABLE)
-TIME = Parameter('time', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS))
+TIME = Parameter('time', None, number(0.0, MAX_SECONDS, unit='s, simulated'))
 _DURATION, _, _, _POWER, _ENERGY = WORK_TABLE
 _ROW = (TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, boolean, checked, integer, number, one_of, read_table
+from ..common.kinds import FLAG, check_keys, integer, number, one_of
+from ..common.parameter_table import Parameter, checked, read_table
 from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from ..common.shown import shown
-from ..common.unknown_keys import check_keys
 from ..engine.factors import Constant, Gamma, Lognormal
 from ..motion.geometry import Pose2D
 
@@ -34,31 +34,30 @@ def place_name(value: object) -> str:
     return value
 
 
-NAME = Parameter('name', None, place_name, ROBOT_NAME_RULE)
+NAME = Parameter('name', None, place_name, allowed=ROBOT_NAME_RULE)
 _MOST = 2 ** 31 - 1
 #: the priority of a task or an order; where there is no room, a higher one comes first
-PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), 'a whole number of 32 bits')
+PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), allowed='a whole number of 32 bits')
 #: the time and energy of work, as keys of a place and of arrivals
 WORK_TABLE = (
-    Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS),
-              'a number in {:g}..{:.0f} [s, simulated]'.format(MIN_SECONDS, MAX_SECONDS)),
-    Parameter('duration_distribution', 'constant', one_of('constant', *_FACTORS), "'constant', 'lognormal' or 'gamma'"),
-    Parameter('duration_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
-    Parameter('power', 0.0, number(low=0.0), 'a finite number >= 0 [W]'),
-    Parameter('energy', 0.0, number(low=0.0), 'a finite number >= 0 [J]'),
+    Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS, unit='s, simulated')),
+    Parameter('duration_distribution', 'constant', one_of('constant', *_FACTORS)),
+    Parameter('duration_cv', 0.0, number(0.0, 10.0)),
+    Parameter('power', 0.0, number(low=0.0, unit='W')),
+    Parameter('energy', 0.0, number(low=0.0, unit='J')),
 )
 POSE_TABLE = (
-    Parameter('x', 0.0, number(), 'a finite number [m, global frame]'),
-    Parameter('y', 0.0, number(), 'a finite number [m, global frame]'),
-    Parameter('yaw', 0.0, number(), 'a finite number [rad, global frame]'),
+    Parameter('x', 0.0, number(unit='m, global frame')),
+    Parameter('y', 0.0, number(unit='m, global frame')),
+    Parameter('yaw', 0.0, number(unit='rad, global frame')),
 )
 PLACE_TABLE = (
     NAME,
     *POSE_TABLE,
-    Parameter('capacity', None, integer(1), 'a whole number >= 1'),
-    Parameter('queue', None, integer(0), 'a whole number >= 0'),
-    Parameter('preemption', False, boolean, 'true or false'),
-    Parameter('reach', 0.5, number(above=0.0), 'a finite number > 0 [m]'),
+    Parameter('capacity', None, integer(1)),
+    Parameter('queue', None, integer(0)),
+    Parameter('preemption', False, FLAG),
+    Parameter('reach', 0.5, number(above=0.0, unit='m')),
     *WORK_TABLE,
 )
 

@@ -5,7 +5,8 @@ from enum import Enum
 from typing import Any, Dict, Mapping, NamedTuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, integer, number, one_of
+from ..common.kinds import integer, number, one_of
+from ..common.parameter_table import Parameter, checked
 from ..common.ros_names import is_robot_name
 
 MOST_GROUPS = 10_000
@@ -46,11 +47,10 @@ def _groups(value: Any) -> Dict[str, int]:
 
 
 TABLE = (
-    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid', 'retreat'),
-              "'wait', 'abort', 'avoid' or 'retreat'"),
-    Parameter('blocks', 1, integer(1, 100), 'a whole number in 1..100'),
-    Parameter('lane_price', 0.0, number(0.0, 1000.0), 'a number in 0..1000'),
-    Parameter('groups', {}, _groups, 'a mapping of names of groups to whole numbers >= 1 [robots]'),
+    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid', 'retreat')),
+    Parameter('blocks', 1, integer(1, 100)),
+    Parameter('lane_price', 0.0, number(0.0, 1000.0)),
+    Parameter('groups', {}, _groups, allowed='a mapping of names of groups to whole numbers >= 1 [robots]'),
 )
 KEYS = tuple(parameter.name for parameter in TABLE)
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, integer, number
+from ..common.kinds import check_keys, integer, number
+from ..common.parameter_table import Parameter, checked
 from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from ..common.shown import shown
-from ..common.unknown_keys import check_keys
 from ..maps.lane_map import GROUP
 from .outline import MAX_POINTS, Outline, rectangle
 from .passages import passages
@@ -30,10 +30,11 @@ def _charger(value: object) -> Union[bool, float, None]:
     return value if value is None or value is True else None if value is False else _CURRENT(value)
 
 
-_CAPACITY = Parameter('capacity', None, integer(1), 'a whole number >= 1, or none: any number of robots')
-_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: robots are not charged')
+_CAPACITY = Parameter('capacity', None, integer(1, note='or none: any number of robots'))
+_CHARGER = Parameter('charger', None, _charger,
+                     allowed='true, or a number > 0, <= 1e9 [A], or none: robots are not charged')
 #: the top speed of robots in a zone
-MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s], or none: as fast as they are')
+MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6, unit='m/s', note='or none: as fast as they are'))
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
               'y_min < y_max')
 _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], the corners of a polygon that does not '

@@ -6,7 +6,7 @@ depends on, and the parameters of the time master.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from move_base_abstract.common.kinds import (
@@ -152,7 +152,7 @@ class Experiment(RunOptions):
         '`all`: every rospy and roscpp node, [by these rules](lockstep_launch.md#who-takes-part); or a list of '
         'nodes, and the others look on', systems=OF_NODES)
     start: Dict[str, Any] = option(
-        map_of(POSE._replace(check=_start), NODE), {}, "`{NODE: [X, Y, YAW]}`: where a robot's node starts [m, m, rad, "
+        map_of(replace(POSE, check=_start), NODE), {}, "`{NODE: [X, Y, YAW]}`: where a robot's node starts [m, m, rad, "
         'map frame]; `{NAME}` stands for a factor, as in `args`', systems=_LAUNCH, is_part=True)
     param: Dict[str, Any] = option(
         PARAMETERS, {}, "`{NAME: VALUE}`: parameters by their full names, which take precedence over the file's; "

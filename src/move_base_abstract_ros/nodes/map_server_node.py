@@ -16,8 +16,9 @@ from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import number
 from move_base_abstract.common.map_images import ImageRule
-from move_base_abstract.common.parameter_table import number, read_table
+from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.config.node_tables import MAP_FRAME, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description

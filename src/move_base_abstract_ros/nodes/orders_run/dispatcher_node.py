@@ -11,7 +11,8 @@ from move_base_msgs.msg import MoveBaseActionGoal
 from std_msgs.msg import Int32
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, text, topic
+from move_base_abstract.common.kinds import TOPIC, string
+from move_base_abstract.common.parameter_table import Parameter
 from move_base_abstract.fleet.dispatch_world import Decisions, check_levels
 from move_base_abstract.msg import Order, PlaceTaskActionGoal, PlaceTaskGoal, RobotEvent
 from move_base_abstract.orders.dispatcher import Drive, GiveUp
@@ -35,13 +36,13 @@ _QUEUE_SIZE = 1000
 def _topics(value):
     if not isinstance(value, list) or not value:
         raise ValueError
-    return [topic(one) for one in value]
+    return [TOPIC(one) for one in value]
 
 
 _TABLE = (
-    Parameter('scenario', '', text, 'the path of a scenario file'),
-    Parameter('events', ['fleet/events'], _topics, 'a list of topics'),
-    Parameter('orders_topic', 'orders', topic, 'a topic name'),
+    Parameter('scenario', '', string('the path of a scenario file')),
+    Parameter('events', ['fleet/events'], _topics, allowed='a list of topics'),
+    Parameter('orders_topic', 'orders', TOPIC),
     *(replace(one, default=None) for one in DISPATCHER_TABLE),
 )
 

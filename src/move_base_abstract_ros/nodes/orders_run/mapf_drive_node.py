@@ -9,7 +9,8 @@ import rospy
 from move_base_msgs.msg import MoveBaseActionGoal
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, one_of, text, topic
+from move_base_abstract.common.kinds import TOPIC, one_of, string
+from move_base_abstract.common.parameter_table import Parameter
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract_mapf.driving import check_starts
 from move_base_abstract_mapf.execution import ORDER_KEPT, POLICIES, Execution
@@ -25,10 +26,10 @@ from ...process.own_parameters import own_values
 _CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
 _TABLE = (
-    Parameter('folder', '', text, 'the path of a folder that mapf import made'),
-    Parameter('plan', '', text, 'the path of a plan'),
-    Parameter('policy', ORDER_KEPT, one_of(*POLICIES), ', '.join(POLICIES)),
-    Parameter('events', 'fleet/events', topic, 'a topic name'),
+    Parameter('folder', '', string('the path of a folder that mapf import made')),
+    Parameter('plan', '', string('the path of a plan')),
+    Parameter('policy', ORDER_KEPT, one_of(*POLICIES), allowed=', '.join(POLICIES)),
+    Parameter('events', 'fleet/events', TOPIC),
 )
 
 
