@@ -115,8 +115,8 @@ def test_feedback_tells_the_pose_that_jumped_and_nothing_while_it_is_mute(rig):
 
 def test_a_pose_that_jumps_turns_about_the_robot(rig):
     robot = rig(start=Pose2D(3.0, 4.0, 1.0))
-    robot.robot.telling.jump(0, 0.5, -0.25, 0.1)
-    told = robot.robot.telling.pose_at(0)
+    robot.robot.reported.jump(0, 0.5, -0.25, 0.1)
+    told = robot.robot.reported.pose_at(0)
     assert (told.x, told.y, told.yaw) == pytest.approx((3.5, 3.75, 1.1)) and robot.robot.pose_at(0).x == 3.0
 
 

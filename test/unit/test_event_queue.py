@@ -255,12 +255,12 @@ OTHERS = st.lists(st.tuples(TIMES, st.integers(0, 3)), max_size=4)
 
 
 def told_by(series, others):
-    """Return a trace with telling series (period, robot, first) and other events (due, robot)."""
+    """Return a trace with series of output (period, robot, first) and other events (due, robot)."""
     trace = Trace()
     for number, (period_ns, robot_index, first_ns) in enumerate(series):
         def tell(due, now, number=number):
             trace.lines.append((due, now, number))
-        Series(trace.queue, robot_index, period_ns, tell, only_tells=True).start(first_ns)
+        Series(trace.queue, robot_index, period_ns, tell, is_output=True).start(first_ns)
     for due_ns, robot_index in others:
         trace.schedule(due_ns, robot_index, 'other')
     return trace

@@ -13,7 +13,7 @@ class Heard:
         for robot_index, period_ns in ((0, 10), (1, 15)):
             Series(self.simulation.queue, robot_index, period_ns,
                    lambda due_ns, now_ns, robot_index=robot_index: self.told.append((due_ns, robot_index)),
-                   only_tells=True, is_heard=lambda robot_index=robot_index: self.heard[robot_index]).start(0)
+                   is_output=True, is_heard=lambda robot_index=robot_index: self.heard[robot_index]).start(0)
 
     def until(self, now_ns):
         for each_ns in range(self.simulation.now_ns, now_ns + 1):
@@ -95,7 +95,7 @@ def test_what_nobody_hears_is_not_foreseen():
 
 def test_what_only_tells_comes_after_what_happens_to_the_same_robot():
     simulation, lines = Simulation(), []
-    simulation.series(0, 1e8, lambda due_ns, _now_ns: lines.append('tells'), only_tells=True).start(0)
+    simulation.series(0, 1e8, lambda due_ns, _now_ns: lines.append('tells'), is_output=True).start(0)
     simulation.advance(5)
     simulation.queue.schedule(10, 0, lambda due_ns, now_ns: lines.append('happens'))
     simulation.queue.schedule(10, 1, lambda due_ns, now_ns: lines.append('happens to another'))

@@ -16,14 +16,14 @@ class Event:
     """Something that will happen: a call of ``action(due_ns, now_ns)``.
 
     ``due_ns`` [ns] is when it is due; ``now_ns`` [ns] is the time that the clock shows at the call, the same or later.
-    ``keeps_going()`` returns whether time goes on for this event alone; None: it does. ``telling`` is the event's
-    :class:`Series` if that only tells, otherwise None.
+    ``keeps_going()`` returns whether time goes on for this event alone; None: it does. ``output`` is the event's
+    :class:`Series` if that is output, otherwise None.
     """
 
     __slots__ = ('action',)
 
     action: Optional[Callable[[int, int], Any]]
-    telling: Optional[Series] = None
+    output: Optional[Series] = None
     keeps_going: Optional[Callable[[], bool]] = None
 
     def __lt__(self, _other: Event) -> bool:
@@ -38,23 +38,23 @@ class Event:
 class _SpecialEvent(Event):
     """An event that tells, or for which alone time does not always go on; most events are neither."""
 
-    __slots__ = ('telling', 'keeps_going')
+    __slots__ = ('output', 'keeps_going')
 
 
 _new_event = Event.__new__  # called without a constructor of ours, which would take most of the time
 
-#: the listeners of a :class:`Series` that only tells; time goes on for it alone only if participants listen
+#: the listeners of a :class:`Series` that is output; time goes on for it alone only if participants listen
 NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
 
-#: added to the places of series that only tell, so that they come after all other events of an instant and robot
-_TELLING = 1 << 62
+#: added to the places of series of output, so that they come after all other events of an instant and robot
+_OUTPUT = 1 << 62
 _FEWEST_SWEPT = 4096  # with fewer entries the queue is not searched for cancelled ones
 
 
 class EventQueue:
     """Events in the order of their time; at the same instant: lower robot index first, then first scheduled.
 
-    A :class:`Series` that only tells comes after the robot's other events of that instant. So its place does not depend
+    A :class:`Series` that is output comes after the robot's other events of that instant. So its place does not depend
     on when somebody began to listen.
     """
 
@@ -68,8 +68,8 @@ class EventQueue:
         self._sequence = 0
         #: whether any event was ever scheduled with ``keeps_going``
         self.ever_waits = False
-        self._telling = 0
-        self._tellers = 0
+        self._output = 0
+        self._output_places = 0
         self._asleep: List[Series] = []  # Series, in the order in which they fell asleep
         self._guards: Dict[int, Callable[[Exception], object]] = {}  # {robot index: break_off}
 
@@ -80,14 +80,14 @@ class EventQueue:
         else:
             self._guards[robot_index] = break_off
 
-    def new_teller(self) -> int:
-        """Return the place of a new series that only tells, among the events of one instant and robot."""
-        self._tellers += 1
-        return _TELLING + self._tellers
+    def new_output_place(self) -> int:
+        """Return the place of a new series of output, among the events of one instant and robot."""
+        self._output_places += 1
+        return _OUTPUT + self._output_places
 
-    def count_telling(self, change: int) -> None:
-        """Note that ``change`` (1, 0 or -1) more series that only tell have an event in the queue."""
-        self._telling += change
+    def count_output(self, change: int) -> None:
+        """Note that ``change`` (1, 0 or -1) more series of output have an event in the queue."""
+        self._output += change
 
     def sleep(self, series: Series) -> None:
         """Note that nobody hears the :class:`Series`, so that it has no event until its :meth:`Series.wake`."""
@@ -102,25 +102,25 @@ class EventQueue:
         return [series for series in self._asleep if series.is_heard()]
 
     def schedule(self, due_ns: int, robot_index: int, action: Callable[[int, int], Any],
-                 telling: Optional[Series] = None, keeps_going: Optional[Callable[[], bool]] = None) -> Event:
+                 output: Optional[Series] = None, keeps_going: Optional[Callable[[], bool]] = None) -> Event:
         """Schedule ``action(due_ns, now_ns)`` at ``due_ns`` [ns]; return its :class:`Event`, which can be cancelled.
 
         ``keeps_going()`` returns whether time goes on for this event alone. It is given for events that come by
         themselves while nobody does anything, for example the end of a charge.
         """
         place = self._sequence
-        if telling is None and keeps_going is None:
+        if output is None and keeps_going is None:
             event = _new_event(Event)
             self._sequence = place + 1
         else:
             event = _SpecialEvent()
-            event.telling, event.keeps_going = telling, keeps_going
+            event.output, event.keeps_going = output, keeps_going
             if keeps_going is not None:
                 self.ever_waits = True
-            if telling is None:
+            if output is None:
                 self._sequence = place + 1
             else:
-                place = telling.place  # type: ignore[assignment]
+                place = output.place  # type: ignore[assignment]
         event.action = action
         if due_ns <= self._instant_ns:
             heappush(self._soon, (due_ns, robot_index, place, event))
@@ -170,7 +170,7 @@ class EventQueue:
                 if event.keeps_going is not None:
                     if event.keeps_going():
                         return False
-                elif event.telling is None or event.telling.is_heard() != ONLOOKERS:
+                elif event.output is None or event.output.is_heard() != ONLOOKERS:
                     return False
                 is_any = True
         return is_any
@@ -210,7 +210,7 @@ class EventQueue:
                 break_off(error)
 
     def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
-        """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series that only tell, before ``end_ns``.
+        """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series of output, before ``end_ns``.
 
         The list is in the order of time. It has all calls before ``end_ns`` [ns], which is the earliest of
         ``before_ns`` [ns], the first instant at which anything else is due, and the instant after ``most`` instants
@@ -218,18 +218,18 @@ class EventQueue:
         says later how many of these calls have been made.
         """
         due_ns = self.next_due_ns()
-        if not self._telling:
+        if not self._output:
             return [], before_ns if due_ns is None else min(before_ns, due_ns)
         heap: List[Tuple[int, int, int, Series]] = []
         for due_ns, robot_index, place, event in self._heap:
             if event.action is not None:
-                if event.telling is None:
+                if event.output is None:
                     before_ns = min(before_ns, due_ns)
-                elif event.telling.is_heard():
-                    heap.append((due_ns, robot_index, place, event.telling))
+                elif event.output.is_heard():
+                    heap.append((due_ns, robot_index, place, event.output))
                 else:
                     event.cancel()
-                    event.telling.fall_asleep(due_ns)
+                    event.output.fall_asleep(due_ns)
         heapify(heap)
         instants: List[Tuple[int, List[Series]]] = []
         while heap and heap[0][0] < before_ns:
@@ -248,7 +248,7 @@ class EventQueue:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > until_ns:
                 return
-            heappop(self._heap)[3].telling.skip(due_ns)  # type: ignore[union-attr]
+            heappop(self._heap)[3].output.skip(due_ns)  # type: ignore[union-attr]
 
     def shift(self, by_ns: int) -> None:
         """Move all events by ``by_ns`` [ns]; their order stays."""
@@ -267,7 +267,7 @@ class Series:
     period exactly. If an action has nothing to do for a while, it may return for how long [ns]; the multiples in
     between are left out, too.
 
-    ``only_tells``: the action changes nothing that another event could see, so it can be done beforehand. Such a series
+    ``is_output``: the action changes nothing that another event could see, so it can be done beforehand. Such a series
     has ``is_heard()``, which returns who listens: ``NOBODY``, ``ONLOOKERS`` or ``PARTICIPANTS``. While nobody does, the
     series sleeps, that is, it has no events. When it is woken (:meth:`Simulation.wake`), it goes on as if it had never
     slept. Its first event always happens.
@@ -276,24 +276,24 @@ class Series:
     """
 
     def __init__(self, queue: EventQueue, robot_index: int, period_ns: int, action: Callable[[int, int], Optional[int]],
-                 only_tells: bool = False, is_heard: Optional[Callable[[], int]] = None) -> None:
+                 is_output: bool = False, is_heard: Optional[Callable[[], int]] = None) -> None:
         if not period_ns > 0:
             raise ValueError('the period of a series must be > 0 ns, got {!r}'.format(period_ns))
         self._queue = queue
         self._robot_index = robot_index
         self.period_ns = period_ns
         self._action = action
-        self._telling = self if only_tells else None
+        self._output = self if is_output else None
         self._event: Optional[Event] = None
         self._asleep_until_ns: Optional[int] = None
         self.is_heard = is_heard or _always
-        self.place = queue.new_teller() if only_tells else None
+        self.place = queue.new_output_place() if is_output else None
 
     def start(self, first_ns: int) -> None:
         """Start anew, with the first call at ``first_ns`` [ns]."""
         self.stop()
         self._schedule(first_ns)
-        self._queue.count_telling(self._telling is not None)
+        self._queue.count_output(self._output is not None)
 
     def stop(self) -> None:
         """Stop the series; stopping it twice is allowed."""
@@ -303,7 +303,7 @@ class Series:
         if self._event is not None:
             self._event.cancel()
             self._event = None
-            self._queue.count_telling(-(self._telling is not None))
+            self._queue.count_output(-(self._output is not None))
 
     def tell(self, due_ns: int) -> None:
         """Do the action now that is foreseen for ``due_ns`` [ns]."""
@@ -318,7 +318,7 @@ class Series:
         due_ns, self._asleep_until_ns = self._asleep_until_ns or 0, None
         self._queue.forget_sleeper(self)
         missed = (now_ns - due_ns) // self.period_ns + 1 if due_ns <= now_ns else 0
-        self._queue.count_telling(1)
+        self._queue.count_output(1)
         self._schedule(due_ns + missed * self.period_ns)
         return due_ns + (missed - 1) * self.period_ns if missed else None
 
@@ -336,11 +336,11 @@ class Series:
         """Have no events until woken; ``due_ns`` [ns] is when the next one would be due."""
         self._event = None
         self._asleep_until_ns = due_ns
-        self._queue.count_telling(-1)
+        self._queue.count_output(-1)
         self._queue.sleep(self)
 
     def _schedule(self, due_ns: int) -> None:
-        self._event = self._queue.schedule(due_ns, self._robot_index, self._happen, self._telling)
+        self._event = self._queue.schedule(due_ns, self._robot_index, self._happen, self._output)
 
     def _happen(self, due_ns: int, now_ns: int) -> None:
         own = self._event

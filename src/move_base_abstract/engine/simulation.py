@@ -86,9 +86,9 @@ class Simulation:
         self.now_ns = until_ns
 
     def series(self, robot_index: int, frequency: float, action: Callable[[int, int], Optional[int]],
-               only_tells: bool = False, is_heard: Optional[Callable[[], int]] = None) -> Optional[Series]:
+               is_output: bool = False, is_heard: Optional[Callable[[], int]] = None) -> Optional[Series]:
         """Return a new :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None
         period_ns = max(1, round(min(LAST_NS, 1e9 / frequency)))  # a series with a tiny frequency comes once
-        return Series(self.queue, robot_index, period_ns, action, only_tells, is_heard)
+        return Series(self.queue, robot_index, period_ns, action, is_output, is_heard)

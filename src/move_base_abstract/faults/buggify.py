@@ -46,16 +46,16 @@ class Lapsing:
             return
         self._now = kind, cause
         if kind == JUMP:
-            self._robot.telling.jump(now_ns, *by)
+            self._robot.reported.jump(now_ns, *by)
         else:
-            self._robot.telling.is_mute = True
+            self._robot.reported.is_mute = True
         self._end.set(until_ns, self._be_right)
         self._stream.tell(Lapse(now_ns, self._robot.name, kind, cause, True, by if kind == JUMP else ()))
 
     def _be_right(self, now_ns: int) -> None:
         if self._now is not None:
             (kind, cause), self._now = self._now, None
-            self._robot.telling.shift, self._robot.telling.is_mute = None, False
+            self._robot.reported.shift, self._robot.reported.is_mute = None, False
             self._stream.tell(Lapse(now_ns, self._robot.name, kind, cause, False))
 
     def reset(self, now_ns: int) -> None:

@@ -297,7 +297,7 @@ class GoalFeedback:
         self.stop()
         self.frequency = frequency
         self._series = self._simulation.series(self._robot.index, frequency, self._tell,
-                                               only_tells=True, is_heard=self._client.is_feedback_heard)
+                                               is_output=True, is_heard=self._client.is_feedback_heard)
         if self._ledger.active is not None:
             self.start(self._simulation.now_ns)
 
@@ -313,12 +313,12 @@ class GoalFeedback:
 
     def tell_last(self, now_ns: int) -> None:
         """Send the last feedback of a goal, which the robot has reached at ``now_ns`` [ns]; it is never left out."""
-        record, telling = self._ledger.active, self._robot.telling
-        if record is not None and self._series is not None and not telling.is_mute:
-            self._client.feedback(record, telling.pose_at(now_ns), now_ns, True)
+        record, reported = self._ledger.active, self._robot.reported
+        if record is not None and self._series is not None and not reported.is_mute:
+            self._client.feedback(record, reported.pose_at(now_ns), now_ns, True)
 
     def _tell(self, due_ns: int, _now_ns: int) -> Optional[int]:
-        record, telling = self._ledger.active, self._robot.telling
-        if record is None or self._ledger.is_silent or telling.is_mute:
+        record, reported = self._ledger.active, self._robot.reported
+        if record is None or self._ledger.is_silent or reported.is_mute:
             return None
-        return self._client.feedback(record, telling.pose_at(due_ns), due_ns, False)
+        return self._client.feedback(record, reported.pose_at(due_ns), due_ns, False)

@@ -48,8 +48,8 @@ class Robot:
         self._past: Deque[_Motion] = deque([self._motion], maxlen=remembered_legs)
         self._driven = 0.0
         self._followers: List[Callable[[int], object]] = []
-        #: the pose that it reports (Telling)
-        self.telling = Telling(self)
+        #: the pose that it reports (Reported)
+        self.reported = Reported(self)
 
     def follow(self, follower: Callable[[int], object]) -> None:
         """Call ``follower(now_ns)`` [ns] whenever the robot has begun another leg, or has begun to stand."""
@@ -221,7 +221,7 @@ class _Stand:
         return 0.0
 
 
-class Telling:
+class Reported:
     """The pose that ``robot`` (Robot) reports.
 
     ``shift``: the pose that the robot takes for the origin of its odometry, in the global frame, while the true one is

@@ -59,7 +59,7 @@ class PlaceTaskRunner:
         self._robot_index = robot_index
         self._on_progress = client.progress
         self._progress = rooms.simulation.series(robot_index, progress_frequency, self._tell_progress,
-                                                 only_tells=True, is_heard=client.is_progress_heard)
+                                                 is_output=True, is_heard=client.is_progress_heard)
         self._end: Optional[Event] = None  # the event at which the work ends
         self._began_ns = self._duration_ns = 0
         self._rooms = rooms

@@ -29,7 +29,7 @@ class BatteryServer:
         self._outlet = LatchedOutlet(names.topic('battery_state'), BatteryState, self._pack)
         battery.tell_those(self._outlet.is_heard)
         self._throttle = host.throttle(settings.values['max_pose_rate'])
-        self._series = host.clock.simulation.series(robot_index, frequency, self._repeat, only_tells=True,
+        self._series = host.clock.simulation.series(robot_index, frequency, self._repeat, is_output=True,
                                                     is_heard=host.timing.when_heard(self._outlet.is_heard))
         self._told = host.rates.add('battery', lambda: frequency, self._outlet.hearers)
         now_ns = host.clock.simulation.now_ns

@@ -15,7 +15,7 @@ class Heartbeat:
         self._hearers = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
-            series = self._clock.simulation.series(SHARED_INDEX, frequency, self._beat, only_tells=True,
+            series = self._clock.simulation.series(SHARED_INDEX, frequency, self._beat, is_output=True,
                                                    is_heard=host.timing.when_heard(self._is_heard))
             if series is not None:
                 series.start(self._clock.now_ns())

@@ -31,7 +31,7 @@ class RobotPublisher:
         self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update,
-                                          only_tells=True, is_heard=host.timing.when_heard(self._is_heard))
+                                          is_output=True, is_heard=host.timing.when_heard(self._is_heard))
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
         self._beats = settings.values['tf_heartbeat_freq'] > 0.0
         self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
@@ -51,7 +51,7 @@ class RobotPublisher:
             frequency = host.timing.frequency_at_rest(settings.values['pose_update_freq'])
         if frequency:
             self._told.append(host.rates.add('odometry at rest', lambda: frequency, self._odometry_hearers))
-        return host.clock.simulation.series(self._robot.index, frequency, self._still_stands, only_tells=True,
+        return host.clock.simulation.series(self._robot.index, frequency, self._still_stands, is_output=True,
                                             is_heard=host.timing.when_heard(self._is_odometry_heard))
 
     def _tell_rates(self, pose_frequency, tf_frequency):
@@ -82,19 +82,19 @@ class RobotPublisher:
 
     def _place(self, now_ns, is_event=True):
         """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
-        if self._robot.telling.is_mute:
+        if self._robot.reported.is_mute:
             return
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
             pose = self._robot.pose_at(now_ns)
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
-            self._costmaps.moved(self._robot.telling.pose_at(now_ns), now_ns, is_event)
+            self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
 
     def restart(self):
         """Allow stamps that are earlier than those before, because time has started anew."""
         self._backend.restart()
 
     def _lapsed(self, event):
-        self._backend.shift = self._robot.telling.shift
+        self._backend.shift = self._robot.reported.shift
         self._place(event.time_ns)
 
     def _aimed(self, event):
@@ -147,7 +147,7 @@ class RobotPublisher:
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _still_stands(self, due_ns, _now_ns):
-        if not self._robot.telling.is_mute and self._pose_throttle.ready():
+        if not self._robot.reported.is_mute and self._pose_throttle.ready():
             with lockstep.sender(self._robot.index):
                 self._backend.rests(self._robot.pose_at(due_ns), due_ns)
         pause = self._pose_throttle.remaining()
@@ -155,11 +155,11 @@ class RobotPublisher:
 
     def _beat(self, now_ns):
         """Publish the latest pose in tf, so that a look-up of the present need not wait for the next pose."""
-        telling = self._robot.telling
-        if not (self._updates_beat and self._robot.leg is not None) and not telling.is_mute:
+        reported = self._robot.reported
+        if not (self._updates_beat and self._robot.leg is not None) and not reported.is_mute:
             with lockstep.sender(self._robot.index):
                 self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)
-                self._costmaps.moved(telling.pose_at(now_ns), now_ns, is_event=False)
+                self._costmaps.moved(reported.pose_at(now_ns), now_ns, is_event=False)
 
 
 def _stand_still(_seq):

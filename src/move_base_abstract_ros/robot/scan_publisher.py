@@ -30,7 +30,7 @@ class ScanPublisher:
         self._laser_in_base, self._in_laser = InFrame(self._base_frame, self._frame), InFrame(self._frame)
         self._outlet = Outlet(names.topic(values['scan_topic']), LaserScan, queue_size=10)
         self._throttle = host.throttle(values['max_pose_rate'])
-        self._series = host.clock.simulation.series(robot.index, settings.laser.rate, self._tell, only_tells=True,
+        self._series = host.clock.simulation.series(robot.index, settings.laser.rate, self._tell, is_output=True,
                                                     is_heard=host.timing.when_heard(self._is_heard))
         self._rates = host.rates
         self._told = host.rates.add('scans', lambda: settings.laser.rate, self._outlet.hearers)
@@ -55,7 +55,7 @@ class ScanPublisher:
     def _tell(self, due_ns, _now_ns):
         if self._throttle.ready():
             with lockstep.sender(self._robot.index):
-                if not self._robot.telling.is_mute:
+                if not self._robot.reported.is_mute:
                     self._backend.looks(self._robot.pose_at(due_ns), due_ns)
                 mount = self._laser.settings.mount
                 tf_hub.send(self._frame, lambda: [self._laser_in_base.transform(mount, due_ns)])
