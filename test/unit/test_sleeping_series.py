@@ -93,7 +93,7 @@ def test_what_nobody_hears_is_not_foreseen():
     assert heard.until(33) == [(20, 0), (30, 0)]
 
 
-def test_what_only_tells_comes_after_what_happens_to_the_same_robot():
+def test_output_comes_after_what_happens_to_the_same_robot():
     simulation, lines = Simulation(), []
     simulation.series(0, 1e8, lambda due_ns, _now_ns: lines.append('tells'), is_output=True).start(0)
     simulation.advance(5)
