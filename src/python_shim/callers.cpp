@@ -9,7 +9,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <initializer_list>
+
+#include "libc/devices.h"
 
 namespace move_base_abstract::native {
 namespace {
@@ -29,15 +30,6 @@ Object objects[kMost];
 std::atomic<int> count{0};  // number of objects that are written
 std::atomic<int> taken{0};  // number of places of the table that are taken
 
-bool isNamed(const char* name, std::initializer_list<const char*> beginnings) {
-  for (const char* beginning : beginnings) {
-    if (strncmp(name, beginning, strlen(beginning)) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
 Kind kindOf(const char* path) {
   const char* const slash = strrchr(path, '/');
   const char* const name = slash == nullptr ? path : slash + 1;
@@ -45,21 +37,21 @@ Kind kindOf(const char* path) {
   // these need.
   const bool is_pythons =
       *path == '\0' || strstr(path, "/lib-dynload/") != nullptr ||
-      isNamed(name,
-              {"libpython", "linux-vdso", "ld-", "libc.so", "libc-2", "libpthread", "libdl.so",
-               "libdl-2", "librt.so", "librt-2", "libm.so", "libm-2", "libresolv", "libnss_",
-               "libnsl", "libutil", "libanl", "libgcc_s", "libmove_base_abstract_python"}) ||
-      isNamed(name,
-              {"libexpat.so", "libssl.so", "libcrypto.so", "libsqlite3.so", "libz.so", "liblzma.so",
-               "libbz2.so", "libreadline.so", "libedit.so", "libncurses", "libtinfo", "libpanel",
-               "libgdbm", "libdb-", "libtcl", "libtk", "libcrypt.so", "libmpdec", "libtirpc"});
+      shim::beginsWith(
+          name, {"libpython", "linux-vdso", "ld-", "libc.so", "libc-2", "libpthread", "libdl.so",
+                 "libdl-2", "librt.so", "librt-2", "libm.so", "libm-2", "libresolv", "libnss_",
+                 "libnsl", "libutil", "libanl", "libgcc_s", "libmove_base_abstract_python"}) ||
+      shim::beginsWith(name, {"libexpat.so", "libssl.so", "libcrypto.so", "libsqlite3.so",
+                              "libz.so", "liblzma.so", "libbz2.so", "libreadline.so", "libedit.so",
+                              "libncurses", "libtinfo", "libpanel", "libgdbm", "libdb-", "libtcl",
+                              "libtk", "libcrypt.so", "libmpdec", "libtirpc"});
   if (is_pythons) {
     return kPythons;
   }
-  if (isNamed(name, {"libstdc++", "libc++", "libboost_"})) {
+  if (shim::beginsWith(name, {"libstdc++", "libc++", "libboost_"})) {
     return kWrapper;
   }
-  return isNamed(name, {"libgomp", "libtbb", "libomp", "libiomp"}) ||
+  return shim::beginsWith(name, {"libgomp", "libtbb", "libomp", "libiomp"}) ||
                  strstr(name, "blas") != nullptr
              ? kPool
              : kLibrary;

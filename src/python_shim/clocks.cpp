@@ -1,9 +1,6 @@
 // No ROS.
 #include "clocks.h"
 
-#include <sys/time.h>
-#include <sys/timeb.h>
-
 #include "callers.h"
 #include "notices.h"
 #include "real.h"
@@ -113,76 +110,5 @@ void goOn(Nanoseconds duration, Sees whose) {
 
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-namespace shim = move_base_abstract::shim;
-using move_base_abstract::Nanoseconds;
-
-#pragma GCC visibility push(default)
-extern "C" {
-
-int clock_gettime(clockid_t clock, timespec* time) {
-  Nanoseconds now = 0;
-  if (!native::read(clock, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return native::real_gettime(clock, time);
-  }
-  *time = shim::toTimespec(now);
-  return 0;
-}
-
-int timespec_get(timespec* time, int base) {
-  static native::Real<int(timespec*, int)> function("timespec_get");
-  Nanoseconds now = 0;
-  if (base != TIME_UTC || !native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(time, base);
-  }
-  *time = shim::toTimespec(now);
-  return base;
-}
-
-int gettimeofday(timeval* time, void* zone) {
-  static native::Real<int(timeval*, void*)> function("gettimeofday");
-  Nanoseconds now = 0;
-  if (!native::read(CLOCK_REALTIME, shim::kMicrosecond, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(time, zone);
-  }
-  const timespec whole = shim::toTimespec(now);
-  *time = {whole.tv_sec, whole.tv_nsec / shim::kMicrosecond};
-  return 0;
-}
-
-time_t time(time_t* result) {
-  static native::Real<time_t(time_t*)> function("time");
-  Nanoseconds now = 0;
-  if (!native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(result);
-  }
-  const time_t seconds = now / shim::kSecond;
-  if (result != nullptr) {
-    *result = seconds;
-  }
-  return seconds;
-}
-
-int ftime(timeb* result) {
-  static native::Real<int(timeb*)> function("ftime");
-  Nanoseconds now = 0;
-  if (!native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(result);
-  }
-  constexpr Nanoseconds kMillisecond = 1'000'000;
-  *result = {now / shim::kSecond, static_cast<unsigned short>(now % shim::kSecond / kMillisecond),
-             0, 0};
-  return 0;
-}
-
-clock_t clock() {
-  static native::Real<clock_t()> function("clock");
-  Nanoseconds now = 0;
-  if (!native::read(CLOCK_PROCESS_CPUTIME_ID, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function();
-  }
-  return now / (shim::kSecond / CLOCKS_PER_SEC);
-}
-
-}  // extern "C"
-#pragma GCC visibility pop
+namespace policy = move_base_abstract::native;
+#include "libc/clocks.h"

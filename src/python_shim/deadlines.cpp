@@ -9,8 +9,8 @@
 #include <cstdarg>
 
 #include "clocks.h"
+#include "libc/glibc_fields.h"
 #include "real.h"
-#include "roscpp_shim/machine/glibc_fields.h"
 
 namespace move_base_abstract::native {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "callers.h"
 #include "chance.h"
+#include "libc/preload.h"
 
 namespace move_base_abstract::native {
 namespace {
@@ -17,31 +17,7 @@ std::atomic<Sleep*> sleep_in_python{nullptr};
 char* seed_text = nullptr;
 thread_local Nanoseconds t_epoch __attribute__((tls_model("initial-exec"))) = 0;
 
-/** Take this library out of LD_PRELOAD, so that programs that this one starts do not load it. */
-__attribute__((constructor)) void leaveEnvironment() {
-  constexpr const char* kVariable = "LD_PRELOAD";
-  const char* const preload = getenv(kVariable);
-  char* const names = preload == nullptr ? nullptr : strdup(preload);
-  char* const others = preload == nullptr ? nullptr : strdup(preload);
-  if (names == nullptr || others == nullptr) {
-    return;
-  }
-  *others = '\0';
-  char* rest = nullptr;
-  for (char* name = strtok_r(names, " :", &rest); name != nullptr;
-       name = strtok_r(nullptr, " :", &rest)) {
-    if (strstr(name, "python_shim") == nullptr) {
-      strcat(strcat(others, *others == '\0' ? "" : " "), name);
-    }
-  }
-  if (*others == '\0') {
-    unsetenv(kVariable);
-  } else {
-    setenv(kVariable, others, 1);
-  }
-  free(names);
-  free(others);
-}
+__attribute__((constructor)) void leaveEnvironment() { shim::leavePreload("python_shim"); }
 
 }  // namespace
 

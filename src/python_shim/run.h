@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "roscpp_shim/machine/instants.h"
+#include "libc/instants.h"
 
 namespace move_base_abstract::native {
 

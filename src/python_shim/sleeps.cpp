@@ -40,25 +40,25 @@ int sleepFor(Nanoseconds duration, Sees whose, timespec* rest) {
   return result;
 }
 
+int sleepFor(const timespec& request, timespec* rest, const void* caller) {
+  const Sees whose = sees(caller);
+  const bool is_valid = request.tv_sec >= 0 && request.tv_nsec >= 0 && request.tv_nsec < kSecond &&
+                        request.tv_sec < kSecond;
+  return whose == Sees::kMachine || !is_valid ? real_nanosleep(&request, rest)
+                                              : sleepFor(shim::toNs(request), whose, rest);
+}
+
 }  // namespace
 }  // namespace move_base_abstract::native
 
 namespace native = move_base_abstract::native;
+namespace policy = native;
+#include "libc/sleeps.h"
 namespace shim = move_base_abstract::shim;
 using move_base_abstract::Nanoseconds;
 
 #pragma GCC visibility push(default)
 extern "C" {
-
-int nanosleep(const timespec* request, timespec* rest) {
-  const native::Sees whose = native::sees(MOVE_BASE_ABSTRACT_CALLER);
-  const bool is_valid = request->tv_sec >= 0 && request->tv_nsec >= 0 &&
-                        request->tv_nsec < shim::kSecond && request->tv_sec < shim::kSecond;
-  if (whose == native::Sees::kMachine || !is_valid) {
-    return native::real_nanosleep(request, rest);
-  }
-  return native::sleepFor(shim::toNs(*request), whose, rest);
-}
 
 int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespec* rest) {
   static native::Real<int(clockid_t, int, const timespec*, timespec*)> function("clock_nanosleep");
@@ -72,24 +72,6 @@ int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespe
   const Nanoseconds lasts =
       shim::toNs(*request) - (is_absolute ? native::seenTime(clock, whose) : 0);
   return native::sleepFor(lasts, whose, is_absolute ? nullptr : rest) == 0 ? 0 : errno;
-}
-
-int usleep(useconds_t microseconds) {
-  static native::Real<int(useconds_t)> function("usleep");
-  const native::Sees whose = native::sees(MOVE_BASE_ABSTRACT_CALLER);
-  return whose == native::Sees::kMachine
-             ? function(microseconds)
-             : native::sleepFor(static_cast<Nanoseconds>(microseconds) * shim::kMicrosecond, whose,
-                                nullptr);
-}
-
-unsigned sleep(unsigned seconds) {
-  static native::Real<unsigned(unsigned)> function("sleep");
-  const native::Sees whose = native::sees(MOVE_BASE_ABSTRACT_CALLER);
-  if (whose == native::Sees::kMachine) {
-    return function(seconds);
-  }
-  return native::sleepFor(seconds * shim::kSecond, whose, nullptr) == 0 ? 0 : seconds;
 }
 
 // Without a descriptor, these functions sleep.

@@ -1,10 +1,6 @@
 #include "clocks.h"
 
 #include <ros/time.h>
-#include <sys/resource.h>
-#include <sys/time.h>
-#include <sys/timeb.h>
-#include <sys/times.h>
 
 #include <atomic>
 #include <cerrno>
@@ -25,7 +21,7 @@ constexpr Nanoseconds kUptime = 3600 * kSecond;
 constexpr Nanoseconds kStep = 1'000'000;   // by which a clock goes on that is only looked at
 constexpr unsigned kClockReads = 1000000;  // reads at one instant, after which it goes on
 
-using GetTime = int(clockid_t, timespec*);
+Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
 
 /** @brief The times that a thread has read last, perhaps cut to microseconds. Deadlines start
  * there. */
@@ -66,16 +62,11 @@ bool read(clockid_t clock, Nanoseconds step, const void* caller, Nanoseconds* ti
   return true;
 }
 
-GetTime* realGetTime() {
-  static GetTime* const function = real<GetTime>("clock_gettime");
-  return function;
-}
-
 }  // namespace
 
 Nanoseconds machineTime(clockid_t clock) {
   timespec now{};
-  realGetTime()(clock, &now);
+  real_gettime(clock, &now);
   return toNs(now);
 }
 
@@ -117,100 +108,8 @@ void MachineWait::timedOut() const {
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
-using move_base_abstract::Nanoseconds;
-
-#pragma GCC visibility push(default)
-extern "C" {
-
-int clock_gettime(clockid_t clock, timespec* time) {
-  Nanoseconds now = 0;
-  if (!shim::read(clock, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return shim::realGetTime()(clock, time);
-  }
-  *time = shim::toTimespec(now);
-  return 0;
-}
-
-int timespec_get(timespec* time, int base) {
-  using TimespecGet = int(timespec*, int);
-  static TimespecGet* const function = shim::real<TimespecGet>("timespec_get");
-  Nanoseconds now = 0;
-  if (base != TIME_UTC || !shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(time, base);
-  }
-  *time = shim::toTimespec(now);
-  return base;
-}
-
-int gettimeofday(timeval* time, void* zone) {
-  using GetTimeOfDay = int(timeval*, void*);
-  static GetTimeOfDay* const function = shim::real<GetTimeOfDay>("gettimeofday");
-  Nanoseconds now = 0;
-  if (!shim::read(CLOCK_REALTIME, shim::kMicrosecond, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(time, zone);
-  }
-  const timespec whole = shim::toTimespec(now);
-  *time = {whole.tv_sec, whole.tv_nsec / shim::kMicrosecond};
-  return 0;
-}
-
-time_t time(time_t* result) {
-  using Time = time_t(time_t*);
-  static Time* const function = shim::real<Time>("time");
-  Nanoseconds now = 0;
-  if (!shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(result);
-  }
-  const time_t seconds = now / shim::kSecond;
-  if (result != nullptr) {
-    *result = seconds;
-  }
-  return seconds;
-}
-
-int ftime(timeb* result) {
-  using Ftime = int(timeb*);
-  static Ftime* const function = shim::real<Ftime>("ftime");
-  Nanoseconds now = 0;
-  if (!shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function(result);
-  }
-  constexpr Nanoseconds kMillisecond = 1'000'000;
-  *result = {now / shim::kSecond, static_cast<unsigned short>(now % shim::kSecond / kMillisecond),
-             0, 0};
-  return 0;
-}
-
-clock_t clock() {
-  using Clock = clock_t();
-  static Clock* const function = shim::real<Clock>("clock");
-  Nanoseconds now = 0;
-  if (!shim::read(CLOCK_PROCESS_CPUTIME_ID, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
-    return function();
-  }
-  return now / (shim::kSecond / CLOCKS_PER_SEC);
-}
-
-clock_t times(tms* result) {
-  using Times = clock_t(tms*);
-  static Times* const function = shim::real<Times>("times");
-  if (shim::sees() != shim::Sees::kMachine) {
-    shim::tell("times() says how long the processor has worked", MOVE_BASE_ABSTRACT_CALLER);
-  }
-  return function(result);
-}
-
-int getrusage(__rusage_who_t who, rusage* usage) {
-  using GetUsage = int(__rusage_who_t, rusage*);
-  static GetUsage* const function = shim::real<GetUsage>("getrusage");
-  if (shim::sees() != shim::Sees::kMachine) {
-    shim::tell("getrusage() says how long the processor has worked", MOVE_BASE_ABSTRACT_CALLER);
-  }
-  return function(who, usage);
-}
-
-}  // extern "C"
-#pragma GCC visibility pop
+namespace policy = shim;
+#include "libc/clocks.h"
 
 namespace ros {
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "libc/looked_up.h"
+
 namespace move_base_abstract::shim {
 
 /** @brief Whose clocks and random numbers a thread sees. */
@@ -60,8 +62,5 @@ bool isProgramsOwn(const void* caller);
 void becomeWorker();
 
 }  // namespace move_base_abstract::shim
-
-/** The address from which the function that contains this macro was called. */
-#define MOVE_BASE_ABSTRACT_CALLER __builtin_return_address(0)
 
 #endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H

@@ -11,9 +11,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 #include <string>
 
+#include "libc/preload.h"
 #include "node.h"
 #include "turn.h"
 
@@ -27,36 +27,11 @@ const char* const kRank = "MOVE_BASE_ABSTRACT_LOCKSTEP_RANK";
 const char* const kStrict = "MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT";
 const char* const kLooksOn = "MOVE_BASE_ABSTRACT_LOOKS_ON";
 const char* const kLayout = "MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT";
-const char* const kPreload = "LD_PRELOAD";
 constexpr unsigned long kAsk = 0xffffffff;
 
 [[noreturn]] void refuse(const std::string& why) {
   std::fprintf(stderr, "lockstep: %s\n", why.c_str());
   std::_Exit(1);
-}
-
-/**
- * @brief Take this library out of LD_PRELOAD, so that programs which this one starts do not load
- * it. @return whether it was there.
- */
-bool leavePreload() {
-  const char* const preload = std::getenv(kPreload);
-  std::istringstream names(preload == nullptr ? "" : preload);
-  std::string others;
-  bool is_found = false;
-  for (std::string name; names >> name;) {
-    if (name.find("roscpp_shim") != std::string::npos) {
-      is_found = true;
-    } else {
-      others += (others.empty() ? "" : " ") + name;
-    }
-  }
-  if (others.empty()) {
-    unsetenv(kPreload);
-  } else {
-    setenv(kPreload, others.c_str(), 1);
-  }
-  return is_found;
 }
 
 /** @return whether the time master is in lockstep; false if the ROS master cannot be asked. */
@@ -127,7 +102,7 @@ void checkOrder() {
 
 __attribute__((constructor)) void begin(int /*count*/, char** arguments) {
   const Inside inside;
-  const bool is_linked = !leavePreload();
+  const bool is_linked = !leavePreload("roscpp_shim");
   if (is_linked && told().sleep == nullptr && told().looks_on == nullptr && isLockstep()) {
     checkOrder();
     startAgain(arguments);

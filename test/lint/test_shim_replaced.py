@@ -24,8 +24,10 @@ def test_the_page_has_the_table():
 def test_each_symbol_is_there_once_and_is_asked_for_somewhere():
     symbols = [row[3] for row in rows()]
     assert len(set(symbols)) == len(symbols)
-    text = ''.join(path.read_text(encoding='utf-8') for path in sorted(SHIM.rglob('*.cpp')))
-    asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(r'\breal<[^\"]+>\(\s*((?:"\w+"\s*)+)\)', text)}
+    sources = [*sorted(SHIM.rglob('*.cpp')), *sorted((ROOT / 'src' / 'libc').glob('*.h'))]
+    text = ''.join(path.read_text(encoding='utf-8') for path in sources)
+    asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(
+        r'\b(?:real<[^\"]+>|Real<[^\"]+> \w+)\(\s*((?:"\w+"\s*)+)\)', text)}
     # usleep() and sleep() are nanosleep() here, two are memalign(), bind() is a system call; a pass through roscpp's
     # own processPublishQueues() is replaced whole.
     assert asked == set(symbols) - {'usleep', 'sleep', 'aligned_alloc', 'posix_memalign', 'bind',

@@ -1,22 +1,16 @@
 // The program's random numbers: they follow from the seed, the node's name and the number of draws.
 #include "chance.h"
 
-#include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <sys/random.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <atomic>
-#include <random>
+#include <cstdlib>
 #include <string>
+#include <type_traits>
 
+#include "libc/byte_stream.h"
+#include "libc/devices.h"
 #include "roscpp_shim/followed.h"
-#include "roscpp_shim/machine/byte_stream.h"
-#include "roscpp_shim/machine/devices.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/turn.h"
@@ -66,22 +60,19 @@ void nameOr(Generate* function, unsigned char* out, int version, const void* cal
   }
 }
 
-/** @brief Label the run if a draw from libc's generators, which all threads share, has no order. */
-void checkOrder(const void* caller) {
+/** Draw from a generator of libc, which all threads share. roscpp's own threads get numbers of
+ * their own, so that they do not change those of the program. */
+template <typename Result>
+Result draw(Real<Result()>& function, const void* caller) {
+  if constexpr (std::is_integral_v<Result>) {
+    if (Turn::isInternal() && takesPart()) {
+      thread_local unsigned own = 1;
+      return static_cast<Result>(::rand_r(&own));
+    }
+  }
   if (sees() == Sees::kStray) {
     tell(kStray, caller);
   }
-}
-
-/** Draw from a generator of libc. roscpp's own threads get numbers of their own, so that they do
- * not change those of the program. */
-template <typename Result>
-Result draw(Result (*function)(), const void* caller) {
-  if (Turn::isInternal() && takesPart()) {
-    thread_local unsigned own = 1;
-    return static_cast<Result>(::rand_r(&own));
-  }
-  checkOrder(caller);
   return function();
 }
 
@@ -105,14 +96,9 @@ int openEntropy(const char* path, int flags, const void* caller) {
     tell(kStray, caller);
   }
   static std::atomic<int> opened{0};
-  std::string bytes(1 << 20, '\0');
-  ByteStream(numberFor("file " + std::to_string(++opened))).fill(&bytes[0], bytes.size());
-  const int file = ::memfd_create("entropy", (flags & O_CLOEXEC) != 0 ? MFD_CLOEXEC : 0);
-  const bool is_written =
-      file >= 0 && ::write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
-  if (!is_written || ::lseek(file, 0, SEEK_SET) != 0) {
+  const int file = fileOf(ByteStream(numberFor("file " + std::to_string(++opened))), flags);
+  if (file < 0) {
     tell(std::string(path) + " cannot be stood in for, and is the machine's", caller);
-    return -1;
   }
   return file;
 }
@@ -120,74 +106,11 @@ int openEntropy(const char* path, int flags, const void* caller) {
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
+namespace policy = shim;
+#include "libc/chance.h"
 
 #pragma GCC visibility push(default)
 extern "C" {
-
-// ---- generators of libc ----------------------------------------------------------------------
-
-int rand() {
-  static auto* const function = shim::real<int()>("rand");
-  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
-}
-
-long random() {
-  static auto* const function = shim::real<long()>("random");
-  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
-}
-
-double drand48() {
-  static auto* const function = shim::real<double()>("drand48");
-  shim::checkOrder(MOVE_BASE_ABSTRACT_CALLER);
-  return function();
-}
-
-long lrand48() {
-  static auto* const function = shim::real<long()>("lrand48");
-  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
-}
-
-long mrand48() {
-  static auto* const function = shim::real<long()>("mrand48");
-  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
-}
-
-// ---- chance of the machine -------------------------------------------------------------------
-
-ssize_t getrandom(void* buffer, size_t size, unsigned flags) {
-  using GetRandom = ssize_t(void*, size_t, unsigned);
-  static GetRandom* const function = shim::real<GetRandom>("getrandom");
-  return shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER) ? static_cast<ssize_t>(size)
-                                                             : function(buffer, size, flags);
-}
-
-int getentropy(void* buffer, size_t size) {
-  using GetEntropy = int(void*, size_t);
-  static GetEntropy* const function = shim::real<GetEntropy>("getentropy");
-  return shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(buffer, size);
-}
-
-std::uint32_t arc4random() {
-  static auto* const function = shim::real<std::uint32_t()>("arc4random");
-  std::uint32_t number = 0;
-  return shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER) ? number : function();
-}
-
-void arc4random_buf(void* buffer, size_t size) {
-  static auto* const function = shim::real<void(void*, size_t)>("arc4random_buf");
-  if (!shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER)) {
-    function(buffer, size);
-  }
-}
-
-std::uint32_t arc4random_uniform(std::uint32_t bound) {
-  static auto* const function = shim::real<std::uint32_t(std::uint32_t)>("arc4random_uniform");
-  std::uint64_t number = 0;
-  if (!shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER)) {
-    return function(bound);
-  }
-  return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
-}
 
 // ---- unique names ----------------------------------------------------------------------------
 
@@ -225,16 +148,4 @@ pid_t getpid() {
 }
 
 }  // extern "C"
-
-namespace std {
-
-/** For every kind of device: the processor's instructions, the kernel, a file. */
-random_device::result_type random_device::_M_getval() {
-  static auto* const function =
-      shim::real<result_type(random_device*)>("_ZNSt13random_device9_M_getvalEv");
-  result_type number = 0;
-  return shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER) ? number : function(this);
-}
-
-}  // namespace std
 #pragma GCC visibility pop

@@ -8,13 +8,12 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdarg>
 #include <string>
 
 #include "chance.h"
+#include "libc/devices.h"
 #include "lockstep/wire/utf8.h"
 #include "roscpp_shim/followed.h"
-#include "roscpp_shim/machine/devices.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/recorder.h"
 #include "roscpp_shim/turn.h"
@@ -51,11 +50,6 @@ std::string asText(const std::string& path) {
   return text;
 }
 
-/** @return the path of an openat() that does not need its folder; null: it needs it. */
-const char* ofNoFolder(int folder, const char* path) {
-  return folder == AT_FDCWD || path == nullptr || *path == '/' ? path : nullptr;
-}
-
 /** @return the flags of open() for the mode @p how of fopen(). */
 int flagsOf(const char* how) {
   if (how == nullptr || strchr(how, '+') != nullptr) {
@@ -79,6 +73,11 @@ class Opening {
       const std::string folder(path, strcspn(path + 1, "/") + 1);
       tell("a file in " + folder + " is opened: it describes this machine at this moment", caller);
     }
+  }
+
+  Opening(const char* path, const char* how, const void* caller)
+      : Opening(path, flagsOf(how), caller) {
+    noteBag(path, how, caller);
   }
 
   /** @return whether the file is open already, as file(). */
@@ -127,69 +126,11 @@ int tellRenamed(int result, const char* to, const void* caller) {
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
+namespace policy = shim;
+#include "libc/files.h"
 
 #pragma GCC visibility push(default)
 extern "C" {
-
-#define MOVE_BASE_ABSTRACT_MODE(last)                             \
-  va_list rest;                                                   \
-  va_start(rest, last);                                           \
-  const auto mode = va_arg(rest, unsigned); /* if flags say so */ \
-  va_end(rest)
-
-int open(const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(const char*, int, ...)>("open");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
-}
-
-int open64(const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(const char*, int, ...)>("open64");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
-}
-
-int openat(int folder, const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const shim::Opening opening(shim::ofNoFolder(folder, path), flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(folder, path, flags, mode));
-}
-
-int openat64(int folder, const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat64");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const shim::Opening opening(shim::ofNoFolder(folder, path), flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(folder, path, flags, mode));
-}
-
-int __open_2(const char* path, int flags) {
-  static auto* const function = shim::real<int(const char*, int)>("__open_2");
-  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
-}
-
-int __open64_2(const char* path, int flags) {
-  static auto* const function = shim::real<int(const char*, int)>("__open64_2");
-  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
-}
-
-FILE* fopen(const char* path, const char* how) {
-  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen");
-  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
-  const shim::Opening opening(path, shim::flagsOf(how), MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
-}
-
-FILE* fopen64(const char* path, const char* how) {
-  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen64");
-  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
-  const shim::Opening opening(path, shim::flagsOf(how), MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
-}
 
 int rename(const char* from, const char* to) {
   static auto* const function = shim::real<int(const char*, const char*)>("rename");

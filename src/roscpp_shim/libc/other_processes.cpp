@@ -2,19 +2,16 @@
 #include <fcntl.h>
 #include <mqueue.h>
 #include <netinet/in.h>
-#include <spawn.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <sys/mman.h>
 #include <sys/msg.h>
 #include <sys/sem.h>
 #include <sys/shm.h>
 #include <sys/socket.h>
-#include <sys/sysinfo.h>
 #include <threads.h>
 #include <unistd.h>
 
 #include <cstdarg>
+#include <optional>
 #include <string>
 
 #include "roscpp_shim/followed.h"
@@ -34,13 +31,31 @@ void tellUse(const char* what, const void* caller) {
   }
 }
 
-/** @brief Label the run, because the function @p name starts a process that takes no part. */
-void tellProcess(const std::string& name, const void* caller) {
-  tellUse((name + " starts a process that is not a participant: its answers depend on the machine")
-              .c_str(),
-          caller);
-  parameters().settle();
-}
+constexpr const char* kTimes = "times() says how long the processor has worked";
+constexpr const char* kUsage = "getrusage() says how long the processor has worked";
+constexpr const char* kLoad = "getloadavg() says how busy the machine is";
+constexpr const char* kSystem = "sysinfo() says how busy the machine is";
+
+/** @brief The start of a process that takes no part, by the function @p name: it labels the run. */
+class Start {
+ public:
+  Start(const std::string& name, const void* caller) {
+    tellUse(
+        (name + " starts a process that is not a participant: its answers depend on the machine")
+            .c_str(),
+        caller);
+    parameters().settle();
+    cores_.emplace();
+  }
+  void goOnIn(pid_t process) {
+    if (process == 0) {
+      cores_->keep();
+    }
+  }
+
+ private:
+  std::optional<OwnCores> cores_;
+};
 
 /** @brief Label the run, because the program shares memory with other processes. Memory that
  * libraries of the system share does not matter. */
@@ -76,58 +91,11 @@ void tellMapped(int flags, int file, const void* caller) {
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
+namespace policy = shim;
+#include "libc/unfollowed_calls.h"
 
 #pragma GCC visibility push(default)
 extern "C" {
-
-// ---- processes -------------------------------------------------------------------------------
-
-FILE* popen(const char* command, const char* how) {
-  static auto* const function = shim::real<FILE*(const char*, const char*)>("popen");
-  shim::tellProcess("popen()", MOVE_BASE_ABSTRACT_CALLER);
-  const shim::OwnCores cores;
-  return function(command, how);
-}
-
-int system(const char* command) {
-  static auto* const function = shim::real<int(const char*)>("system");
-  shim::tellProcess("system()", MOVE_BASE_ABSTRACT_CALLER);
-  const shim::OwnCores cores;
-  return function(command);
-}
-
-pid_t fork() {
-  static auto* const function = shim::real<pid_t()>("fork");
-  shim::tellProcess("fork()", MOVE_BASE_ABSTRACT_CALLER);
-  shim::OwnCores cores;
-  const pid_t child = function();
-  if (child == 0) {
-    cores.keep();
-  }
-  return child;
-}
-
-int posix_spawn(pid_t* process, const char* path, const posix_spawn_file_actions_t* actions,
-                const posix_spawnattr_t* attributes, char* const arguments[],
-                char* const environment[]) {
-  using Spawn = int(pid_t*, const char*, const posix_spawn_file_actions_t*,
-                    const posix_spawnattr_t*, char* const[], char* const[]);
-  static auto* const function = shim::real<Spawn>("posix_spawn");
-  shim::tellProcess("posix_spawn()", MOVE_BASE_ABSTRACT_CALLER);
-  const shim::OwnCores cores;
-  return function(process, path, actions, attributes, arguments, environment);
-}
-
-int posix_spawnp(pid_t* process, const char* file, const posix_spawn_file_actions_t* actions,
-                 const posix_spawnattr_t* attributes, char* const arguments[],
-                 char* const environment[]) {
-  using Spawn = int(pid_t*, const char*, const posix_spawn_file_actions_t*,
-                    const posix_spawnattr_t*, char* const[], char* const[]);
-  static auto* const function = shim::real<Spawn>("posix_spawnp");
-  shim::tellProcess("posix_spawnp()", MOVE_BASE_ABSTRACT_CALLER);
-  const shim::OwnCores cores;
-  return function(process, file, actions, attributes, arguments, environment);
-}
 
 // ---- connections -----------------------------------------------------------------------------
 
@@ -218,20 +186,6 @@ int mtx_timedlock(mtx_t* mutex, const timespec* until) {
   static auto* const function = shim::real<int(mtx_t*, const timespec*)>("mtx_timedlock");
   shim::tellC11("mtx_timedlock()", MOVE_BASE_ABSTRACT_CALLER);
   return function(mutex, until);
-}
-
-// ---- the machine -----------------------------------------------------------------------------
-
-int getloadavg(double loads[], int count) {
-  static auto* const function = shim::real<int(double[], int)>("getloadavg");
-  shim::tellUse("getloadavg() says how busy the machine is", MOVE_BASE_ABSTRACT_CALLER);
-  return function(loads, count);
-}
-
-int sysinfo(struct sysinfo* info) {
-  static auto* const function = shim::real<int(struct sysinfo*)>("sysinfo");
-  shim::tellUse("sysinfo() says how busy the machine is", MOVE_BASE_ABSTRACT_CALLER);
-  return function(info);
 }
 
 }  // extern "C"

@@ -22,12 +22,7 @@ constexpr unsigned kNaps = 10000;               // sleeps at one instant, of any
 constexpr unsigned kYields = 100;               // in a row, after which simulated time goes on
 constexpr Nanoseconds kYieldPeriod = 1'000'000;
 
-using NanoSleep = int(const timespec*, timespec*);
-
-NanoSleep* realNanosleep() {
-  static NanoSleep* const function = real<NanoSleep>("nanosleep");
-  return function;
-}
+Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 
 }  // namespace
 
@@ -65,7 +60,7 @@ void sleepWall(Nanoseconds duration) {
   {
     const Blocking blocking;
     const timespec request = toTimespec(duration);
-    realNanosleep()(&request, nullptr);
+    real_nanosleep(&request, nullptr);
   }
   if (me.slept < kPatience && me.naps < kNaps) {
     addSleep(duration);
@@ -80,25 +75,29 @@ void sleepWall(Nanoseconds duration) {
   turn().wait(std::move(wait));
 }
 
-}  // namespace move_base_abstract::shim
+namespace {
 
-namespace shim = move_base_abstract::shim;
-
-#pragma GCC visibility push(default)
-extern "C" {
-
-int nanosleep(const timespec* request, timespec* rest) {
-  static shim::NanoSleep* const function = shim::realNanosleep();
-  if (shim::ordered()) {
-    shim::sleepWall(shim::toNs(*request));
+int sleepFor(const timespec& request, timespec* rest, const void* /*caller*/) {
+  if (ordered()) {
+    sleepWall(toNs(request));
     return 0;
   }
-  const int result = function(request, rest);
-  if (shim::sees() == shim::Sees::kRun) {
-    shim::addSleep(shim::toNs(*request));
+  const int result = real_nanosleep(&request, rest);
+  if (sees() == Sees::kRun) {
+    addSleep(toNs(request));
   }
   return result;
 }
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+namespace policy = shim;
+#include "libc/sleeps.h"
+
+#pragma GCC visibility push(default)
+extern "C" {
 
 int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespec* rest) {
   using ClockNanosleep = int(clockid_t, int, const timespec*, timespec*);
@@ -114,16 +113,6 @@ int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespe
   }
   const timespec lasts = shim::toTimespec(duration);
   return nanosleep(&lasts, rest) == 0 ? 0 : errno;
-}
-
-int usleep(useconds_t microseconds) {
-  const timespec request = shim::toTimespec(static_cast<std::int64_t>(microseconds) * 1000);
-  return nanosleep(&request, nullptr);
-}
-
-unsigned sleep(unsigned seconds) {
-  const timespec request{static_cast<time_t>(seconds), 0};
-  return nanosleep(&request, nullptr) == 0 ? 0 : seconds;
 }
 
 int sched_yield() {

@@ -4,9 +4,9 @@
 
 #include <cerrno>
 
+#include "libc/glibc_fields.h"
 #include "roscpp_shim/clocks.h"
 #include "roscpp_shim/followed.h"
-#include "roscpp_shim/machine/glibc_fields.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/recorder.h"

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "glibc_fields.h"
+#include "libc/glibc_fields.h"
 #include "real.h"
 
 static_assert(sizeof(void*) == 8,

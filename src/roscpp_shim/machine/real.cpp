@@ -12,13 +12,6 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/**
- * Versions of glibc's symbols, newest first. If libc also has an older function of the same name,
- * dlsym() may find that one. The first version that the machine has is used.
- */
-constexpr const char* kVersions[] = {"GLIBC_2.34", "GLIBC_2.30", "GLIBC_2.17", "GLIBC_2.3.2",
-                                     "GLIBC_2.2.5"};
-
 constexpr const char* kSymbols[] = {
 #define REPLACED(library, since, name, symbol, why) #symbol,
 #include "replaced.def"
@@ -50,14 +43,7 @@ void* findLoaded(const char* symbol) {
 }  // namespace
 
 void* findReal(const char* symbol) {
-  const bool is_cpp = std::strncmp(symbol, "_Z", 2) == 0;
-  for (const char* version : kVersions) {
-    void* const found = is_cpp ? nullptr : ::dlvsym(RTLD_NEXT, symbol, version);
-    if (found != nullptr) {
-      return found;
-    }
-  }
-  void* const found = ::dlsym(RTLD_NEXT, symbol);
+  void* const found = findNext(symbol);
   return found == nullptr ? findLoaded(symbol) : found;
 }
 

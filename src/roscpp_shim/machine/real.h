@@ -2,6 +2,8 @@
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
 
+#include "libc/looked_up.h"
+
 namespace move_base_abstract::shim {
 
 /** @return the function that would be called if this library were not here; null if there is none.
@@ -16,6 +18,10 @@ template <typename Function>
 Function* real(const char* symbol) {
   return reinterpret_cast<Function*>(realOrAbort(symbol));
 }
+
+/** @brief The same, looked up when it is first called. */
+template <typename Function>
+using Real = LookedUp<Function, realOrAbort>;
 
 }  // namespace move_base_abstract::shim
 

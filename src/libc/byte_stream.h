@@ -1,9 +1,12 @@
 // Random bytes that follow from a text. Both preloaded libraries use it, so it needs neither ROS
 // nor allocations.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
+#ifndef MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H
+#define MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H
 
+#include <fcntl.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstddef>
@@ -53,6 +56,26 @@ class ByteStream {
   std::atomic<std::uint64_t> count_{0};
 };
 
+/** @return a descriptor of a file with 1 MiB of such bytes; -1 if there can be none. @param flags
+ * those of open(). */
+inline int fileOf(ByteStream&& bytes, int flags) {
+  constexpr int kParts = 256;
+  char part[4096];
+  const int file = memfd_create("entropy", (flags & O_CLOEXEC) != 0 ? MFD_CLOEXEC : 0);
+  bool is_written = file >= 0;
+  for (int k = 0; is_written && k < kParts; ++k) {
+    bytes.fill(part, sizeof part);
+    is_written = write(file, part, sizeof part) == static_cast<ssize_t>(sizeof part);
+  }
+  if (is_written && lseek(file, 0, SEEK_SET) == 0) {
+    return file;
+  }
+  if (file >= 0) {
+    close(file);
+  }
+  return -1;
+}
+
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
+#endif  // MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H

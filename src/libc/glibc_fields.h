@@ -1,6 +1,6 @@
 // Private fields of glibc's locks and conditions; fit.cpp checks that they mean what is expected.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_GLIBC_FIELDS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_GLIBC_FIELDS_H
+#ifndef MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H
+#define MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H
 
 #include <pthread.h>
 #include <time.h>
@@ -18,4 +18,4 @@ inline clockid_t clockOf(const pthread_cond_t& condition) {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_GLIBC_FIELDS_H
+#endif  // MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H

@@ -1,6 +1,6 @@
 // Conversions of times, and kinds of clocks. Both preloaded libraries use it, so it needs no ROS.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_INSTANTS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_INSTANTS_H
+#ifndef MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H
+#define MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H
 
 #include <time.h>
 
@@ -30,4 +30,4 @@ inline bool isOfProcessor(clockid_t clock) {
 }  // namespace shim
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_INSTANTS_H
+#endif  // MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H

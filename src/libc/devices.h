@@ -1,8 +1,9 @@
 // Files of the system and devices, whose content differs from run to run. Both preloaded libraries
 // use this.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
+#ifndef MOVE_BASE_ABSTRACT_LIBC_DEVICES_H
+#define MOVE_BASE_ABSTRACT_LIBC_DEVICES_H
 
+#include <fcntl.h>
 #include <string.h>
 
 #include <initializer_list>
@@ -30,6 +31,11 @@ inline bool isEntropy(const char* path) {
   return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
 }
 
+/** @return the path of an openat() that does not need its folder; null: it needs it. */
+inline const char* ofNoFolder(int folder, const char* path) {
+  return folder == AT_FDCWD || path == nullptr || *path == '/' ? path : nullptr;
+}
+
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
+#endif  // MOVE_BASE_ABSTRACT_LIBC_DEVICES_H
