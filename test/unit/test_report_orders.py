@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from move_base_abstract_experiments.report import effects, orders
-from move_base_abstract_experiments.report.ranking import turned
+from move_base_abstract_experiments.report.findings import turned
 from test_report_words import BOUND, LEVELS, MAKESPAN, TWO, beside, noise, of_method, read, told
 
 LIMITED = {'until': {'seconds': 3600, 'idle': True}}

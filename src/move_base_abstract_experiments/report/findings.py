@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import design, effects, endings, intervals
+from . import design, effects, endings, intervals, orders
 from .comparisons import VERDICTS, difference_scale, sentence, size_text, verdict_of
+from .intervals import Estimate
 from .outcome import FAILED
-from .ranking import ranking, turned
 from .wording import EXACT_DIGITS, counted, digits, whole, with_interval
 
 MOST_TOLD = 12  # the number of comparisons of one factor that are findings; all are in the tables
@@ -92,15 +92,45 @@ def _chosen(experiment, factor, own):
         own = [turned(each) if each.second == baseline else each for each in own
                if baseline in (each.first, each.second)]
     elif factor is not None and len(own) > 1:
-        metric = own[0].metric
-        found = ranking(own, metric.better)
-        sign = -1.0 if metric.better == 'higher' else 1.0
-        if found is not None and sign * found.leads[0].estimate.value <= 0.0:
-            known = {each.first for each in found.leads}
-            own = [*found.leads, *(turned(each) if each.first == found.level else each for each in own
-                                   if found.level in (each.first, each.second)
-                                   and not known & {each.first, each.second})]
+        own = _leads(own) or own
     return own[:MOST_TOLD]
+
+
+def turned(difference):
+    """Return a Difference with first and second exchanged."""
+    estimate, median = _negative(difference.estimate), difference.median
+    return difference._replace(
+        first=difference.second, second=difference.first, estimate=estimate, sides=difference.sides[::-1],
+        reference=difference.reference + difference.estimate.value,
+        groups=tuple(each[::-1] for each in difference.groups), median=None if median is None else _negative(median),
+        against=tuple((group[::-1], _negative(each)) for group, each in difference.against),
+        order=orders.turned(difference.order))
+
+
+def _negative(estimate):
+    return Estimate(-estimate.value or 0.0, -estimate.high or 0.0, -estimate.low or 0.0, *estimate[3:])
+
+
+def _leads(own):
+    """Return the Differences of the best level with each other one, in which it is the second: the smallest lead first.
+
+    The best level is the one whose smallest lead is the largest; of equal ones the first. If neither side is better,
+    it is the lowest. Those without a mean come last. None if no level leads all that it is compared with.
+    """
+    sign = 1.0 if own[0].metric.better == 'higher' else -1.0
+    sides, leads = {}, {}
+    for each in own:
+        sides.setdefault(each.second, []).append(each)
+        sides.setdefault(each.first, []).append(turned(each))
+    for level, found in sides.items():
+        leads[level] = sorted((each for each in found if not math.isnan(each.estimate.value)),
+                              key=lambda each: (sign * each.estimate.value, each.first))
+    most = max(map(len, leads.values()))  # a level with fewer comparisons cannot be the best of all
+    level = max((level for level, found in leads.items() if len(found) == most),
+                key=lambda level: (sign * leads[level][0].estimate.value if most else 0.0, -level))
+    if not most or sign * leads[level][0].estimate.value < 0.0:
+        return None
+    return [*leads[level], *(each for each in sides[level] if math.isnan(each.estimate.value))]
 
 
 def _strongest(changes, metric):
