@@ -1,7 +1,7 @@
-"""A process that carries out trials that are functions, one after another. It is forked from a warm process.
+"""A process that carries out trials: one of a graph, or many that are functions, one after another.
 
-calls.call() forks a process of its own for each function, and ends everything that it has started. So a trial
-leaves nothing behind for the next one, and one fork per trial is saved.
+It is forked from a warm process. calls.call() forks a process of its own for each function, and ends everything that
+it has started. So a trial leaves nothing behind for the next one, and one fork per trial is saved.
 """
 from __future__ import annotations
 

@@ -16,12 +16,11 @@ import importlib
 import json
 import os
 import pickle
-import select
 import shutil
 import signal
 import socket
 import sys
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError
@@ -83,8 +82,7 @@ def _serve(client: socket.socket, folder: str) -> None:
     count = 0
     problems: Dict[str, Optional[str]] = {}
     path: Optional[str] = None
-    descriptors = (client.fileno(), wake, woken)
-    carrier = carriers.Carrier(descriptors)
+    carrier = carriers.Carrier((client.fileno(), wake, woken))
     with client.makefile('rb') as requests:
         while requests.peek(1):
             if path is None:
@@ -95,10 +93,15 @@ def _serve(client: socket.socket, folder: str) -> None:
             known = len(problems)
             problem = _prepare(job, problems)
             if len(problems) > known or not job.trial.experiment.function:
-                carrier.end()  # it lacks what was imported since; and after a trial of a graph, all children are ended
-            code = _run(job, path, problem, carrier, client, descriptors)
+                carrier.end()  # it lacks what was imported since; and a trial of a graph has a process of its own
+            code = carrier.run(job, path, problem, client, wake)
+            if code != 0:  # the process has died, and may have left children; or the worker has ended
+                processes.end_all_children()
             if code is None:
                 return
+            if not job.trial.experiment.function:
+                carrier.end()
+                processes.end_all_children()
             client.sendall(json.dumps({'code': code, 'path': path}).encode() + b'\n')
             if requests.readline() != b'taken\n':
                 return
@@ -116,21 +119,6 @@ def _is_emptied(path: str) -> bool:
             if entry.name != run_folders.RUN and not run_folders.is_as_new(entry):
                 os.unlink(entry.path)
     return run_folders.empty_again(os.path.join(path, run_folders.RUN))
-
-
-def _run(job: Job, path: str, problem: Optional[str], carrier: carriers.Carrier, client: socket.socket,
-         descriptors: Tuple[int, ...]) -> Optional[int]:
-    """Carry out a job; return the exit code of the process that did it, or None if the worker has ended."""
-    if job.trial.experiment.function:
-        code = carrier.run(job, path, problem, client, descriptors[1])
-        if code != 0:  # the process has died, and may have left children; or the worker has ended
-            processes.end_all_children()
-        return code
-    pid = processes.fork(lambda: _carry_out(job, path, problem, descriptors),
-                         os.path.join(path, run_folders.PRINTS), new_session=True)
-    code = _await(pid, client, descriptors[1])
-    processes.end_all_children()
-    return code
 
 
 def _prepare(job: Job, problems: Dict[str, Optional[str]]) -> Optional[str]:
@@ -152,25 +140,6 @@ def _share() -> None:
     """Keep the garbage collector of forks away from the present objects, so that their memory is not copied."""
     gc.collect()
     gc.freeze()
-
-
-def _carry_out(job: Job, path: str, problem: Optional[str], descriptors: Tuple[int, ...]) -> None:
-    from ..trials import execution
-    for descriptor in descriptors:
-        os.close(descriptor)
-    execution.carry_out(job, path, problem)
-
-
-def _await(pid: int, client: socket.socket, wake: int) -> Optional[int]:
-    """Wait for the trial's process; return its exit code, or None if the worker has ended."""
-    while True:
-        ready, _, _ = select.select([client, wake], [], [])
-        if client in ready:  # the worker sends nothing meanwhile, so it has closed the socket
-            return None
-        carriers.drain(wake)
-        found, status = os.waitpid(pid, os.WNOHANG)
-        if found:
-            return processes.code_of(status)
 
 
 if __name__ == '__main__':

@@ -57,12 +57,19 @@ def serve(tell):
     sys.exit(0)
 
 
-def set_parameters(uri, parameters):
-    """Set parameters, (key, value) pairs, in this order and in one call. :raises MasterError: if one cannot be set."""
-    calls = xmlrpc.client.MultiCall(xmlrpc.client.ServerProxy(uri))
+def set_parameters(uri, parameters, cleared=()):
+    """Set parameters, (key, value) pairs, in this order and in one call. :raises MasterError: if one cannot be set.
+
+    cleared: names below which all parameters are deleted before.
+    """
+    master = xmlrpc.client.ServerProxy(uri)
+    calls = xmlrpc.client.MultiCall(master)
     for key, value in parameters:
         calls.setParam('/experiment', key, value)
     try:
+        for name in cleared:
+            if master.hasParam('/experiment', name)[2]:
+                master.deleteParam('/experiment', name)
         for code, text, _ in calls():
             if code != 1:
                 raise MasterError(f'a parameter cannot be set: {text}')

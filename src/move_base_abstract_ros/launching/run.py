@@ -7,6 +7,7 @@ import json
 import math
 import os
 import signal
+import subprocess
 import time
 from typing import NamedTuple, Tuple
 
@@ -116,7 +117,9 @@ class Run:
         self.uri = os.environ['ROS_MASTER_URI'] = uri
         self._outputs.begun(uri)
         config = self._plan.config
-        ros_master.set_parameters(uri, [(one.key, one.value) for one in config.params.values()])
+        for one in config.executables:  # of <rosparam command="delete"> and "dump"
+            subprocess.run([one.command, *one.args], check=False)
+        ros_master.set_parameters(uri, [(one.key, one.value) for one in config.params.values()], config.clear_params)
         for node in sorted(config.nodes, key=lambda node: not roles.is_time_master(node)):
             if self._is_asked:
                 return

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+from multiprocessing.connection import Connection
 
 from roslaunch.core import RLException
 
@@ -63,7 +64,9 @@ class Series:
                 json.dump({'files': files, 'deputy': self._name, 'address': address}, stream)
             words = [sys.executable, self._program, *self._options, '--event-log', log, '--series', asked]
             process = self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL)
-            self.deputised.begin(Link(self._accept(door, process)))
+            accepted = self._accept(door, process)
+            accepted.settimeout(None)  # a script may have set a time limit for all its new sockets
+            self.deputised.begin(Link(Connection(accepted.detach())))
 
     def _accept(self, door, process):
         door.settimeout(_LOOK_S)
