@@ -195,6 +195,8 @@ class CoresTest(unittest.TestCase):
             ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})
             ros.spawn('/coordinator', ['/usr/bin/python3', COORDINATOR, '__name:=coordinator'])
             self.assertEqual(clock.process.wait(GUARD), 0)
+            with open(os.path.join(ros.log_dir, '01-time_master.out'), encoding='utf-8') as stream:
+                self.assertEqual('cores: auto measures no more and means one' in stream.read(), cores == 'auto')
             with open(path, 'rb') as stream:
                 return stream.read()
 
