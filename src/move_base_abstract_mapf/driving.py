@@ -4,13 +4,15 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from move_base_abstract.common.arguments import check_kind
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.outcome import GoalState
 
 from .conflicts import Piece, nearest, plan_conflicts, swap_conflicts, vertex_conflicts
-from .execution import Execution
+from .execution import POLICIES, Execution
 from .layout import Grid, Site
 from .movingai import Cell
 from .plans import Plan
@@ -127,7 +129,14 @@ def pieces_of(trace: List[Any], site: Site, numbers: Dict[str, int], end_ns: int
 
 
 def drive(site: Site, plan: Plan, policy: str) -> Drive:
-    """Drive a plan to its end; return the :class:`Drive`."""
+    """Drive a plan to its end; return the :class:`Drive`.
+
+    :raises ConfigurationError: if an argument is of another kind, or the plan does not fit the site.
+    """
+    check_kind(site, Site, 'site', 'a Site, as read_folder(folder) returns it')
+    check_kind(plan, Plan, 'plan', 'a Plan, as read_plan(path) returns it')
+    if policy not in POLICIES:
+        raise ConfigurationError('policy: got {}; allowed: {}'.format(shown(policy), ', '.join(POLICIES)))
     done = Drive(site, plan, policy)
     done.run()
     return done

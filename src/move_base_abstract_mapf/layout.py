@@ -9,6 +9,7 @@ import numpy as np
 import yaml
 
 from move_base_abstract.common import own_files
+from move_base_abstract.common.arguments import check_path
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
@@ -89,6 +90,7 @@ def read_folder(folder: str, seed: Any = None) -> Site:
 
     :raises ConfigurationError: if a file cannot be used, or the robots have different speeds.
     """
+    check_path(folder, 'folder')
     path = os.path.join(folder, 'scenario.yaml')
     scenario = read_scenario(path, None if seed is None else {'seed': seed})
     description = read_description(os.path.join(folder, 'map.yaml'))

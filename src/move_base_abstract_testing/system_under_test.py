@@ -10,6 +10,7 @@ from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
 from move_base_abstract.common import processes
+from move_base_abstract.common.arguments import as_float, check_kind
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.properties import Broken, Judgement, Run, judgement_on
 from move_base_abstract_ros import lockstep
@@ -112,7 +113,7 @@ class Lockstep:
 
     def run_for(self, seconds: float) -> None:
         """Let ``seconds`` of simulated time pass."""
-        rospy.sleep(seconds)
+        rospy.sleep(as_float(seconds, 'seconds'))
 
     def run_until(self, condition: Union[float, Callable[[], object]], limit: float = 3600.0, what: str = '',
                   every: float = 1.0) -> None:
@@ -124,9 +125,9 @@ class Lockstep:
         :raises AssertionError: if the condition is not true after ``limit`` [s, simulated].
         """
         if not callable(condition):
-            self.run_for(max(0.0, condition - self.time))
+            self.run_for(max(0.0, as_float(condition, 'condition') - self.time))
             return
-        end = self.time + limit
+        end, every = self.time + as_float(limit, 'limit'), as_float(every, 'every')
         while not self._joined.wait_until(condition, max(0.0, min(every, end - self.time)), what or 'the condition'):
             if self.time >= end:
                 raise AssertionError('{} is not true {:g} s later, at {:.9f} s'.format(
@@ -137,6 +138,9 @@ class Lockstep:
 
         :raises AssertionError: if no node serves the robot's move_base within 60 s of simulated time.
         """
+        check_kind(robot, str, 'robot')
+        check_kind(frame, str, 'frame')
+        x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
         if robot not in self._clients:
             client = self._clients[robot] = actionlib.ActionClient('/{}/move_base'.format(robot), MoveBaseAction)
             if not client.wait_for_server(rospy.Duration(60.0)):
@@ -152,6 +156,8 @@ class Lockstep:
 
     def allow(self, *properties: str) -> None:
         """Allow the run to break these properties; each is a property's name, or the text of a statement."""
+        for name in properties:
+            check_kind(name, str, 'properties')
         self._allowed += properties
 
     def assert_identical(self) -> None:

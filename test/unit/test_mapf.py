@@ -15,7 +15,7 @@ from move_base_abstract_mapf.command import main
 from move_base_abstract_mapf.conflicts import Piece, nearest, plan_conflicts, swap_conflicts, vertex_conflicts
 from move_base_abstract_mapf.driving import drive
 from move_base_abstract_mapf.execution import AS_TIMED, CELL_LEFT, ORDER_KEPT, POLICIES
-from move_base_abstract_mapf.layout import Grid, read_folder, write_folder
+from move_base_abstract_mapf.layout import Grid, Site, read_folder, write_folder
 from move_base_abstract_mapf.movingai import Problem, is_free, read_map, read_problems
 from move_base_abstract_mapf.plans import make_plan, read_plan, written
 
@@ -296,3 +296,16 @@ def test_the_command_makes_a_scenario_drives_a_plan_and_tells_what_has_come_of_i
     assert run('import', grid, problems, '--agents', 99, '--out', folder) == 2
     (folder / 'mine.txt').write_text('x')
     assert run('import', grid, problems, '--agents', 5, '--out', folder) == 2
+
+
+@pytest.mark.parametrize('call, text', [
+    (lambda: drive('site', None, 'as_timed'), "site: got 'site'; allowed: a Site, as read_folder(folder) returns it"),
+    (lambda: drive(Site(None, None, 1), 'plan', 'as_timed'), "plan: got 'plan'; allowed: a Plan, as read_plan(path)"),
+    (lambda: drive(Site(None, None, 1), make_plan([[(0, 0)]], 'x'), 'as-timed'),
+     "policy: got 'as-timed'; allowed: as_timed, order_kept, cell_left"),
+    (lambda: read_folder(3), 'folder: got 3; allowed: the path of a file'),
+    (lambda: read_plan(3), 'path: got 3; allowed: the path of a file')])
+def test_an_object_of_another_kind_is_refused_at_the_call(call, text):
+    with pytest.raises(ConfigurationError) as error:
+        call()
+    assert text in str(error.value)
