@@ -2,6 +2,8 @@
 
 See docs/experiments.md. Without ROS the trials of an experiment are functions.
 """
+from __future__ import annotations
+
 import sys
 
 from move_base_abstract.common import lasting_output, processes
@@ -9,7 +11,7 @@ from move_base_abstract.common import lasting_output, processes
 from .command import main
 
 
-def run():
+def run() -> None:
     """Run the command line and exit with its code."""
     lasting_output.outlive_readers()
     processes.finish(main(sys.argv[1:]))

@@ -51,8 +51,7 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     rerun.add_argument('output', metavar='OUT')
     rerun.add_argument('trial', metavar='TRIAL', help='the trial, by its id or the number that the id begins with')
     rerun.add_argument('--rviz', action='store_true', help='show the trial in RViz')
-    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='S', help='end at this instant of simulated time '
-                       '[s]')
+    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='S', help='end at this simulated time [s]')
     rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='run at most F times as fast as '
                        'real time')
     rerun.add_argument('--logs', metavar='FOLDER', help='keep the logs of this run in this new folder')

@@ -1,6 +1,4 @@
 """The command replay without ROS: python3 -m move_base_abstract_replay RUN.jsonl -o RUN.html."""
-import sys
-
 from .command import main
 
-sys.exit(main())
+main()

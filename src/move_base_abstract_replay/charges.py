@@ -2,12 +2,23 @@
 
 The energy of a tool or of work is not in the legs. It becomes visible at the next row ``battery``.
 """
+from __future__ import annotations
+
 import json
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.energy.consumption import GRAVITY, LegEnergy
 
 from .recording import is_number
+
+if TYPE_CHECKING:
+    from move_base_abstract.energy.battery import BatterySettings
+    from move_base_abstract.motion.leg import Leg
+    from move_base_abstract.motion.pace import TimedLeg
+    from move_base_abstract.motion.route import Route
+
+    from .world import World
 
 _TOLD = ('battery', 'charge')  # the kinds of rows that contain the charge
 _KINDS = (*_TOLD, 'departed', 'stands', 'charging_began', 'charging_ended')
@@ -16,29 +27,29 @@ _KINDS = (*_TOLD, 'departed', 'stands', 'charging_began', 'charging_ended')
 class Charges:
     """The batteries of a World's robots. Between the ``knots`` the charge changes linearly."""
 
-    def __init__(self, world, begin_ns):
+    def __init__(self, world: World, begin_ns: int) -> None:
         self._currents = world.currents
         self._meters = {name: _Meter(start.battery, begin_ns) for name, start in world.starts.items()
                         if start.battery is not None}
 
     @property
-    def knots(self):
+    def knots(self) -> Dict[str, List[Tuple[int, float]]]:
         """The charge: {robot: [(time [ns], share 0..1)]} for the robots that have a battery."""
         return {name: meter.knots for name, meter in self._meters.items()}
 
-    def drive(self, name, leg, end_ns):
+    def drive(self, name: str, leg: Union[Leg, TimedLeg, Route], end_ns: int) -> None:
         """Take the leg (Leg or Route) that a robot has driven up to ``end_ns`` [ns]."""
         meter = self._meters.get(name)
         if meter is not None:
             meter.drive(leg, end_ns)
 
-    def drive_evenly(self, name, end_ns, length):
+    def drive_evenly(self, name: str, end_ns: int, length: float) -> None:
         """Take a way of ``length`` [m] that a robot has driven up to ``end_ns`` [ns], by a law that is not known."""
         meter = self._meters.get(name)
         if meter is not None:
             meter.drive_evenly(length, end_ns)
 
-    def take(self, time_ns, name, kind, text):
+    def take(self, time_ns: int, name: str, kind: str, text: str) -> None:
         """Take a row of the log. :meth:`drive` must have taken the legs before it."""
         meter = self._meters.get(name)
         if meter is None or kind not in _KINDS:
@@ -56,7 +67,7 @@ class Charges:
         elif kind == 'charging_ended':
             meter.charge(None)
 
-    def close(self, end_ns):
+    def close(self, end_ns: int) -> None:
         """Bring all robots that stand up to the end of the log."""
         for meter in self._meters.values():
             meter.settle(end_ns)
@@ -65,7 +76,7 @@ class Charges:
 class _Meter:
     """One battery (BatterySettings): its charge at ``since_ns``, and the power that it gives while the robot stands."""
 
-    def __init__(self, settings, since_ns):
+    def __init__(self, settings: BatterySettings, since_ns: int) -> None:
         self._settings = settings
         self._soc = settings.start
         self._power = settings.ambient_power
@@ -73,28 +84,28 @@ class _Meter:
         self.drives = False
         self.knots = [(since_ns, self._soc)]
 
-    def note(self):
+    def note(self) -> None:
         """Add the present charge to the knots."""
         self.knots.append((self.since_ns, self._soc))
 
-    def set(self, time_ns, soc):
+    def set(self, time_ns: int, soc: float) -> None:
         """Set the charge to the value in the log (0 to 1)."""
         self.settle(time_ns)
         self.since_ns, self._soc = time_ns, soc
         self.note()
 
-    def charge(self, current):
+    def charge(self, current: Optional[bool]) -> None:
         """Set the charger's current [A] from now on; True: the robot's own one; None: no charger."""
         settings = self._settings
         self._power = settings.ambient_power if current is None else -settings.nominal_voltage * (
             settings.charging_current if current is True else current)
 
-    def settle(self, time_ns):
+    def settle(self, time_ns: int) -> None:
         """Subtract the energy that a standing robot has used up to ``time_ns``."""
         if not self.drives and time_ns > self.since_ns:
             self._take(self._power * ((time_ns - self.since_ns) / NS_PER_S), time_ns)
 
-    def drive(self, leg, end_ns):
+    def drive(self, leg: Any, end_ns: int) -> None:
         """Subtract the energy of a leg up to ``end_ns``, from its departure, or from a later row with the charge."""
         if end_ns <= leg.depart_ns:
             return
@@ -104,7 +115,7 @@ class _Meter:
             taken += energy.stopping(end_ns)
         self._take(taken + self._settings.ambient_power * ((end_ns - self.since_ns) / NS_PER_S), end_ns)
 
-    def drive_evenly(self, length, end_ns):
+    def drive_evenly(self, length: float, end_ns: int) -> None:
         """Subtract about the energy of a leg of ``length`` [m] at an even speed, with one start and one stop."""
         seconds = (end_ns - self.since_ns) / NS_PER_S
         if seconds > 0.0:
@@ -112,7 +123,7 @@ class _Meter:
             self._take(mass * (friction * GRAVITY * length + (length / seconds) ** 2)
                        + self._settings.ambient_power * seconds, end_ns)
 
-    def _take(self, joules, time_ns):
+    def _take(self, joules: float, time_ns: int) -> None:
         self._soc = min(1.0, max(0.0, self._soc - joules / self._settings.energy))
         self.since_ns = time_ns
         self.note()

@@ -5,9 +5,12 @@
 
 Exit codes: 0 the files are written; 2 a file cannot be read or written, or the arguments are wrong.
 """
+from __future__ import annotations
+
 import argparse
 import math
 import sys
+from typing import Any, Iterator
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown
@@ -16,11 +19,11 @@ _PAGE = 'replay.html'
 _MOST_RATE = 1000.0  # Hz
 
 
-def main(words=None):
+def main(words: Any = None) -> None:
     """Write the files that these arguments ask for (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # names may contain bytes that are not valid text
+        stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]  # names may contain bytes that are not valid text
     try:
         for output in _write(options):
             print(output)
@@ -29,7 +32,7 @@ def main(words=None):
         sys.exit(2)
 
 
-def _parse(words):
+def _parse(words: Any) -> Any:
     parser = argparse.ArgumentParser(prog='replay', description='Make a page from an event log that plays the run '
                                      'in any '
                                      'browser, from two logs side by side. Or write the run as ROS messages.',
@@ -58,7 +61,7 @@ def _parse(words):
     return options
 
 
-def _write(options):
+def _write(options: Any) -> Iterator[Any]:
     """Write the files that are asked for; yield the name of each when it is written."""
     if options.output is not None:
         from .page import write_page  # these modules take a while to import
@@ -73,7 +76,7 @@ def _write(options):
                 yield output
 
 
-def _rate(text):
+def _rate(text: str) -> Any:
     value = float(text)
     if not 0.0 < value <= _MOST_RATE or math.isnan(value):
         raise argparse.ArgumentTypeError('must be > 0 and <= {:g} [Hz], got {}'.format(_MOST_RATE, shown(text)))

@@ -1,12 +1,17 @@
 """Draw legs with corners whose law of motion is not known: along the corners, at an even speed."""
+from __future__ import annotations
+
 import math
+from typing import Any, List, Sequence, Tuple
 
 from move_base_abstract.motion.geometry import share_along
 
 _ON_WAY = 0.01  # m; a leg that ended as near as this to its way ended on it
 
+Piece = Tuple[int, int, Tuple[float, float, float], Tuple[float, float, float]]
 
-def even_pieces(begin_ns, end_ns, way, end):
+
+def even_pieces(begin_ns: int, end_ns: int, way: Sequence[Any], end: Tuple[float, float, float]) -> List[Piece]:
     """Return the pieces [(from [ns], to [ns], pose, pose), ...] of a leg that ended at ``end``; poses are (x, y, yaw).
 
     ``way``: the pose at the start, the corners (x, y), and the goal's pose. If the leg ended on its way, it is drawn
@@ -29,7 +34,7 @@ def even_pieces(begin_ns, end_ns, way, end):
     return [*others, (one_ns, end_ns, pose, end)]
 
 
-def _up_to(end, points):
+def _up_to(end: Tuple[float, float, float], points: Sequence[Tuple[float, float]]) -> Any:
     """Return the ``points`` of the way before its last point that is nearest to ``end``; at least the first one."""
     best = None
     for number, (one, other) in enumerate(zip(points, points[1:])):

@@ -1,6 +1,9 @@
 """Write files for tools that read ROS messages: MCAP with the profile ros1, and rosbag. Equal logs give equal bytes."""
+from __future__ import annotations
+
 import contextlib
 import os
+from typing import Any, Iterator
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.own_files import PART, OutputError
@@ -15,7 +18,7 @@ FRAME = 'map'
 _LIBRARY = 'move_base_abstract replay'
 
 
-def write_mcap(log, output, rate=RATE, frame=FRAME):
+def write_mcap(log: Any, output: str, rate: float = RATE, frame: str = FRAME) -> None:
     """Write the run of an event log (path) as the MCAP file ``output``, which must not exist.
 
     ``rate`` [Hz, simulated] and ``frame``: see messages_of(). :raises EventLogError: if the log cannot be read.
@@ -28,7 +31,7 @@ def write_mcap(log, output, rate=RATE, frame=FRAME):
         writer.finish()
 
 
-def write_bag(log, output, rate=RATE, frame=FRAME):
+def write_bag(log: Any, output: str, rate: float = RATE, frame: str = FRAME) -> None:
     """Write the run of an event log (path) as the bag ``output``; see :func:`write_mcap`."""
     import rosbag  # takes a while
     with _new_file(output) as part:
@@ -39,18 +42,18 @@ def write_bag(log, output, rate=RATE, frame=FRAME):
                 bag.write(told.topic, message, stamp or _time(told.time_ns))
 
 
-def _messages(log, rate, frame):
+def _messages(log: Any, rate: float, frame: str) -> Any:
     recording = read_recording(log, most=float('inf'))
     return messages_of(recording, Motions(recording), rate, frame)
 
 
-def _time(time_ns):
+def _time(time_ns: int) -> Any:
     from genpy import Time
     return Time(*divmod(time_ns, 10 ** 9))
 
 
 @contextlib.contextmanager
-def _new_file(path):
+def _new_file(path: str) -> Iterator[Any]:
     """Give the path of a temporary file to write; at the end it gets the name ``path``. No file is replaced."""
     path = os.fspath(path)
     _check_free(path)
@@ -69,6 +72,6 @@ def _new_file(path):
         raise OutputError('{}: cannot be written: {}'.format(path, error.strerror or error)) from error
 
 
-def _check_free(path):
+def _check_free(path: str) -> None:
     if os.path.lexists(path):
         raise ConfigurationError('{}: is there already; name another file, or move it away'.format(path))

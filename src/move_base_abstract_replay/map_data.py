@@ -1,5 +1,8 @@
 """A map for the page: its cells, not more of them than a screen can show, and where they are."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, List, Tuple, Union
 
 import numpy as np
 
@@ -8,11 +11,16 @@ from move_base_abstract.motion.geometry import Pose2D
 
 from .packed import Packer
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from move_base_abstract.maps.occupancy import OccupancyMap
+
 _MOST_CELLS = 2048  # along a side
 _UNKNOWN = 255  # on the page; other cells are 0 to 100 as in a nav_msgs/OccupancyGrid
 
 
-def packed_map(path):
+def packed_map(path: Union[str, Path]) -> Tuple[str, Tuple[float, float, float, float], List[Any]]:
     """Return (the text for data.js, the box (x_min, y_min, x_max, y_max) [m], warnings) for the map of a YAML file.
 
     :raises ConfigurationError: if it cannot be read; the text names the file.
@@ -29,14 +37,14 @@ def packed_map(path):
     return text, _box(grid), list(description.warnings)
 
 
-def _box(grid):
+def _box(grid: OccupancyMap) -> Tuple[float, float, float, float]:
     """Return (x_min, y_min, x_max, y_max) [m, map frame] around an OccupancyMap."""
     corners = [grid.origin.compose(Pose2D(x, y)) for x in (0.0, grid.size[0]) for y in (0.0, grid.size[1])]
     xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def _coarser(cells, step):
+def _coarser(cells: np.ndarray, step: int) -> np.ndarray:
     """Return the cells with each ``step`` by ``step`` of them joined: the most occupied one counts."""
     if step == 1:
         return cells

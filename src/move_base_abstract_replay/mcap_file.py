@@ -3,8 +3,11 @@
 The chunks are not compressed and have checksums (CRC-32) and all indexes, so that readers can seek. Debian has no
 library for the format, and the one on PyPI needs two compiled libraries for compressions that are not used here.
 """
+from __future__ import annotations
+
 import struct
 import zlib
+from typing import Any, Dict, List, Optional
 
 _MAGIC = b'\x89MCAP0\r\n'
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _MESSAGE_INDEX, _CHUNK_INDEX = range(0x01, 0x09)
@@ -12,16 +15,16 @@ _STATISTICS, _SUMMARY_OFFSET, _DATA_END = 0x0B, 0x0E, 0x0F
 _CHUNK_BYTES = 1 << 20
 
 
-def _text(text):
+def _text(text: Any) -> Any:
     data = text.encode('utf-8', 'replace')
     return struct.pack('<I', len(data)) + data
 
 
-def _sized(data):
+def _sized(data: bytes) -> Any:
     return struct.pack('<I', len(data)) + data
 
 
-def _record(code, data):
+def _record(code: Any, data: bytes) -> Any:
     return struct.pack('<BQ', code, len(data)) + data
 
 
@@ -31,20 +34,23 @@ class McapWriter:
     Times are in ns and need not ascend. Call :meth:`finish` at the end; the stream stays open.
     """
 
-    def __init__(self, stream, library):
+    def __init__(self, stream: Any, library: Any) -> None:
         self._stream = stream
         self._at = 0
         self._crc = 0
-        self._schemas = {}  # type: (id, record)
-        self._channels = {}  # topic: (id, record)
-        self._counts = {}  # channel id: messages
-        self._chunk_indexes = []
-        self._chunk, self._chunk_size, self._index, self._times = [], 0, {}, None
+        self._schemas: Dict[Any, Any] = {}  # {type: (id, record)}
+        self._channels: Dict[Any, Any] = {}  # topic: (id, record)
+        self._counts: Dict[Any, Any] = {}  # channel id: messages
+        self._chunk_indexes: List[Any] = []
+        self._chunk: List[Any] = []
+        self._chunk_size = 0
+        self._index: Dict[Any, Any] = {}
+        self._times = None
         self._all_times = None
         self._put(_MAGIC)
         self._put(_record(_HEADER, _text('ros1') + _text(library)))
 
-    def write(self, topic, kind, data, time_ns):
+    def write(self, topic: Optional[str], kind: Any, data: bytes, time_ns: int) -> None:
         """Write a message of the genpy class ``kind``, serialized as ``data`` (bytes), on ``topic`` at ``time_ns``."""
         channel = self._channel_of(topic, kind)
         offset = self._chunk_size
@@ -55,7 +61,7 @@ class McapWriter:
         if self._chunk_size >= _CHUNK_BYTES:
             self._end_chunk()
 
-    def finish(self):
+    def finish(self) -> None:
         """Write the end of the file, with all indexes."""
         self._end_chunk()
         self._put(_record(_DATA_END, struct.pack('<I', self._crc)))
@@ -74,16 +80,16 @@ class McapWriter:
         self._put(struct.pack('<I', self._crc))
         self._put(_MAGIC)
 
-    def _put(self, data):
+    def _put(self, data: bytes) -> None:
         self._stream.write(data)
         self._at += len(data)
         self._crc = zlib.crc32(data, self._crc)
 
-    def _add(self, record):
+    def _add(self, record: Any) -> None:
         self._chunk.append(record)
         self._chunk_size += len(record)
 
-    def _channel_of(self, topic, kind):
+    def _channel_of(self, topic: Optional[str], kind: Any) -> Any:
         """Return the ID of a topic's channel. The first call for a topic writes its channel, and its schema if new."""
         if topic not in self._channels:
             name = kind._type
@@ -102,7 +108,7 @@ class McapWriter:
             self._add(record)
         return self._channels[topic][0]
 
-    def _end_chunk(self):
+    def _end_chunk(self) -> None:
         if self._times is None:
             return
         records = b''.join(self._chunk)
@@ -120,12 +126,12 @@ class McapWriter:
         self._all_times = _widened(_widened(self._all_times, self._times[0]), self._times[1])
         self._chunk, self._chunk_size, self._index, self._times = [], 0, {}, None
 
-    def _statistics(self):
+    def _statistics(self) -> Any:
         counts = b''.join(struct.pack('<HQ', *pair) for pair in self._counts.items())
         return _record(_STATISTICS, struct.pack(
             '<QHIIIIQQ', sum(self._counts.values()), len(self._schemas), len(self._channels), 0, 0,
             len(self._chunk_indexes), *(self._all_times or (0, 0))) + _sized(counts))
 
 
-def _widened(times, time_ns):
+def _widened(times: Any, time_ns: int) -> Any:
     return (time_ns, time_ns) if times is None else (min(times[0], time_ns), max(times[1], time_ns))

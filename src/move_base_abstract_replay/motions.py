@@ -5,10 +5,12 @@ with the end that the log gives. Of other legs only the way is known, so they ar
 corners (``route``), a leg of a calibrated robot (``phases``) and a leg at a pace of its own (``manner``) become even
 pieces. They are exact in turns and at corners; while the speed changes, they are exact at their ends.
 """
+from __future__ import annotations
+
 import json
 import math
 from dataclasses import dataclass, field
-from typing import List, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.motion.approach import MotionPhases
@@ -21,6 +23,9 @@ from move_base_abstract.motion.route import CornerLaw, Route
 from .charges import Charges
 from .constant_speed import even_pieces
 from .world import World
+
+if TYPE_CHECKING:
+    from .recording import Recording
 
 #: how a robot gets from one pose to the other. PLACED: it is there; EVEN: at an even speed, forwards; BACKWARDS: at an
 #: even speed, backwards; LIMITED + n: by the limits with number n
@@ -73,13 +78,13 @@ class Motions:
     the log does not. ``charges`` (Charges) gets legs and rows in their order.
     """
 
-    def __init__(self, recording, world=World(), charges=None):
-        self.tracks = {}
-        self.limits = []
+    def __init__(self, recording: Recording, world: World = World(), charges: Optional[Charges] = None) -> None:
+        self.tracks: Any = {}
+        self.limits: List[Any] = []
         self.even = 0  # the number of legs without limits in the log
         self.astray = 0  # the number of legs that end elsewhere than their limits say
         self.startless = 0  # the number of legs whose start is not known
-        self._numbers = {}
+        self._numbers: Dict[Any, Any] = {}
         self._charges = charges or Charges(World(), 0)
         for name, start in world.starts.items():
             track = self.tracks[name] = Track(name)
@@ -87,7 +92,7 @@ class Motions:
             self._place(track, recording.begin_ns, start.pose)
         handlers = {kind: getattr(self, '_' + kind) for kind in KINDS}
         for time_ns, name, kind, values in recording:
-            handler = handlers.get(kind)
+            handler: Any = handlers.get(kind)
             numbers = _numbers(values) if handler else None
             if numbers is not None and _is_whole(kind, len(numbers)):
                 track = self.tracks.get(name)
@@ -99,50 +104,50 @@ class Motions:
             self._close(track, recording.end_ns, None)
         self._charges.close(recording.end_ns)
 
-    def _motion(self, track, time_ns, numbers):
+    def _motion(self, track: Track, time_ns: int, numbers: Sequence[float]) -> None:
         if not (numbers[3] > 0.0 and min(numbers[4:]) >= 0.0):
             return
         self._set_limits(track, numbers[3:])
         if track._departed is None and track._pose != numbers[:3]:
             self._place(track, time_ns, numbers[:3])
 
-    def _set_limits(self, track, limits):
+    def _set_limits(self, track: Track, limits: Sequence[float]) -> None:
         track._limits = self._numbers.setdefault(limits, len(self._numbers))
         if track._limits == len(self.limits):
             self.limits.append(limits)
 
     @staticmethod
-    def _phases(track, _time_ns, numbers):
+    def _phases(track: Track, _time_ns: int, numbers: Any) -> None:
         if all(0.0 <= number <= _MOST for number in numbers) and all(number >= _LEAST for number in numbers[2:7]):
             track._phases = MotionPhases(numbers[:2], *numbers[2:])
 
-    def _departed(self, track, time_ns, goal):
+    def _departed(self, track: Track, time_ns: int, goal: Tuple[float, float, float]) -> None:
         self._close(track, time_ns, None)
         track._departed, track._corners, track._manner = (time_ns, track._pose, goal, track._limits), (), ()
         if track._pose is None:
             self.startless += 1
 
     @staticmethod
-    def _route(track, time_ns, numbers):
+    def _route(track: Track, time_ns: int, numbers: Sequence[float]) -> None:
         if track._departed is not None and track._departed[0] == time_ns:
             track._corners = tuple(zip(numbers[::2], numbers[1::2]))
 
     @staticmethod
-    def _manner(track, time_ns, numbers):
+    def _manner(track: Track, time_ns: int, numbers: Any) -> None:
         if track._departed is not None and track._departed[0] == time_ns and (
                 all(0.0 <= number <= _MOST_NS for number in numbers) and numbers[3] >= _LEAST):
             track._manner = numbers
 
-    def _stands(self, track, time_ns, pose):
+    def _stands(self, track: Track, time_ns: int, pose: Tuple[float, float, float]) -> None:
         if not self._close(track, time_ns, pose):
             self._place(track, time_ns, pose)
         track._pose = pose
 
-    def _place(self, track, time_ns, pose):
+    def _place(self, track: Track, time_ns: int, pose: Any) -> None:
         track._pose = pose
         track.motions.append(Motion(time_ns, time_ns, PLACED, pose, pose))
 
-    def _close(self, track, time_ns, pose):
+    def _close(self, track: Track, time_ns: int, pose: Optional[Tuple[float, float, float]]) -> bool:
         """End the leg under way; return whether the robot's pose is known then.
 
         ``pose``: where it ends, or None if that is not known.
@@ -177,7 +182,8 @@ class Motions:
         track._pose = pose
         return True
 
-    def _draw_evenly(self, track, time_ns, pose, trip):
+    def _draw_evenly(self, track: Track, time_ns: int, pose: Any,
+                     trip: Tuple[int, Tuple[float, float, float], Tuple[float, float, float]]) -> bool:
         begin_ns, start, goal = trip
         pieces = even_pieces(begin_ns, time_ns, [start, *track._corners, goal], pose)
         self._charges.drive_evenly(track.name, time_ns, sum(math.dist(one[:2], other[:2]) for *_, one, other in pieces))
@@ -186,7 +192,8 @@ class Motions:
         track._pose = pose
         return True
 
-    def _close_way(self, track, time_ns, pose, trip):
+    def _close_way(self, track: Track, time_ns: int, pose: Optional[Tuple[float, float, float]],
+                   trip: Tuple[int, Tuple[float, float, float], Tuple[float, float, float], Tuple[float, ...]]) -> bool:
         """End a leg with corners, phases or a manner, as _close() does. Its end shows which law it followed at corners.
 
         ``trip``: (time of departure [ns], start, goal, limits).
@@ -207,20 +214,23 @@ class Motions:
         return True
 
 
-def _make_way(track, trip, law):
+def _make_way(track: Track, trip: Tuple[int, Tuple[float, float, float], Tuple[float, float, float], Tuple[float, ...]],
+              law: CornerLaw) -> Union[TimedLeg, PhasedRoute, Route]:
     """Return the leg of a Track as the simulator makes it; ``trip``: (time [ns], start, goal, limits)."""
-    begin_ns, start, goal, limits = trip
-    limits, tolerances = _of_limits(limits)
+    begin_ns, begin, end, given = trip
+    limits, tolerances = _of_limits(given)
     rest_ns, travel_ns, *tail = track._manner or (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
-    start, goal, corners = Pose2D(*start), Pose2D(*goal), track._corners
+    start, goal, corners = Pose2D(*begin), Pose2D(*end), track._corners
+    way: Route
     if track._phases is not None:
-        way = PhasedRoute(start, goal, corners, limits, track._phases, tolerances, begin_ns, law, tail[:2], tail[2:])
+        way = PhasedRoute(start, goal, corners, limits, track._phases, tolerances, begin_ns, law,
+                          (tail[0], tail[1]), (tail[2], tail[3]))
     else:
         way = Route(start, goal, corners, limits, tolerances, begin_ns, law)
     return TimedLeg(way, int(travel_ns), int(rest_ns)) if track._manner else way
 
 
-def _pieces_of(way, end_ns):
+def _pieces_of(way: Any, end_ns: int) -> Iterator[Motion]:
     """Yield the Motions of a leg (Route, PhasedRoute or TimedLeg) up to ``end_ns`` [ns]."""
     instants = _instants_ns(way, end_ns)
     for one_ns, other_ns in zip(instants, instants[1:]):
@@ -232,7 +242,7 @@ def _pieces_of(way, end_ns):
                      (*place, yaw), is_last)
 
 
-def _instants_ns(way, end_ns):
+def _instants_ns(way: Union[TimedLeg, Route], end_ns: int) -> List[int]:
     """Return the instants [ns] at which a leg's pieces begin and end, up to ``end_ns``."""
     even = [instant for instant in way.even_instants_ns(_RAMP_PIECES) if instant < end_ns] + [end_ns]
     instants = even[:1]
@@ -243,27 +253,29 @@ def _instants_ns(way, end_ns):
     return instants
 
 
-def make_leg(start, goal, limits, depart_ns):
+def make_leg(start: Tuple[float, float, float], goal: Tuple[float, float, float], limits: Sequence[float],
+             depart_ns: int) -> Leg:
     """Return the simulator's Leg between two poses (x, y, yaw), with ``limits`` as in :class:`Motions`."""
-    return Leg(Pose2D(*start), Pose2D(*goal), *_of_limits(limits), depart_ns)
+    most, tolerances = _of_limits(limits)
+    return Leg(Pose2D(*start), Pose2D(*goal), most, tolerances, depart_ns)
 
 
-def _of_limits(limits):
+def _of_limits(limits: Sequence[float]) -> Any:
     speed, acceleration, turn_rate, xy, yaw = limits
     return MotionLimits(speed, acceleration or math.inf, turn_rate or math.inf), Tolerances(xy, yaw)
 
 
-def _is_whole(kind, count):
+def _is_whole(kind: str, count: int) -> bool:
     """Return whether an event of one of KINDS has the right number of numbers."""
     return count >= 2 and count % 2 == 0 if kind == 'route' else count == _COUNTS[kind]
 
 
-def _is_close(end, pose):
+def _is_close(end: Pose2D, pose: Tuple[float, float, float]) -> bool:
     turned = math.remainder(end.yaw - pose[2], 2.0 * math.pi)
     return max(abs(end.x - pose[0]), abs(end.y - pose[1]), abs(turned)) <= _CLOSE
 
 
-def _numbers(text):
+def _numbers(text: str) -> Optional[Tuple[float, ...]]:
     """Return a JSON array as a tuple of finite floats, or None if it is not one: any program may write such a row."""
     values = json.loads(text)
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):

@@ -1,9 +1,12 @@
 """Pack columns of numbers and texts into one text for a page: a JSON head and the columns' bytes, deflated, base64."""
+from __future__ import annotations
+
 import base64
 import json
 import sys
 import zlib
 from array import array
+from typing import Any, Dict, List, Mapping, Union
 
 _ALIGNED = 8  # bytes; typed arrays must begin at a multiple of the size of their elements
 
@@ -16,12 +19,12 @@ class Packer:
     bytes from the first column on.
     """
 
-    def __init__(self):
-        self._columns = {}
-        self._parts = []
+    def __init__(self) -> None:
+        self._columns: Dict[Any, Any] = {}
+        self._parts: List[Any] = []
         self._size = 0
 
-    def add(self, name, kind, values):
+    def add(self, name: str, kind: str, values: Any) -> None:
         """Add a column of this kind: 'f8' (numbers), 'u4', 'u2', 'u1' (whole numbers), or 'text' (without newlines)."""
         if kind == 'text':
             data = '\n'.join(values).encode('utf-8', 'replace')
@@ -36,7 +39,7 @@ class Packer:
         self._parts.append(data)
         self._size += len(data)
 
-    def text(self, about):
+    def text(self, about: Mapping[str, Union[List[Any], float, str]]) -> str:
         """Return all columns, and ``about``, a value for JSON, as one text."""
         head = json.dumps({'about': about, 'columns': self._columns}, allow_nan=False).encode()
         head += b' ' * (-(len(head) + 4) % _ALIGNED)

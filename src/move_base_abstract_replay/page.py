@@ -1,6 +1,9 @@
 """The page: a single HTML file that shows one or two runs. It needs no other file and no network."""
+from __future__ import annotations
+
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import jinja2
 
@@ -15,6 +18,12 @@ from .page_data import Run
 from .recording import ReplayError, read_recording
 from .world import World, find_world
 
+if TYPE_CHECKING:
+    from move_base_abstract.runs.run_difference import Difference
+    from move_base_abstract.scenario import Scenario
+
+    from .recording import Recording
+
 _TEMPLATES = Path(__file__).with_name('templates')
 _SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view',
             'timeline', 'event_list', 'player')
@@ -22,7 +31,8 @@ _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2
 
 
-def write_page(logs, output, map_file=None, scenario=None):
+def write_page(logs: Sequence[Path], output: Path, map_file: Any = None,
+               scenario: Optional[Union[Scenario, Path]] = None) -> List[Any]:
     """Write the page ``output`` for one or two event logs (paths); return notes for the user, as texts.
 
     ``map_file``: the YAML file of the map behind the robots, or None. ``scenario``: the world that is shown (a path, or
@@ -32,31 +42,34 @@ def write_page(logs, output, map_file=None, scenario=None):
     :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if the map or the scenario cannot be
         read, or ``output`` is another file. :raises OutputError: if the page cannot be written.
     """
-    logs = [str(log) for log in logs]
-    if not 1 <= len(logs) <= _MOST_LOGS:
-        raise ReplayError('replay: got {} logs; allowed: one, or two to be compared'.format(len(logs)))
+    paths = [str(log) for log in logs]
+    if not 1 <= len(paths) <= _MOST_LOGS:
+        raise ReplayError('replay: got {} logs; allowed: one, or two to be compared'.format(len(paths)))
     own_files.check_file(str(output), lambda line: line.startswith(_FIRST_LINE))
-    recordings = [read_recording(log) for log in logs]
+    recordings = [read_recording(log) for log in paths]
     world = find_world(scenario, recordings)
     map_file = map_file or world.map_file
     ground = packed_map(map_file) if map_file else None
-    text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None, world)
+    text = render(recordings, ground, find_difference(recordings) if len(paths) > 1 else None, world)
     # A log may contain bytes that are not valid text.
     with own_files.whole_file(output, 'w', encoding='utf-8', errors='backslashreplace') as stream:
         stream.write(text)
     return ground[2] if ground else []
 
 
-def find_difference(recordings):
+def find_difference(recordings: Sequence[Recording]) -> Tuple[Optional[Difference], int]:
     """Return the first run_difference.Difference of the logs of two Recordings, and the number of events before it.
 
     If the logs are the same, the difference is None.
     """
-    compared = run_difference.compare(*(recording.path for recording in recordings))
+    one, other = recordings
+    compared = run_difference.compare(one.path, other.path)
     return compared.difference, compared.events + compared.messages
 
 
-def render(recordings, ground=None, difference=None, world=World()):
+def render(recordings: Sequence[Recording],
+           ground: Optional[Tuple[str, Tuple[float, float, float, float], List[Any]]] = None,
+           difference: Optional[Tuple[Optional[Difference], int]] = None, world: World = World()) -> str:
     """Return the page of one or two Recordings in a World, as text.
 
     ``ground``: the result of packed_map(), or None; ``difference``: the result of find_difference(), or None.
@@ -80,28 +93,28 @@ def render(recordings, ground=None, difference=None, world=World()):
         script=_states_of_script() + '\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
 
 
-def _signs(runs, world):
+def _signs(runs: Sequence[Run], world: World) -> Dict[str, bool]:
     """Return {sign: whether it is on the map and needs an explanation}."""
     return {'counts': any(thing['capacity'] is not None for thing in world.things),
             'charge': any(start.battery is not None for start in world.starts.values()),
             'orders': any(run.phases for run in runs)}
 
 
-def _packed_world(world):
+def _packed_world(world: World) -> str:
     return Packer().text({'things': world.things, 'nodes': world.nodes})
 
 
-def _file(name):
+def _file(name: str) -> str:
     return (_TEMPLATES / name).read_text(encoding='utf-8').strip()
 
 
-def _legend(runs):
+def _legend(runs: Sequence[Run]) -> List[str]:
     """Return the names of the states that the timelines show."""
     seen = {IDLE, *(span.state for run in runs for line in run.timelines for span in line.spans)}
     return [name for number, name in enumerate(NAMES) if number in seen]
 
 
-def _state_colours():
+def _state_colours() -> str:
     """Return the style sheet that has the colours of states, on light and dark screens and on paper."""
     light, dark, paper = (':root{} {{ {} }}\n'.format(where, ' '.join(
         '--{}: {};'.format(state.name, state.colours[number]) for state in STATES))
@@ -109,20 +122,20 @@ def _state_colours():
     return light + '@media (prefers-color-scheme: dark) { ' + dark + '}\n' + paper
 
 
-def _states_of_script():
+def _states_of_script() -> str:
     """Return the table of states for the script."""
     return 'const STATES = {}, IDLE = {};\n'.format(json.dumps(
         [{'name': state.name, 'standsOut': state.stands_out} for state in STATES]), IDLE)
 
 
-def _told(difference):
+def _told(difference: Difference) -> Dict[str, Union[List[str], int, str]]:
     """Return the words of the page about a Difference."""
     return {'at': '{:.9f} s'.format(difference.time_ns * 1e-9), 'place': difference.place,
             'told': [told_lines(event).partition(': ')[2] if event else 'no more events'
                      for event in (difference.first, difference.second)]}
 
 
-def _union(boxes):
+def _union(boxes: Sequence[Sequence[float]]) -> Optional[List[float]]:
     """Return the box around some boxes (x_min, y_min, x_max, y_max), or None."""
     if not boxes:
         return None

@@ -1,5 +1,8 @@
 """The data of a log for the page, as columns: events, motions, rows of the timeline, notes."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.story import Story
@@ -11,6 +14,9 @@ from .stays import count_orders, find_phases, find_stays
 from .timelines import find_links, find_timelines
 from .world import World
 
+if TYPE_CHECKING:
+    from .recording import Recording
+
 NOBODY = 2 ** 32 - 1  # stands for a robot's number where there is no robot
 _MOTION_COLUMNS = ('x', 'y', 'yaw', 'goal_x', 'goal_y', 'goal_yaw')
 
@@ -18,7 +24,7 @@ _MOTION_COLUMNS = ('x', 'y', 'yaw', 'goal_x', 'goal_y', 'goal_yaw')
 class Run:
     """The data of one log for the page: packed() for the script, ``facts`` and ``notes`` for people, ``box`` [m]."""
 
-    def __init__(self, recording, world=World()):
+    def __init__(self, recording: Recording, world: World = World()) -> None:
         self.name = shown_text(os.path.basename(recording.path))
         self.recording = recording
         self.world = world
@@ -32,7 +38,7 @@ class Run:
         self.box = _box(self.motions, self.links, world)
 
     @property
-    def facts(self):
+    def facts(self) -> List[str]:
         """The facts about the log, in a few words each."""
         recording = self.recording
         robots = sum(timeline.is_robot for timeline in self.timelines)
@@ -46,7 +52,7 @@ class Run:
                 'repeatable' if recording.is_repeatable else 'not repeatable, or worse: see the notes']
 
     @property
-    def notes(self):
+    def notes(self) -> List[str]:
         """What a reader must know to understand the page, as sentences."""
         recording, motions = self.recording, self.motions
         notes = ['The run: {}.'.format(remark) for remark in recording.remarks]
@@ -66,7 +72,7 @@ class Run:
             notes.append('No robot of this log says where it is: there is a timeline and a list of events, but no map.')
         return notes
 
-    def packed(self):
+    def packed(self) -> str:
         """Return the text that data.js unpacks."""
         packer, recording = Packer(), self.recording
         packer.add('event_time', 'f8', recording.times)
@@ -84,7 +90,7 @@ class Run:
             'orders': list({phase.order: None for phase in self.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
-    def _pack_motions(self, packer):
+    def _pack_motions(self, packer: Packer) -> None:
         tracks = [self.motions.tracks[timeline.name] for timeline in self.timelines if timeline.is_robot]
         motions = [motion for track in tracks for motion in track.motions]
         packer.add('motion_first', 'u4', _firsts(track.motions for track in tracks))
@@ -95,7 +101,7 @@ class Run:
         for place, name in enumerate(_MOTION_COLUMNS):
             packer.add('motion_' + name, 'f8', ((motion.start + motion.goal)[place] for motion in motions))
 
-    def _pack_timelines(self, packer):
+    def _pack_timelines(self, packer: Packer) -> None:
         lines = self.timelines
         spans = [span for line in lines for span in line.spans]
         packer.add('span_first', 'u4', _firsts(line.spans for line in lines))
@@ -106,7 +112,7 @@ class Run:
             packer.add(name + '_first', 'u4', _firsts(values))
             packer.add(name + '_time', 'f8', (time_ns for times in values for time_ns in times))
 
-    def _pack_stays(self, packer):
+    def _pack_stays(self, packer: Packer) -> None:
         numbers = self._numbers
         stays = [stay for stay in self.stays if stay.robot in numbers]
         _pack_spans(packer, 'stay', stays)
@@ -114,13 +120,13 @@ class Run:
         packer.add('stay_thing', 'u4', (stay.thing for stay in stays))
         packer.add('stay_kind', 'u1', (stay.kind for stay in stays))
 
-    def _pack_charges(self, packer):
+    def _pack_charges(self, packer: Packer) -> None:
         knots = [self._charges.knots.get(name, []) for name in self._numbers]
         packer.add('charge_first', 'u4', _firsts(knots))
         packer.add('charge_time', 'f8', (time_ns for own in knots for time_ns, _ in own))
         packer.add('charge_share', 'f8', (share for own in knots for _, share in own))
 
-    def _pack_orders(self, packer):
+    def _pack_orders(self, packer: Packer) -> None:
         phases, numbers = self.phases, self._numbers
         names = {name: number for number, name in enumerate({phase.order: None for phase in phases})}
         _pack_spans(packer, 'phase', phases)
@@ -134,12 +140,12 @@ class Run:
         packer.add('count', 'u4', (value for row in self.counts for value in row[1:]))
 
     @property
-    def _numbers(self):
+    def _numbers(self) -> Dict[str, int]:
         """{robot: its number in the page}."""
         return {timeline.name: number for number, timeline in enumerate(self.timelines) if timeline.is_robot}
 
 
-def story_of(recording, world=World()):
+def story_of(recording: Recording, world: World = World()) -> Story:
     """Return the Story of a Recording in a World, with spans and stays."""
     story = Story(recording.begin_ns, list(world.starts), keeps_spans=True)
     for row in recording.rows():
@@ -148,7 +154,7 @@ def story_of(recording, world=World()):
     return story
 
 
-def _pack_spans(packer, name, spans):
+def _pack_spans(packer: Packer, name: str, spans: Sequence[Any]) -> None:
     """Pack the begins and ends of spans as one row of changes: at which time which span begins (1) or ends (0)."""
     changes = sorted([(span.end_ns, 0, number) for number, span in enumerate(spans)]
                      + [(span.begin_ns, 1, number) for number, span in enumerate(spans)])
@@ -157,7 +163,7 @@ def _pack_spans(packer, name, spans):
     packer.add(name + '_change_of', 'u4', (number for _, _, number in changes))
 
 
-def _firsts(groups):
+def _firsts(groups: Any) -> List[int]:
     """Return where each group begins if all are joined, and where the last one ends."""
     firsts = [0]
     for group in groups:
@@ -165,7 +171,7 @@ def _firsts(groups):
     return firsts
 
 
-def _box(motions, links, world):
+def _box(motions: Motions, links: Sequence[Any], world: World) -> Optional[Tuple[float, float, float, float]]:
     """Return (x_min, y_min, x_max, y_max) [m] around all robots, the world and a radio's fixed hosts, or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
               for place in (motion.start, motion.goal)]
@@ -177,10 +183,10 @@ def _box(motions, links, world):
             max(place[0] for place in places), max(place[1] for place in places))
 
 
-def _count(number, what):
+def _count(number: int, what: str) -> str:
     return '{:,} {}{}'.format(number, what, '' if number == 1 else 's').replace(',', '\u202f')
 
 
-def _seconds(duration_ns):
+def _seconds(duration_ns: int) -> str:
     """Return a duration as text in s, to the millisecond, without trailing zeros."""
     return '{:,.3f}'.format(duration_ns / 1e9).rstrip('0').rstrip('.').replace(',', '\u202f')

@@ -1,12 +1,20 @@
 """An event log in memory, as columns: the page lists it, and legs and states are found in it."""
+from __future__ import annotations
+
 import json
 from array import array
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Sequence, Union
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.runs.run_difference import MESSAGES
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from move_base_abstract.runs.event_log import Event
 
 #: so many events of a log are kept at most; more messages are left out, but never events of robots
 MOST_EVENTS = 500_000
@@ -23,35 +31,36 @@ class Recording:
     ``end_ns`` are the instants of the begin and the end of the log; ``remarks`` are what a reader must know of the run.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: Union[str, Path]) -> None:
         self.path = str(path)
         self.times = array('q')
         self.names = array('L')
         self.kinds = array('L')
-        self.values = []
-        self.name_of, self.kind_of = [], []
+        self.values: List[Any] = []
+        self.name_of: List[Any] = []
+        self.kind_of: List[Any] = []
         self.events = 0  # the number of events of the log
         self.left_out = 0  # the number of messages that were left out
         self.begin_ns = self.end_ns = 0
-        self.remarks = []
+        self.remarks: List[Any] = []
         self.is_repeatable = True
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.times)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Any]:
         """Iterate over the kept events as (time [ns], name, kind, values as JSON)."""
         name_of, kind_of = self.name_of, self.kind_of
         return ((time_ns, name_of[name], kind_of[kind], values)
                 for time_ns, name, kind, values in zip(self.times, self.names, self.kinds, self.values))
 
-    def rows(self):
+    def rows(self) -> Iterator[Any]:
         """Iterate over the kept events, but for messages, as (time [ns], name, kind, list of values)."""
         return ((time_ns, name, kind, json.loads(values)) for time_ns, name, kind, values in self
                 if kind not in MESSAGES)
 
 
-def read_recording(path, most=MOST_EVENTS):
+def read_recording(path: Union[str, Path], most: Any = MOST_EVENTS) -> Recording:
     """Return the :class:`Recording` of an event log. If it has more than ``most`` events, messages are left out.
 
     :raises EventLogError: if the file is no event log, or is damaged; it names file and line.
@@ -80,12 +89,12 @@ def read_recording(path, most=MOST_EVENTS):
     return recording
 
 
-def is_number(value):
+def is_number(value: Any) -> bool:
     """Return whether a value of a row is a number that a page can hold. Any program may write rows."""
     return type(value) in (int, float) and -1e300 < value < 1e300
 
 
-def _check_time(event, recording):
+def _check_time(event: Event, recording: Recording) -> None:
     if not recording.end_ns <= event.time_ns <= LAST_NS:
         raise ReplayError('{}:{}: got the time {} ns; allowed: {} (that of the line before) to {} ns'.format(
             recording.path, event.line, event.time_ns, recording.end_ns, LAST_NS))
@@ -94,11 +103,11 @@ def _check_time(event, recording):
 class _Numbers:
     """Numbers texts in the order in which they come."""
 
-    def __init__(self, texts):
-        self._texts = texts
-        self._numbers = {}
+    def __init__(self, texts: Sequence[Any]) -> None:
+        self._texts: Any = texts
+        self._numbers: Dict[Any, Any] = {}
 
-    def of(self, text):
+    def of(self, text: str) -> int:
         number = self._numbers.get(text)
         if number is None:
             number = self._numbers[text] = len(self._texts)

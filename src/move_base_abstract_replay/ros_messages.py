@@ -1,9 +1,11 @@
 """A run as ROS messages: those that its robots would have published, computed from the log."""
+from __future__ import annotations
+
 import heapq
 import io
 import json
 import math
-from typing import Any, NamedTuple
+from typing import Any, Dict, Iterator, NamedTuple
 
 from actionlib_msgs.msg import GoalStatus
 from genpy import Time
@@ -29,14 +31,14 @@ class TopicMessage(NamedTuple):
     message: Any
 
     @property
-    def data(self):
+    def data(self) -> Any:
         """The message as bytes."""
         buffer = io.BytesIO()
         self.message.serialize(buffer)
         return buffer.getvalue()
 
 
-def messages_of(recording, motions, rate, frame):
+def messages_of(recording: Any, motions: Any, rate: float, frame: str) -> Any:
     """Return the messages (TopicMessage) of a run, an iterator in the order of time; at one instant poses come first.
 
     ``rate`` [Hz, simulated]: that of the poses of moving robots, at multiples of its period; there is also a pose where
@@ -46,7 +48,7 @@ def messages_of(recording, motions, rate, frame):
     return heapq.merge(*poses, _events(recording, motions, frame), key=lambda one: one.time_ns)
 
 
-def _instants(motion, period_ns):
+def _instants(motion: Any, period_ns: int) -> Iterator[Any]:
     """Yield the instants [ns] of a motion at which there is a pose: its ends, and the grid between them."""
     yield motion.begin_ns
     if motion.end_ns > motion.begin_ns:
@@ -54,7 +56,7 @@ def _instants(motion, period_ns):
         yield motion.end_ns
 
 
-def _poses(track, limits, rate, frame):
+def _poses(track: Any, limits: Any, rate: float, frame: str) -> Iterator[Any]:
     period_ns = max(1, round(NS_PER_S / rate))
     for motion in track.motions:
         leg = make_leg(motion.start, motion.goal, limits[motion.law - LIMITED],
@@ -64,7 +66,7 @@ def _poses(track, limits, rate, frame):
             yield from _told_pose(track.name, time_ns, pose, speeds, frame)
 
 
-def _state_at(motion, leg, time_ns):
+def _state_at(motion: Any, leg: Any, time_ns: int) -> Any:
     """Return the pose (Pose2D) and the speeds (forward [m/s], turning [rad/s]) in a motion."""
     if leg is not None:
         return leg.pose_at(time_ns), (0.0, 0.0) if time_ns >= motion.end_ns else leg.velocity_at(time_ns)
@@ -79,7 +81,7 @@ def _state_at(motion, leg, time_ns):
     return pose, ((-way if backwards else way) / seconds, turn / seconds)
 
 
-def _told_pose(name, time_ns, pose, speeds, frame):
+def _told_pose(name: str, time_ns: int, pose: Any, speeds: Any, frame: str) -> Iterator[Any]:
     name = _plain(name.strip('/'))
     prefix, child = '/' + name, name + '/base_link'
     stamped = _stamped(PoseStamped(), time_ns, frame)
@@ -95,7 +97,7 @@ def _told_pose(name, time_ns, pose, speeds, frame):
     yield TopicMessage(time_ns, '/tf', TFMessage([transform]))
 
 
-def _events(recording, motions, frame):
+def _events(recording: Any, motions: Any, frame: str) -> Iterator[Any]:
     """Yield the messages of all events, and of robots' goals and results."""
     goals = _goal_ids(recording, motions)
     for number, (time_ns, name, kind, values) in enumerate(recording):
@@ -107,9 +109,10 @@ def _events(recording, motions, frame):
                 prefix, time_ns, json.loads(values), goals.get(number, ''), frame)
 
 
-def _goal_ids(recording, motions):
+def _goal_ids(recording: Any, motions: Any) -> Any:
     """Return {place of a departure among the events: ID of its goal}. The log has the ID only when the goal ends."""
-    found, open_departures = {}, {}
+    found: Dict[Any, Any] = {}
+    open_departures: Dict[Any, Any] = {}
     for number, (_, name, kind, values) in enumerate(recording):
         if kind == 'departed':
             open_departures.setdefault(name, []).append(number)
@@ -119,7 +122,7 @@ def _goal_ids(recording, motions):
     return found
 
 
-def _goal(prefix, time_ns, values, goal_id, frame):
+def _goal(prefix: str, time_ns: int, values: Any, goal_id: str, frame: str) -> Iterator[Any]:
     if len(values) != 3 or not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
         return
     message = _stamped(MoveBaseActionGoal(), time_ns, '')
@@ -130,7 +133,7 @@ def _goal(prefix, time_ns, values, goal_id, frame):
     yield TopicMessage(time_ns, prefix + 'goal', message)
 
 
-def _result(prefix, time_ns, values, _goal_id, _frame):
+def _result(prefix: str, time_ns: int, values: Any, _goal_id: str, _frame: Any) -> Iterator[Any]:
     state = getattr(GoalStatus, str(values[1]), None) if len(values) == 3 else None
     if type(state) is not int or not all(isinstance(value, str) for value in values):
         return
@@ -139,21 +142,21 @@ def _result(prefix, time_ns, values, _goal_id, _frame):
     yield TopicMessage(time_ns, prefix + 'result', message)
 
 
-def _plain(text):
+def _plain(text: str) -> Any:
     """Return a text that UTF-8 can hold. A log may contain bytes that are not valid text."""
     return text.encode('utf-8', 'replace').decode('utf-8')
 
 
-def _stamped(message, time_ns, frame):
+def _stamped(message: Any, time_ns: int, frame: str) -> Any:
     message.header.stamp = Time(*divmod(time_ns, NS_PER_S))
     message.header.frame_id = frame
     return message
 
 
-def _fill(message, pose):
+def _fill(message: Any, pose: Any) -> None:
     message.position.x, message.position.y = pose.x, pose.y
     _turn(message.orientation, pose.yaw)
 
 
-def _turn(message, yaw):
+def _turn(message: Any, yaw: float) -> None:
     message.x, message.y, message.z, message.w = quaternion_of_yaw(yaw)

@@ -1,11 +1,19 @@
 """The stays of robots in zones, on lanes and at places, and the phases of orders, as the page shows them."""
+from __future__ import annotations
+
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.runs.orders_of_run import FAILED, LATE
 from move_base_abstract.runs.story import CHARGES, WAITS, WORKS
 
 from .recording import is_number
+
+if TYPE_CHECKING:
+    from move_base_abstract.runs.orders_of_run import Order, Orders, Phase
+    from move_base_abstract.runs.story import Stay, Story
+
+    from .world import World
 
 #: kinds of Stays on the page, and of Phases
 IS_THERE, IS_WAITING = 0, 1
@@ -22,7 +30,7 @@ class ThingStay(NamedTuple):
     kind: int
 
 
-def find_stays(story, world):
+def find_stays(story: Story, world: World) -> List[ThingStay]:
     """Return the ThingStays of a Story in a World, in the order in which they began.
 
     Any program may write rows; those that name nothing of the world are ignored.
@@ -37,7 +45,7 @@ def find_stays(story, world):
     return found
 
 
-def _thing_of(stay, things, numbers):
+def _thing_of(stay: Stay, things: Sequence[Dict[str, Any]], numbers: Mapping[str, int]) -> Optional[int]:
     """Return the number of the thing at which a Stay is, or None."""
     if stay.what == CHARGES:  # in a zone with a capacity, `entered` has said so already
         number = numbers.get('zone ' + stay.where)
@@ -48,7 +56,7 @@ def _thing_of(stay, things, numbers):
     return numbers.get(stay.where)
 
 
-def _shown_until(span):
+def _shown_until(span: Union[Phase, Stay]) -> int:
     """Return when a Stay or Phase ends; one that is open at the end of the run lasts through the last instant, too."""
     return span.end_ns + span.is_open
 
@@ -70,7 +78,7 @@ class OrderPhase(NamedTuple):
     stops: int  # the number of all stops
 
 
-def find_phases(orders):
+def find_phases(orders: Orders) -> List[OrderPhase]:
     """Return the OrderPhases of the Orders of a Story in the order of their begins."""
     found = [OrderPhase(phase.begin_ns, _shown_until(phase), order.name, ASSIGNED if phase.robot else OPEN, phase.robot,
                         *order.stops[phase.stop - 1], phase.stop, len(order.stops))
@@ -78,11 +86,11 @@ def find_phases(orders):
     return sorted(found, key=lambda phase: phase.begin_ns)
 
 
-def count_orders(orders):
+def count_orders(orders: Orders) -> List[Tuple[int, ...]]:
     """Return [(time [ns], open, assigned, done, late, failed, refused)] whenever a number of orders changes."""
-    changes = {}
+    changes: Dict[Any, Any] = {}
 
-    def change(time_ns, column, by):
+    def change(time_ns: int, column: int, by: int) -> None:
         changes.setdefault(time_ns, [0] * 6)[column] += by
     for order in _drawn(orders):
         for phase in order.phases:
@@ -100,7 +108,7 @@ def count_orders(orders):
     return counts
 
 
-def _drawn(orders):
+def _drawn(orders: Orders) -> List[Order]:
     """Return the orders whose stops have places. Any program may write rows."""
     return [order for order in orders.all.values()
             if order.stops and all(is_number(one) for stop in order.stops for one in stop)]

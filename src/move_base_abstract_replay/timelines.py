@@ -1,12 +1,20 @@
 """The rows of the timeline, and of a radio when its links were up: what happened to a name, and when."""
+from __future__ import annotations
+
 import json
 import re
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import IDLE
 from move_base_abstract.runs.story import owner
 
 from .recording import is_number
+
+if TYPE_CHECKING:
+    from move_base_abstract.runs.story import Robot, Story
+
+    from .recording import Recording
 
 #: the kinds of events of the radio; hosts get no rows in the timeline
 RADIO = ('radio', 'radio_lost', 'link', 'host')
@@ -19,15 +27,15 @@ class Timeline:
     have ``ticks`` [ns].
     """
 
-    def __init__(self, name, robot=None, is_robot=False):
+    def __init__(self, name: str, robot: Optional[Robot] = None, is_robot: bool = False) -> None:
         self.name = name
         self.is_robot = is_robot
         self.spans = [span for span in robot.spans if span.state != IDLE] if robot else []
         self.failures = robot.missed if robot else []
-        self.ticks = []
+        self.ticks: List[Any] = []
 
 
-def find_timelines(recording, story, robots):
+def find_timelines(recording: Recording, story: Story, robots: Sequence[str]) -> List[Timeline]:
     """Return the Timelines of a Recording: those of ``robots`` (names) in natural order, then those of other names.
 
     Of these, names with rows of their own come before nodes of which the log has only messages. ``story``: the Story of
@@ -35,7 +43,9 @@ def find_timelines(recording, story, robots):
     """
     known = story.robots
     found = {name: Timeline(name, known.get(name), True) for name in sorted(robots, key=natural)}
-    owners, others, nodes = {}, {}, {}
+    owners: Dict[Any, Any] = {}
+    others: Dict[Any, Any] = {}
+    nodes: Dict[Any, Any] = {}
     for time_ns, name, kind, values in recording:
         if kind in MESSAGES:
             sender = (json.loads(values) or [''])[0]
@@ -49,20 +59,21 @@ def find_timelines(recording, story, robots):
     return [*found.values(), *rest, *(nodes[name] for name in sorted(nodes, key=natural) if name)]
 
 
-def natural(name):
+def natural(name: str) -> Tuple[List[Tuple[int, int, str]], str]:
     """Return a key that sorts names with their numbers by value: robot_2 before robot_10."""
     return [(0, int(text), '') if text[0] in '0123456789' else (1, 0, text) for text in
             re.findall(r'[0-9]+|[^0-9]+', name)], name
 
 
-def find_links(recording, robots):
+def find_links(recording: Any, robots: Any) -> Any:
     """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] for the links whose ends can be shown.
 
     An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] for a host that stands still.
     Any program may write rows; those of another form are left out.
     """
     numbers = {name: number for number, name in enumerate(robots)}
-    places, links = {}, {}
+    places: Dict[Any, Any] = {}
+    links: Dict[Any, Any] = {}
     for time_ns, name, kind, text in recording:
         if kind not in ('link', 'host'):
             continue

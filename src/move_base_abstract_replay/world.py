@@ -1,13 +1,20 @@
 """The world of a scenario for the page: zones, lanes, places, and where robots stand at first."""
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.goals.events import MotionSet
 from move_base_abstract.maps.lane_map import LaneMap
 from move_base_abstract.scenario import read_scenario
 
 from .recording import ReplayError
+
+if TYPE_CHECKING:
+
+
+    from .recording import Recording
 
 _BESIDE = 'scenario.yaml'  # beside a log
 _MAP = 'map.yaml'  # beside a scenario
@@ -38,18 +45,18 @@ class World:
     map_file: Optional[str] = None
 
     @property
-    def numbers(self):
+    def numbers(self) -> Dict[str, int]:
         """The place of each thing among ``things``, by its name in the log: 'zone gate', 'place dock'."""
         return {'{kind} {name}'.format(**thing): number for number, thing in enumerate(self.things)}
 
     @property
-    def points(self):
+    def points(self) -> List[Tuple[float, float]]:
         """All points that the map must show, [(x, y)] [m]."""
         return ([tuple(point) for thing in self.things for point in thing['points']]
                 + [tuple(node[1:]) for node in self.nodes] + [start.pose[:2] for start in self.starts.values()])
 
 
-def find_world(scenario, recordings):
+def find_world(scenario: Any, recordings: Sequence[Recording]) -> World:
     """Return the :class:`World` of a ``scenario``: a path, a Scenario, or None for the file beside the first log.
 
     A file beside the log counts only if one of the Recordings names a robot of it. Otherwise the World is empty.
@@ -78,7 +85,7 @@ def find_world(scenario, recordings):
     return world
 
 
-def make_world(scenario):
+def make_world(scenario: Any) -> World:
     """Return the :class:`World` of a Scenario."""
     world = World()
     for zone in scenario.zones:
@@ -105,5 +112,6 @@ def make_world(scenario):
     return world
 
 
-def _thing(kind, name, points, capacity, **more):
+def _thing(kind: str, name: str, points: Sequence[Tuple[float, float]], capacity: Optional[int],
+           **more: Union[bool, float]) -> Dict[str, Any]:
     return {'kind': kind, 'name': name, 'points': [list(point) for point in points], 'capacity': capacity, **more}

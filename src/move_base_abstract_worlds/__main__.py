@@ -1,6 +1,4 @@
 """The command scenario without ROS: python3 -m move_base_abstract_worlds check FILE."""
-import sys
-
 from .command import main
 
-sys.exit(main())
+main()

@@ -8,11 +8,14 @@ has room for fewer robots: such an area is a guard. With ``blocks``, a robot ask
 Then the last robot that came into a circle was let in although its next area there was full. So it has not asked for
 room in that area, and at least one arrow of a circle must be of that kind (``late``).
 """
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, List, Optional, Sequence, Tuple
 
 import networkx
 
-from move_base_abstract.maps.lane_planner import NEAR
+from move_base_abstract.maps.lane_map import NEAR
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
 from move_base_abstract.traffic.outline import BORDER
@@ -23,11 +26,18 @@ from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_on_lanes,
 from .findings import Finding
 from .ways import MOST_WAYS, leg_between
 
+if TYPE_CHECKING:
+    import networkx as nx
+
+    from move_base_abstract.traffic.way import Crossing
+
+    from .world import Drivers, World
+
 _MOST_CIRCLES = 5_000
 _SLACK = 0.01  # m; boxes are larger than their content by this much
 
 
-def check_capacities(world):
+def check_capacities(world: World) -> Iterator[Finding]:
     """Yield one :class:`.Finding` for each set of areas that circles connect: the circle with the fewest robots."""
     areas = Areas(world)
     arrows = networkx.DiGraph()
@@ -56,10 +66,12 @@ class Areas:
     ``all`` has the numbers of those that can make robots wait, so not of those with as much room as their group.
     """
 
-    def __init__(self, world):
+    def __init__(self, world: World) -> None:
         self._file, self._rules = os.path.basename(world.path), world.scenario.traffic
-        self._areas, self._wheres, self._ways = [], [], []
-        self._groups = {}
+        self._areas: List[Any] = []
+        self._wheres: List[Any] = []
+        self._ways: List[Any] = []
+        self._groups: Dict[Any, Any] = {}
         zones = []
         for index, zone in enumerate(world.scenario.zones):
             line = (*zone.outline.points, zone.outline.points[0])
@@ -83,13 +95,13 @@ class Areas:
         self.has_zones = any(area.outline is not None for area in (self._areas[number] for number in self.all)) or any(
             zone.group is not None for zone in world.scenario.zones)
 
-    def _add(self, area, where, line):
+    def _add(self, area: Area, where: str, line: Sequence[Tuple[float, float]]) -> Area:
         self._areas.append(area)
         self._wheres.append(where)
         self._ways.append(line)
         return area
 
-    def _group(self, name, line):
+    def _group(self, name: Optional[str], line: Sequence[Tuple[float, float]]) -> Optional[Area]:
         if name is None:
             return None
         if name not in self._groups:
@@ -97,7 +109,7 @@ class Areas:
                                            '{}: groups'.format(self._file), line)
         return self._groups[name]
 
-    def touch(self):
+    def touch(self) -> bool:
         """Return whether any two areas may touch. If none do, no robot comes from one into another."""
         boxes = []
         for way, area in zip(self._ways, self._areas):
@@ -114,23 +126,24 @@ class Areas:
                     return True
         return False
 
-    def capacity(self, number):
+    def capacity(self, number: int) -> int:
         """Return the number of robots for which an area has room."""
         return self._areas[number].capacity
 
-    def name(self, number):
+    def name(self, number: int) -> str:
         """Return the name of an area, such as 'zone gate'."""
         return self._areas[number].name
 
-    def where(self, number):
+    def where(self, number: int) -> str:
         """Return where an area is defined: the file and the place in it."""
         return self._wheres[number]
 
-    def way(self, number):
+    def way(self, number: int) -> Tuple[Tuple[float, float], ...]:
         """Return the line of an area, ((x, y), ...) [m]: the lane, or the border of the zone."""
         return self._ways[number]
 
-    def arrows(self, drivers, begin, end):
+    def arrows(self, drivers: Any, begin: Tuple[float, float],
+               end: Tuple[float, float]) -> List[Tuple[int, int, FrozenSet[int], bool]]:
         """Return the arrows of a way from (x, y) to (x, y): [(area, area, held, late), ...].
 
         A robot in the first area asks for room in the second one. ``held``: all areas in which it is then (frozenset of
@@ -140,7 +153,8 @@ class Areas:
         if leg is None or not leg.distance > BORDER:
             return []
         stays = list(self._index.stays(leg.way))
-        at_rest = [stay.area for stay in stays if stay.begin <= BORDER and stay.area.outline.contains(*begin)]
+        at_rest = [stay.area for stay in stays if stay.begin <= BORDER and stay.area.outline is not None
+                   and stay.area.outline.contains(*begin)]
         if drivers.lanes is not None:
             on_lanes = stays_on_lanes(leg, lambda edge: self._lanes.get((drivers.lanes.source, edge)))
             is_at_node = any(abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
@@ -150,13 +164,14 @@ class Areas:
         held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)
         return list(self._arrows_along(crossings(with_groups(stays), held), held))
 
-    def _arrows_along(self, ahead, held):
+    def _arrows_along(self, ahead: Sequence[Crossing],
+                      held: Dict[Any, Any]) -> Iterator[Tuple[int, int, FrozenSet[int], bool]]:
         """Yield the arrows of a robot with room in ``held`` that comes to the crossings ``ahead``, as a Traveller."""
         blocks = self._rules.blocks
         seen = dict.fromkeys(held, ())  # {area: those in which the robot asked for room when it came in}
         for number, crossing in enumerate(ahead):
             enters = [area for area in crossing.enters if area not in held]
-            wanted = list(enters)
+            wanted: Any = list(enters)
             if enters and blocks > 1:
                 wanted += [area for area in needs_of(ahead[number:], held)
                            if area not in held and area not in enters][:max(0, blocks - len(enters))]
@@ -171,7 +186,8 @@ class Areas:
                 held.pop(area, None)
 
 
-def _pairs(world, drivers, takes_all):
+def _pairs(world: World, drivers: Drivers,
+           takes_all: bool) -> Iterator[Tuple[Tuple[float, float], Tuple[float, float]]]:
     """Yield the ends ((x, y), (x, y)) of ways that together show all arrows between nodes, starts and targets.
 
     With lanes alone, ways over two lanes are enough, because each part of a longer way is a way of the planner, too,
@@ -185,7 +201,7 @@ def _pairs(world, drivers, takes_all):
         yield from ((begin, end) for begin in ends for end in ends if begin != end)
         return
     if drivers.lanes is not None and drivers.lanes.has_capacities:
-        after = {}
+        after: Dict[Any, Any] = {}
         for edge in drivers.lanes.edges:
             for begin, end in [(edge.begin, edge.end)] + [(edge.end, edge.begin)] * (not edge.one_way):
                 after.setdefault(begin, []).append(end)
@@ -199,12 +215,12 @@ def _pairs(world, drivers, takes_all):
                              if node != other))
 
 
-def _parts(arrows):
+def _parts(arrows: nx.DiGraph) -> List[List[int]]:
     """Return the sets of areas that circles connect, each sorted, in the order of their first areas."""
     return sorted(sorted(part) for part in networkx.strongly_connected_components(arrows) if len(part) > 1)
 
 
-def _least_circle(world, areas, arrows, part):
+def _least_circle(world: World, areas: Areas, arrows: nx.DiGraph, part: Sequence[int]) -> Iterator[Finding]:
     """Yield the Finding of the least circle in a part, if there are enough robots for it, and no guard."""
     graph = arrows.subgraph(part)
     best, circle = len(world.starts) + 1, None
@@ -241,11 +257,11 @@ def _least_circle(world, areas, arrows, part):
         tuple(areas.way(one) for one in circle))
 
 
-def _sum(areas, circle):
+def _sum(areas: Areas, circle: Sequence[int]) -> int:
     return sum(areas.capacity(number) for number in circle)
 
 
-def _is_possible(areas, graph, circle):
+def _is_possible(areas: Areas, graph: nx.DiGraph, circle: Any) -> bool:
     """Return whether a circle can fill: its last robot is let in, and no guard keeps out robots that it needs."""
     if not any(graph.edges[one, other]['late'] for one, other in zip(circle, circle[1:] + circle[:1])):
         return False
@@ -254,7 +270,7 @@ def _is_possible(areas, graph, circle):
     return all(areas.capacity(guard) >= _sum(areas, circle) for guard in sorted(guards))
 
 
-def _any_circle(areas, graph, most):
+def _any_circle(areas: Areas, graph: nx.DiGraph, most: int) -> Tuple[None, bool]:
     """Return (a circle that can fill with ``most`` robots, or None; whether there were too many circles to try)."""
     for number, circle in enumerate(networkx.simple_cycles(graph)):
         if number == _MOST_CIRCLES:

@@ -1,5 +1,8 @@
 """Check charge: chargers that robots cannot reach with their first charge, and places too far from any charger."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.energy.consumption import LegEnergy
@@ -7,10 +10,15 @@ from move_base_abstract.energy.consumption import LegEnergy
 from .findings import Finding, listed
 from .ways import MOST_WAYS, leg_between
 
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+
+    from .world import Drivers, Start, Target, World
+
 _ADVICE = 'start with more (battery_start), take a larger battery (battery_capacity), or add a charger that is nearer'
 
 
-def check_charge(world):
+def check_charge(world: World) -> Iterator[Finding]:
     """Yield a :class:`.Finding` for each charger, robot and place with such a problem, by the batteries' formula."""
     chargers = [target for target in world.targets if target.what == 'charger']
     places = [target for target in world.targets if target.what == 'place']
@@ -33,21 +41,23 @@ def check_charge(world):
         yield from _of_place(place, chargers, groups)
 
 
-def energy_between(drivers, begin, goal):
+def energy_between(drivers: Drivers, begin: Pose2D, goal: Pose2D) -> Optional[float]:
     """Return the energy [J] that a robot of ``drivers`` needs from ``begin`` to ``goal`` (Pose2D); None: no way."""
-    leg, battery = leg_between(drivers, begin, goal), drivers.settings.battery
+    battery: Any = drivers.settings.battery  # these robots have one
+    leg = leg_between(drivers, begin, goal)
     if leg is None:
         return None
     return (LegEnergy(leg, battery.mechanics).until(leg.arrive_ns)
             + battery.ambient_power * (leg.arrive_ns - leg.depart_ns) / NS_PER_S)
 
 
-def _charge(start):
-    battery = start.spec.settings.battery
-    return battery.start * battery.energy
+def _charge(start: Start) -> float:
+    battery: Any = start.spec.settings.battery
+    return float(battery.start * battery.energy)
 
 
-def _of_charger(charger, starts, needs):
+def _of_charger(charger: Target, starts: Sequence[Tuple[Drivers, Start]],
+                needs: Sequence[Optional[float]]) -> Iterator[Finding]:
     known = [(need - _charge(start), need, start) for (_, start), need in zip(starts, needs) if need is not None]
     if known and all(missing > 0.0 for missing, _, _ in known):
         _, need, start = min(known, key=lambda one: one[0])
@@ -56,7 +66,7 @@ def _of_charger(charger, starts, needs):
                           start.spec.name, need / 1e3, _charge(start) / 1e3), charger.where, _ADVICE, (charger.xy,))
 
 
-def _of_robot(start, needs):
+def _of_robot(start: Start, needs: Any) -> Iterator[Finding]:
     known = [need for need in needs if need is not None]
     if not known:
         yield Finding('out_of_charge', start.spec.name, 'no way leads from its start to any charger', start.where,
@@ -67,16 +77,18 @@ def _of_robot(start, needs):
                       start.where, _ADVICE, (start.xy,))
 
 
-def _of_place(place, chargers, groups):
+def _of_place(place: Target, chargers: Sequence[Target], groups: Sequence[Drivers]) -> Iterator[Finding]:
     """Yield the Finding of a place if a full battery is not enough from the nearest charger to it and on to one."""
-    short, worst = [], None
+    short: List[str] = []
+    worst = 0.0
     for drivers in groups:
+        battery: Any = drivers.settings.battery
         there = [energy_between(drivers, charger.pose, place.pose) for charger in chargers]
         back = [energy_between(drivers, place.pose, charger.pose) for charger in chargers]
-        trips = [min((need for need in one if need is not None), default=None) for one in (there, back)]
-        if None not in trips and sum(trips) > drivers.settings.battery.energy:
+        trips: Any = [min((need for need in one if need is not None), default=None) for one in (there, back)]
+        if None not in trips and sum(trips) > battery.energy:
             short += [start.spec.name for start in drivers.starts]
-            worst = worst or sum(trips) / drivers.settings.battery.energy
+            worst = worst or sum(trips) / battery.energy
     if short:
         yield Finding('out_of_charge', 'place {}'.format(place.name), 'from the nearest charger and on to one takes '
                       '{:.2f} of a full battery ({})'.format(worst, listed(short, 3)), place.where,

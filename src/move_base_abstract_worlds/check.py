@@ -1,5 +1,8 @@
 """All checks of a scenario."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, List
 
 from .capacity_check import check_capacities
 from .charge_check import check_charge
@@ -8,12 +11,15 @@ from .ground_check import check_ground
 from .net_check import check_net
 from .range_check import check_range
 
+if TYPE_CHECKING:
+    from .world import World
+
 _CHECKS = (check_ground, check_net, check_charge, check_capacities, check_range)
 
 
-def findings_of(world):
+def findings_of(world: World) -> List[Finding]:
     """Return all findings in a :class:`.World`: [:class:`.Finding`, ...] in the order of KINDS."""
-    findings = []
+    findings: List[Any] = []
     for check in _CHECKS:
         try:
             findings += check(world)

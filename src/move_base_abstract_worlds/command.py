@@ -6,11 +6,14 @@
 Exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written, or the arguments are
 wrong.
 """
+from __future__ import annotations
+
 import argparse
 import json
 import os
 import sys
 from itertools import groupby
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
@@ -19,15 +22,20 @@ from move_base_abstract.common.shown import shown
 from .findings import KINDS
 from .sites import KINDS as KINDS_OF_SITES, make_site
 
+if TYPE_CHECKING:
+    from .findings import Finding
+    from .sites import Size
+    from .world import World
+
 _FORMAT = '{"format": "move_base_abstract scenario check 1",\n'
 _MOST_OF_A_KIND = 20  # in the terminal; the JSON has all
 
 
-def main(words=None):
+def main(words: Optional[Sequence[str]] = None) -> None:
     """Run the command with these arguments (default: those of the shell); exit with its code."""
     options = _parse(words)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # names may contain characters that a terminal cannot show
+        stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]  # names may contain characters that a terminal cannot show
     try:
         code = options.run(options)
     except SimulatorError as error:
@@ -36,7 +44,7 @@ def main(words=None):
     sys.exit(code)
 
 
-def _parse(words):
+def _parse(words: Any) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='scenario', description='Check a scenario before it runs, or make one from sizes.',
         epilog='exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written')
@@ -56,7 +64,7 @@ def _parse(words):
     return parser.parse_args(words)
 
 
-def _add_make(commands):
+def _add_make(commands: Any) -> None:
     make = commands.add_parser('make', help='make a scenario from sizes', description='Make a scenario from sizes: '
                                'net of '
                                'lanes, places, chargers, map. The same sizes give the same files.')
@@ -71,9 +79,9 @@ def _add_make(commands):
         one.set_defaults(run=_make, kind=kind)
 
 
-def _whole(size):
+def _whole(size: Size) -> Callable[..., Any]:
     """Return the type of an argument for argparse: a whole number within the bounds of a Size."""
-    def convert(text):
+    def convert(text: str) -> int:
         if not text.isdecimal() or not size.least <= int(text[:20]) <= size.most:
             raise argparse.ArgumentTypeError('got {}; allowed: a whole number in {}..{}'.format(
                 shown(text), size.least, size.most))
@@ -81,7 +89,7 @@ def _whole(size):
     return convert
 
 
-def _make(options):
+def _make(options: argparse.Namespace) -> int:
     from .layout import write_site  # numpy takes a while to import
     _, sizes, defaults = KINDS_OF_SITES[options.kind]
     values = {size.name: getattr(options, size.name) for size in sizes}
@@ -95,7 +103,7 @@ def _make(options):
     return 0
 
 
-def _check(options):
+def _check(options: argparse.Namespace) -> int:
     from .check import findings_of  # numpy and networkx take a while to import
     from .world import read_world
     world = read_world(options.scenario, options.map)
@@ -114,7 +122,7 @@ def _check(options):
     return 1 if findings else 0
 
 
-def _tell(world, findings):
+def _tell(world: World, findings: Sequence[Finding]) -> None:
     print('{}: {} robots, {} zones, {} places, {} nodes; map: {}'.format(
         world.path, len(world.starts), len(world.scenario.zones), len(world.scenario.places or ()),
         sum(len(net.nodes) for net in world.nets.values()), world.map_path or 'none'))
@@ -130,7 +138,7 @@ def _tell(world, findings):
     print('\n{}'.format('{} finding{}'.format(len(findings), plural) if findings else 'nothing found'))
 
 
-def _json_text(world, findings):
+def _json_text(world: World, findings: Sequence[Finding]) -> str:
     """Return the findings as JSON text. Its first line names the format."""
     content = {'scenario': world.path, 'map': world.map_path, 'findings': [one.record() for one in findings]}
     return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'

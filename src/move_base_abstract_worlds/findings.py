@@ -1,5 +1,7 @@
 """The findings in a scenario, in the words that the user reads."""
-from typing import NamedTuple, Tuple
+from __future__ import annotations
+
+from typing import List, NamedTuple, Sequence, Tuple
 
 #: the kinds of findings, in the order in which they are shown: (kind, headline)
 KINDS = (
@@ -43,13 +45,13 @@ class Finding(NamedTuple):
                 'points': [list(point) for point in self.points]}
 
 
-def in_order(findings):
+def in_order(findings: Sequence[Finding]) -> List[Finding]:
     """Return ``findings`` sorted by kind; those of one kind keep their order."""
     order = [kind for kind, _ in KINDS]
     return sorted(findings, key=lambda one: order.index(one.kind))
 
 
-def listed(names, most=5):
+def listed(names: Sequence[str], most: int = 5) -> str:
     """Return the first ``most`` names as a text: 'a, b and 3 more'."""
     names = list(names)
     if len(names) <= most:

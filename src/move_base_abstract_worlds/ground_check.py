@@ -1,5 +1,8 @@
 """Check where robots, places and lanes are: not in walls, out of bounds, on one another, or where no way leads."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Sequence
 
 from move_base_abstract.maps.way_clearance import way_clearance
 
@@ -7,8 +10,13 @@ from .findings import Finding, listed
 from .net_check import node_place
 from .ways import MOST_WAYS, alike
 
+if TYPE_CHECKING:
+    from move_base_abstract.maps.lane_map import LaneMap
 
-def check_ground(world):
+    from .world import Target, World
+
+
+def check_ground(world: World) -> Iterator[Finding]:
     """Yield the findings about starts, targets and nets of lanes: against the map, the bounds and one another."""
     if world.occupancy is None and any(drivers.planner is None for drivers in world.drivers):
         yield Finding('not_checked', 'map', 'robots have routes: grid, and there is no map: their ways were not looked '
@@ -20,7 +28,7 @@ def check_ground(world):
         yield from _net_in_walls(world, net)
 
 
-def _starts_in_walls(world):
+def _starts_in_walls(world: World) -> Iterator[Finding]:
     for start in world.starts:
         settings = start.spec.settings
         if not settings.bounds.contains(settings.start):
@@ -39,11 +47,11 @@ def _starts_in_walls(world):
                       (start.xy,))
 
 
-def _overlaps(world):
+def _overlaps(world: World) -> Iterator[Finding]:
     """Yield a Finding for each robot whose circle overlaps that of a robot before it; it names the first such one."""
     widest = max((start.radius for start in world.starts), default=0.0)
     side = 2.0 * widest or 1.0
-    cells = {}
+    cells: Dict[Any, Any] = {}
     for start in world.starts:
         x, y = start.xy
         column, row = x // side, y // side
@@ -58,7 +66,7 @@ def _overlaps(world):
             cells.setdefault((column, row), []).append(start)
 
 
-def _targets(world):
+def _targets(world: World) -> Iterator[Finding]:
     """Yield a Finding for each target that is refused, or to which no way leads from some starts."""
     batteries = any(start.spec.settings.battery is not None for start in world.starts)
     targets = [target for target in world.targets if target.what != 'charger' or batteries]
@@ -69,7 +77,9 @@ def _targets(world):
             'check a scenario with fewer robots')
         return
     for target in targets:
-        refused, lost, whys = [], [], []
+        refused: List[Any] = []
+        lost: List[Any] = []
+        whys: List[Any] = []
         for drivers, starts in groups:
             begin, planner = starts[0].spec.settings.start, drivers.planner
             if planner is not None and planner.corners(begin, target.pose) is None:
@@ -81,7 +91,7 @@ def _targets(world):
                              whys[0])
 
 
-def _of_target(target, kind, names, count, why):
+def _of_target(target: Target, kind: str, names: Sequence[str], count: int, why: str) -> Finding:
     who = 'all robots' if len(names) == count else '{} of {} robots ({})'.format(len(names), count, listed(names, 3))
     advice = 'put it where it is free, and within world_bounds' if kind == 'place_in_wall' else (
         'add the lanes, or the gap in the wall, that are missing, or put it elsewhere')
@@ -89,7 +99,7 @@ def _of_target(target, kind, names, count, why):
                    target.where, advice, (target.xy,))
 
 
-def _net_in_walls(world, net):
+def _net_in_walls(world: World, net: LaneMap) -> Iterator[Finding]:
     radius = max(start.radius for drivers in world.drivers_on(net) for start in drivers.starts)
     if world.occupancy is None:
         return

@@ -1,12 +1,18 @@
 """Lay out a site (nodes, lanes, places, zones, starts, walls), and write the files of its scenario."""
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence
 
 import numpy as np
 import yaml
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    import random
 
 FOLDER = own_files.FolderKind('scenario', ['scenario.yaml', 'lanes.yaml', 'map.yaml', 'map.pgm', 'orders.csv'])
 #: the settings of the dispatcher that assigns the orders of a site
@@ -30,28 +36,29 @@ class Site:
     walls: list = field(default_factory=list)
     orders: list = field(default_factory=list)  # (arrival [s], name of a place, or (place to load, place to unload))
 
-    def lane(self, begin, end, one_way=True, capacity=None):
+    def lane(self, begin: str, end: str, one_way: bool = True, capacity: Optional[int] = None) -> None:
         """Add a lane from node to node."""
         self.edges.append({'from': begin, 'to': end, **({'one_way': True} if one_way else {}),
                            **({'capacity': capacity} if capacity else {})})
 
-    def place(self, name, node, **work):
+    def place(self, name: str, node: str, **work: float) -> None:
         """Add a place at a node; ``work``: further keys of the place."""
         x, y = self.nodes[node]
         self.places.append({'name': name, 'x': x, 'y': y, **work})
 
-    def charger(self, name, x, y, half=0.8):
+    def charger(self, name: str, x: float, y: float, half: float = 0.8) -> None:
         """Add a charger with room for one robot, and a node in its middle. ``half``: half of its side [m]."""
         self.nodes[name] = x, y
         self.zones.append({'name': name, 'rectangle': [x - half, y - half, x + half, y + half], 'capacity': 1,
                            'charger': True})
 
     @property
-    def goes_to_and_fro(self):
+    def goes_to_and_fro(self) -> bool:
         """Whether its orders have two stops, so that it needs a dispatcher."""
         return bool(self.orders) and not isinstance(self.orders[0][1], str)
 
-    def draw_orders(self, count, seconds, names, ends, dice):
+    def draw_orders(self, count: int, seconds: float, names: Sequence[str], ends: Sequence[str],
+                    dice: random.Random) -> None:
         """Draw ``count`` orders that arrive within ``seconds``, each for one of the places ``names``.
 
         ``dice``: a Random. ``ends``: the places to which goods are brought from there; if there are
@@ -64,7 +71,7 @@ class Site:
                        for instant, place, target in zip(instants, places, targets)]
 
 
-def write_site(site, robots, defaults, words, folder):
+def write_site(site: Site, robots: int, defaults: Mapping[str, float], words: str, folder: str) -> None:
     """Write the files of a scenario into a ``folder``.
 
     ``robots``: their number; ``defaults``: their settings; ``words``: the command, for a comment in the files.
@@ -99,11 +106,11 @@ def write_site(site, robots, defaults, words, folder):
         os.close(marker)
 
 
-def _yaml(value):
+def _yaml(value: Mapping[str, Any]) -> str:
     return yaml.safe_dump(_rounded(value), sort_keys=False, default_flow_style=None, width=120)
 
 
-def _rounded(value):
+def _rounded(value: Any) -> Any:
     """Return ``value`` with numbers rounded to the millimetre, and lists instead of tuples."""
     if isinstance(value, float):
         return round(value, 3)
@@ -112,7 +119,7 @@ def _rounded(value):
     return [_rounded(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
-def _write_map(folder, head, site):
+def _write_map(folder: str, head: str, site: Site) -> None:
     left, low, right, high = site.box
     resolution = 0.1 * 2 ** max(0, int(np.ceil(np.log2(max(right - left, high - low) / 0.1 / _MOST_CELLS))))
     columns, rows = (int(round(side / resolution)) for side in (right - left, high - low))
@@ -129,6 +136,6 @@ def _write_map(folder, head, site):
         'free_thresh': 0.196}))
 
 
-def _write(folder, name, text):
+def _write(folder: str, name: str, text: str) -> None:
     with own_files.whole_file(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
         stream.write(text)

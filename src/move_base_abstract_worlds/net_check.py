@@ -1,14 +1,25 @@
 """Check the net of lanes: nodes that no robot reaches, dead ends, and targets off the net."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Iterator
 
 import networkx
 
-from move_base_abstract.maps.lane_planner import NEAR, LaneWays
+from move_base_abstract.maps.lane_map import NEAR
+from move_base_abstract.maps.lane_planner import LaneWays
 
 from .findings import Finding, listed
 
+if TYPE_CHECKING:
+    import networkx as nx
 
-def check_net(world):
+    from move_base_abstract.maps.lane_map import LaneMap
+
+    from .world import World
+
+
+def check_net(world: World) -> Iterator[Finding]:
     """Yield the findings (:class:`.Finding`) about all nets of lanes."""
     for net in world.nets.values():
         graph = graph_of(net)
@@ -17,7 +28,7 @@ def check_net(world):
         yield from _off_net(world, net)
 
 
-def graph_of(net):
+def graph_of(net: LaneMap) -> nx.DiGraph:
     """Return the directed graph of a LaneMap: one edge for each direction in which a lane may be driven."""
     graph = networkx.DiGraph()
     graph.add_nodes_from(net.nodes)
@@ -28,17 +39,17 @@ def graph_of(net):
     return graph
 
 
-def node_place(net, name):
+def node_place(net: LaneMap, name: str) -> str:
     """Return where a node is defined, as a text: the file and the place in it."""
     return '{}: nodes[{}]'.format(os.path.basename(net.source), list(net.nodes).index(name))
 
 
-def _dead_ends(net, graph):
+def _dead_ends(net: LaneMap, graph: nx.DiGraph) -> Iterator[Finding]:
     """Yield a Finding for each part of the net that robots can enter and never leave.
 
     Such a part is a strongly connected component without a lane that leads out of it.
     """
-    order = {name: number for number, name in enumerate(net.nodes)}
+    order: Any = {name: number for number, name in enumerate(net.nodes)}
     parts = networkx.condensation(graph)
     sinks = [sorted(parts.nodes[part]['members'], key=order.get) for part in parts
              if not parts.out_degree(part) and parts.in_degree(part)]
@@ -51,10 +62,10 @@ def _dead_ends(net, graph):
                       'two-way', points)
 
 
-def _unreachable(world, net, graph):
+def _unreachable(world: World, net: LaneMap, graph: nx.DiGraph) -> Iterator[Finding]:
     """Yield a Finding for each node to which no lanes lead from the start of some robot."""
     reached = dict.fromkeys(net.nodes, 0)
-    without = {name: [] for name in net.nodes}
+    without: Any = {name: [] for name in net.nodes}
     known = {}
     starts = [(drivers, start) for drivers in world.drivers_on(net) for start in drivers.starts]
     for drivers, start in starts:
@@ -76,7 +87,7 @@ def _unreachable(world, net, graph):
                           ((net.nodes[name].x, net.nodes[name].y),))
 
 
-def _off_net(world, net):
+def _off_net(world: World, net: LaneMap) -> Iterator[Finding]:
     """Yield a Finding for each target off the net: robots go straight to it from the nearest node, through anything."""
     ways = LaneWays.on(net, world.drivers_on(net)[0].settings.limits.max_speed)
     for target in world.targets:

@@ -1,9 +1,18 @@
 """Draw a scenario: map, lanes with their direction, zones, places, chargers, starts; and the findings in red."""
+from __future__ import annotations
+
 import math
 import textwrap
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from move_base_abstract.maps.lane_map import LaneMap
+
+    from .findings import Finding
+    from .world import Start, World
 
 _SOFTWARE = 'move_base_abstract scenario'
 _SIZE = 10.0  # inches; the longer side
@@ -15,7 +24,7 @@ _KEY = ('orange: starts; black squares: places; green: chargers; blue: zones and
 _RED, _GREEN, _BLUE, _DARK = '#d62728', '#2ca02c', '#1f77b4', '#333333'
 
 
-def write_picture(world, findings, path):
+def write_picture(world: World, findings: Sequence[Finding], path: str) -> None:
     """Write the PNG file ``path`` with the :class:`.World` and the findings in it.
 
     Only a picture that this program has made is replaced.
@@ -46,12 +55,12 @@ def write_picture(world, findings, path):
         figure.savefig(stream, format='png', metadata={'Software': _SOFTWARE})
 
 
-def _is_own(path):
+def _is_own(path: str) -> bool:
     with open(path, 'rb') as stream:
         return _SOFTWARE.encode() in stream.read(1000)
 
 
-def _box(world):
+def _box(world: World) -> Tuple[float, float, float, float]:
     """Return (x_min, y_min, x_max, y_max) [m] around everything that is drawn, with a margin."""
     points = [start.xy for start in world.starts] + [target.xy for target in world.targets]
     points += [(pose.x, pose.y) for net in world.nets.values() for pose in net.nodes.values()]
@@ -65,14 +74,14 @@ def _box(world):
     return min(xs) - margin, min(ys) - margin, max(xs) + margin, max(ys) + margin
 
 
-def _size(box):
+def _size(box: Tuple[float, float, float, float]) -> Tuple[float, float]:
     """Return (width, height) of the picture [inches]."""
     wide, high = box[2] - box[0], box[3] - box[1]
     scale = _SIZE / max(wide, high)
     return max(6.0, wide * scale), min(_SIZE, max(3.0, high * scale))
 
 
-def _lines(findings, width):
+def _lines(findings: Sequence[Finding], width: float) -> List[Tuple[str, str]]:
     """Return the lines below the picture: [(text, colour), ...]."""
     if not findings:
         return [('nothing found', _GREEN)]
@@ -83,12 +92,12 @@ def _lines(findings, width):
     return [(textwrap.shorten(_plain(text), int(17 * width), placeholder=' ...'), colour) for text, colour in lines]
 
 
-def _plain(text):
+def _plain(text: str) -> str:
     """Return ``text`` so that matplotlib does not take parts of it for mathematics."""
     return text.replace('$', r'\$')
 
 
-def _draw(axes, world, findings):
+def _draw(axes: Any, world: World, findings: Sequence[Finding]) -> None:
     if world.occupancy is not None:
         _draw_map(axes, world.occupancy)
     for zone in world.scenario.zones:
@@ -101,7 +110,7 @@ def _draw(axes, world, findings):
     _draw_findings(axes, findings)
 
 
-def _draw_map(axes, occupancy):
+def _draw_map(axes: Any, occupancy: Any) -> None:
     import numpy as np
     from matplotlib.transforms import Affine2D
     shades = np.full(occupancy.cells.shape, 1.0)
@@ -113,7 +122,7 @@ def _draw_map(axes, occupancy):
     image.set_transform(Affine2D().rotate(origin.yaw).translate(origin.x, origin.y) + axes.transData)
 
 
-def _draw_net(axes, net):
+def _draw_net(axes: Any, net: LaneMap) -> None:
     for edge in net.edges:
         limited = edge.capacity is not None
         axes.plot(*zip(*edge.points), color=_BLUE if limited else '#777777', linewidth=1.0, zorder=2)
@@ -130,12 +139,12 @@ def _draw_net(axes, net):
             _write(axes, name, pose.x, pose.y, '#777777', 5)
 
 
-def _middle_piece(points):
+def _middle_piece(points: Any) -> Tuple[Tuple[float, float], Tuple[float, float]]:
     """Return the longest straight piece of a lane."""
     return max(zip(points, points[1:]), key=lambda piece: math.dist(*piece))
 
 
-def _draw_targets(axes, world):
+def _draw_targets(axes: Any, world: World) -> None:
     shapes = {'place': ('s', _DARK), 'charger': ('P', _GREEN), 'goal': ('x', '#777777')}
     for what, (shape, colour) in shapes.items():
         targets = [target for target in world.targets if target.what == what]
@@ -148,7 +157,7 @@ def _draw_targets(axes, world):
                 _write(axes, target.name, *target.xy, colour, 6)
 
 
-def _draw_starts(axes, starts):
+def _draw_starts(axes: Any, starts: Sequence[Start]) -> None:
     for start in starts:
         yaw = math.degrees(start.spec.settings.start.yaw) - 90.0
         axes.plot(*start.xy, marker=(3, 0, yaw), color='#ff7f0e', markersize=5, zorder=5)
@@ -157,8 +166,8 @@ def _draw_starts(axes, starts):
             _write(axes, start.spec.name, *start.xy, '#b35900', 6)
 
 
-def _draw_findings(axes, findings):
-    numbers = {}  # {place: numbers of the findings there}
+def _draw_findings(axes: Any, findings: Sequence[Finding]) -> None:
+    numbers: Dict[Any, Any] = {}  # {place: numbers of the findings there}
     for number, one in enumerate(findings, 1):
         for way in one.ways:
             axes.plot(*zip(*way), color=_RED, linewidth=2.0, alpha=0.7, zorder=6)
@@ -172,11 +181,11 @@ def _draw_findings(axes, findings):
                       color=_RED, fontweight='bold', zorder=8)
 
 
-def _centre(way):
+def _centre(way: Any) -> Any:
     (ax, ay), (bx, by) = _middle_piece(way)
     return (ax + bx) / 2.0, (ay + by) / 2.0
 
 
-def _write(axes, text, x, y, colour, size):
+def _write(axes: Any, text: str, x: float, y: float, colour: str, size: int) -> None:
     axes.annotate(_plain(text), (x, y), (3, 3), textcoords='offset points', fontsize=size, color=colour, zorder=8,
                   clip_on=True)

@@ -1,11 +1,20 @@
 """Check for goals beyond what a calibration was fitted to: too far, too near, with too large a turn, too narrow."""
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Iterator, Sequence, Tuple
 
 from .findings import Finding
 from .ways import MOST_WAYS, leg_between
 
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.motion.recorded_range import Recorded
 
-def check_range(world):
+    from .world import Drivers, Target, World
+
+
+def check_range(world: World) -> Iterator[Finding]:
     """Yield a :class:`.Finding` for each target to which some legs from starts or other targets are beyond."""
     for drivers in world.drivers:
         recorded = getattr(drivers.settings.durations, 'recorded', None)
@@ -21,7 +30,8 @@ def check_range(world):
             yield from _of_target(drivers, recorded, begins, target)
 
 
-def _of_target(drivers, recorded, begins, target):
+def _of_target(drivers: Drivers, recorded: Recorded, begins: Sequence[Tuple[str, Pose2D]],
+               target: Target) -> Iterator[Finding]:
     found, count = '', 0
     for name, pose in begins:
         leg = None if pose is target.pose else leg_between(drivers, pose, target.pose)

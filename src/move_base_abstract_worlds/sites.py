@@ -1,6 +1,8 @@
 """Make sites from sizes: a warehouse, a field, a ward. The same sizes and seed give the same files, to the byte."""
+from __future__ import annotations
+
 import random
-from typing import NamedTuple
+from typing import Iterator, List, Mapping, NamedTuple, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -37,7 +39,7 @@ KINDS = {
         {'max_speed': 1.0, 'acceleration': 0.5, 'robot_radius': 0.3, 'battery_capacity': 24.0})}
 
 
-def make_site(kind, sizes):
+def make_site(kind: str, sizes: Mapping[str, int]) -> Site:
     """Return the :class:`.Site` of a ``kind`` (one of KINDS) with ``sizes``, {name: number}.
 
     :raises ConfigurationError: if the sizes do not fit one another.
@@ -51,7 +53,7 @@ def make_site(kind, sizes):
 _APART, _BAY, _ASIDE = 4.0, 3.0, 4.0  # m; distances of aisles, of bays in an aisle, of stations from the cross aisle
 
 
-def _warehouse(sizes):
+def _warehouse(sizes: Mapping[str, int]) -> Tuple[Site, List[str]]:
     """Lay out a warehouse, and return it with the places of orders.
 
     Aisles go up and down in turn, the last one down. The front lane leads west, the back lane east, so that robots can
@@ -91,11 +93,11 @@ def _warehouse(sizes):
     return _with_bays(site, aisles, bays)
 
 
-def _bay(aisle, bay):
+def _bay(aisle: int, bay: int) -> str:
     return 'bay_{}_{}'.format(aisle + 1, bay + 1)
 
 
-def _with_bays(site, aisles, bays):
+def _with_bays(site: Site, aisles: int, bays: int) -> Tuple[Site, List[str]]:
     """Add the places between the shelves, and the starts: first at bays, then between two bays of an aisle."""
     names = [_bay(aisle, bay) for aisle in range(aisles) for bay in range(1, bays - 1)]
     for name in names:
@@ -106,12 +108,12 @@ def _with_bays(site, aisles, bays):
     return site, names
 
 
-def _spread(count, most):
+def _spread(count: int, most: int) -> Iterator[Tuple[int, int]]:
     """Yield (number from 1 on, place in 1..most) for ``count`` things that are spread evenly; count <= most."""
     yield from ((number + 1, 1 + number * most // count) for number in range(count))
 
 
-def _field(sizes):
+def _field(sizes: Mapping[str, int]) -> Tuple[Site, List[str]]:
     """Lay out a field, and return it with the places of orders.
 
     Each row has a node at both headlands and one in the middle, where robots work.
@@ -137,7 +139,7 @@ def _field(sizes):
     return site, [place['name'] for place in site.places]
 
 
-def _row_of_chargers(site, node, count, y):
+def _row_of_chargers(site: Site, node: str, count: int, y: float) -> None:
     """Add chargers side by side at ``y`` [m], each with a lane of its own from ``node`` and back."""
     x = site.nodes[node][0]
     for number in range(1, count + 1):
@@ -146,7 +148,7 @@ def _row_of_chargers(site, node, count, y):
         site.lane(node, name, one_way=False)
 
 
-def _ward(sizes):
+def _ward(sizes: Mapping[str, int]) -> Tuple[Site, List[str]]:
     """Lay out a ward, and return it with the places of orders.
 
     Each door node of the corridor leads to two rooms; each room is a zone for one robot.
@@ -171,7 +173,7 @@ def _ward(sizes):
     return site, [place['name'] for place in site.places if place['name'] != 'desk']
 
 
-def _two_rooms(site, door, rooms):
+def _two_rooms(site: Site, door: int, rooms: int) -> None:
     x = 5.0 * door - 2.5
     for number, side in ((2 * door - 1, 1.0), (2 * door, -1.0)):
         low, high = sorted((side * 1.6, side * 2.0))

@@ -1,17 +1,27 @@
 """Ways and legs of robots before they drive, by the planners and laws that they will use."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List
+
 import networkx
 
-from move_base_abstract.maps.lane_planner import NEAR, LaneWays
+from move_base_abstract.maps.lane_map import NEAR
+from move_base_abstract.maps.lane_planner import LaneWays
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.motion.route import CornerLaw
 
 from .net_check import graph_of
 
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+
+    from .world import Drivers, Start
+
 #: the largest number of ways that one check computes; if there are more, it says that it was not made
 MOST_WAYS = 100_000
 
 
-def leg_between(drivers, begin, goal):
+def leg_between(drivers: Drivers, begin: Pose2D, goal: Pose2D) -> Any:
     """Return the leg of a robot of ``drivers`` from ``begin`` to ``goal`` (Pose2D), from rest to rest; None: no way.
 
     It is at full speed, as :meth:`.Robot.depart` makes it, without overhead, factors and traffic.
@@ -28,7 +38,7 @@ def leg_between(drivers, begin, goal):
         return None
 
 
-def alike(drivers):
+def alike(drivers: Drivers) -> List[List[Start]]:
     """Return the starts of ``drivers`` in groups, [[Start, ...], ...]. Those of one group reach the same places."""
     values = drivers.settings.values
     if drivers.planner is None or values['routes'] == 'none':
@@ -40,7 +50,7 @@ def alike(drivers):
     parts = {name: number for number, names in enumerate(networkx.strongly_connected_components(graph))
              for name in names}
     places = {(pose.x, pose.y) for pose in drivers.lanes.nodes.values()}
-    groups = {}
+    groups: Dict[Any, Any] = {}
     for start in drivers.starts:
         nodes = ways.meeting_nodes(start.xy)
         # A robot on a lane may have a goal ahead on it that no other robot reaches.

@@ -1,7 +1,9 @@
 """A scenario for the checks: where robots start, their planners, and where they may be sent."""
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.fleet.dispatch_world import chargers_of
@@ -12,6 +14,16 @@ from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.tasks.arrivals import Listed
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.maps.grid_planner import GridPlanner
+    from move_base_abstract.maps.lane_planner import LanePlanner
+    from move_base_abstract.maps.occupancy import OccupancyMap
+    from move_base_abstract.maps.planning import StraightLinePlanner
+    from move_base_abstract.scenario import Scenario
 
 _MAP = 'map.yaml'  # the name of the map beside a scenario, as `scenario make` writes it
 _MOST_GOALS = 2_000  # the largest number of goals from files of tasks that are checked
@@ -26,7 +38,7 @@ class Target(NamedTuple):
     where: str
 
     @property
-    def xy(self):
+    def xy(self) -> Tuple[float, float]:
         """The position (x, y) [m]."""
         return self.pose.x, self.pose.y
 
@@ -38,12 +50,12 @@ class Start(NamedTuple):
     where: str
 
     @property
-    def xy(self):
+    def xy(self) -> Tuple[float, float]:
         """The position (x, y) [m] at which the robot starts."""
         return self.spec.settings.start.x, self.spec.settings.start.y
 
     @property
-    def radius(self):
+    def radius(self) -> float:
         """The radius of the largest circle in the robot's footprint [m]."""
         return self.spec.settings.costmaps.global_footprint.inscribed_radius
 
@@ -55,7 +67,7 @@ class Drivers(NamedTuple):
     starts: Tuple[Start, ...]
 
     @property
-    def settings(self):
+    def settings(self) -> RobotSettings:
         """The settings of the first robot."""
         return self.starts[0].spec.settings
 
@@ -83,12 +95,12 @@ class World:
         """The nets of lanes on which robots drive, {path: LaneMap}."""
         return {drivers.lanes.source: drivers.lanes for drivers in self.drivers if drivers.lanes is not None}
 
-    def drivers_on(self, net) -> List[Drivers]:
+    def drivers_on(self, net: LaneMap) -> List[Drivers]:
         """Return the Drivers on a net (LaneMap)."""
         return [drivers for drivers in self.drivers if drivers.lanes is not None and drivers.lanes.source == net.source]
 
 
-def read_world(path, map_path=None):
+def read_world(path: Union[str, Path], map_path: Any = None) -> World:
     """Return the :class:`World` of a scenario.
 
     ``map_path``: the YAML file of the map; None: ``map.yaml`` beside the scenario, if there is one.
@@ -97,7 +109,7 @@ def read_world(path, map_path=None):
     """
     path = str(path)
     if map_path is None:
-        beside = os.path.join(os.path.dirname(path), _MAP)
+        beside: Any = os.path.join(os.path.dirname(path), _MAP)
         map_path = beside if os.path.isfile(beside) else None
     occupancy = None if map_path is None else load_map(read_description(map_path))
     scenario = read_scenario(path, None if occupancy is None else {'use_map': True})
@@ -105,15 +117,15 @@ def read_world(path, map_path=None):
     return World(path, scenario, map_path, occupancy, starts, _drivers(starts, occupancy), _targets(path, scenario))
 
 
-def _wheres(path):
+def _wheres(path: str) -> List[str]:
     """Return where in the file each robot is defined, in the order of the robots."""
     name = os.path.basename(path)
     return ['{}: robots[{}]'.format(name, index) for index, group in enumerate(load_yaml_file(path).get('robots') or [])
             for _ in range(group.get('count', 1))]
 
 
-def _drivers(starts, occupancy):
-    groups = {}
+def _drivers(starts: Sequence[Start], occupancy: Optional[OccupancyMap]) -> List[Drivers]:
+    groups: Dict[Any, Any] = {}
     for start in starts:
         settings = start.spec.settings
         values = settings.values
@@ -126,7 +138,8 @@ def _drivers(starts, occupancy):
     return [Drivers(_planner(group[0].spec.settings, occupancy), tuple(group)) for group in groups.values()]
 
 
-def _planner(settings, occupancy):
+def _planner(settings: RobotSettings,
+             occupancy: Optional[OccupancyMap]) -> Optional[Union[GridPlanner, LanePlanner, StraightLinePlanner]]:
     values = settings.values
     check = None
     if occupancy is not None and values['use_map']:
@@ -134,7 +147,7 @@ def _planner(settings, occupancy):
     return None if check is None and values['routes'] == 'grid' else make_planner(settings, check)
 
 
-def _targets(path, scenario):
+def _targets(path: str, scenario: Scenario) -> List[Target]:
     name = os.path.basename(path)
     places = [Target('place', place.name, place.pose, '{}: places[{}]'.format(name, index))
               for index, place in enumerate((scenario.places or {}).values())]

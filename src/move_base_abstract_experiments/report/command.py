@@ -2,17 +2,25 @@
 
 Exit codes: 0 the report is written; 1 it cannot be written; 2 wrong arguments, or the folder is not of an experiment.
 """
+from __future__ import annotations
 
 import argparse
 import importlib
 import os
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import PART, FolderKind, check_file, whole_file
 
 from . import extension, frames, notable_trials, outcome, page
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .outcome import Experiment
+    from .page import Analysis
 
 REPLAY = 'move_base_abstract_replay.page'
 NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
@@ -20,7 +28,7 @@ WAITS = 'waits'  # written only if robots waited for room
 KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in (*NAMES, WAITS)))
 
 
-def write_report(out):
+def write_report(out: Path) -> Path:
     """Write the report, tables and replays of an experiment into its folder; return the path of report.html.
 
     :raises ConfigurationError: if the folder holds no plan, or a file or folder by one of these names that a report
@@ -31,7 +39,7 @@ def write_report(out):
     return path
 
 
-def write(out, with_own=True):
+def write(out: Union[str, Path], with_own: bool = True) -> Tuple[Path, List[str]]:
     """Write the report as write_report does; return the path, and lines about parts that could not be made.
 
     :param with_own: whether to add the sections that the plan names under 'report'.
@@ -54,8 +62,8 @@ def write(out, with_own=True):
     return target, problems
 
 
-def _tables(analysis):
-    experiment = analysis.experiment
+def _tables(analysis: Analysis) -> Dict[str, pd.DataFrame]:
+    experiment: Any = analysis.experiment
     return {'trials': frames.trials(experiment), 'means': frames.means(experiment),
             **{name: frames.differences(experiment, found) for name, found in (
                 ('main_effects', analysis.mains), ('differences', analysis.singles),
@@ -64,7 +72,7 @@ def _tables(analysis):
             WAITS: frames.waits(experiment)}
 
 
-def _write_tables(folder, tables):
+def _write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
     marker = KIND.make(folder)
     try:
         for name in (*NAMES, WAITS):
@@ -75,7 +83,7 @@ def _write_tables(folder, tables):
         os.close(marker)
 
 
-def _replays(experiment):
+def _replays(experiment: Experiment) -> List[str]:
     """Write the replays of the trials worth a look, if the replay package is installed; return what went wrong."""
     metric = notable_trials.primary_metric(experiment)
     if metric is None:
@@ -87,7 +95,7 @@ def _replays(experiment):
     return notable_trials.write_replays(experiment, notable_trials.picks(experiment, metric), write_page)
 
 
-def main(words=None):
+def main(words: Optional[Sequence[str]] = None) -> int:
     """Run the command with these arguments (default: those of the shell); return the exit code."""
     parser = argparse.ArgumentParser(prog='experiment report', description='Write report.html and tables/*.csv of an '
                                      'experiment into its folder. The experiment may still be running.')

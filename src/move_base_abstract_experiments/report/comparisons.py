@@ -3,9 +3,17 @@
 The sentence has the difference, its interval and the number of pairs. The verdict is a word that these and the outcomes
 of the trials justify. What the difference leaves out, and where it is the other way round, is in the row.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, Sequence, Tuple
 
 from .design import level_label
 from .wording import NBSP, counted, digits, estimate_texts, probability, whole, with_interval
+
+if TYPE_CHECKING:
+    from .effects import Difference
+    from .outcome import Experiment
+    from .wording import Scale
 
 #: verdict: (its words, its place among the findings: 0 and 1 are results)
 VERDICTS = {
@@ -22,7 +30,7 @@ _AT_ONCE = {'constant': 'in every pair', 'fixed': 'the same in every replication
 _MOST_LISTED = 6
 
 
-def verdict_of(difference):
+def verdict_of(difference: Any) -> str:
     """Return the verdict of an effects.Difference, a key of VERDICTS."""
     estimate, smallest = difference.estimate, difference.metric.smallest
     if difference.is_cut:
@@ -40,13 +48,13 @@ def verdict_of(difference):
     return 'weak' if difference.is_hint else 'none'
 
 
-def _is_whole(difference):
+def _is_whole(difference: Difference) -> bool:
     """Return whether a difference leaves nothing out and has an interval with a width."""
     return difference.estimate.method not in _AT_ONCE and not difference.against \
         and len(difference.used) == len(difference.groups) and not any(side.lacking for side in difference.sides)
 
 
-def _of_shown(difference):
+def _of_shown(difference: Difference) -> str:
     estimate, metric = difference.estimate, difference.metric
     if difference.against:
         return 'average'
@@ -66,12 +74,12 @@ def _of_shown(difference):
 
 # ---- the sentence ------------------------------------------------------------------------------------------------
 
-def difference_scale(metric, scale):
+def difference_scale(metric: Any, scale: Scale) -> Scale:
     """Return the Scale for differences of a metric: differences of shares are in percentage points."""
     return scale._replace(unit='percentage points') if metric.is_share else scale
 
 
-def names_of(experiment, difference):
+def names_of(experiment: Any, difference: Difference) -> Any:
     """Return the labels of the two levels or configurations that are compared."""
     if difference.factor is None:
         return tuple(experiment.configurations[place].label for place in (difference.first, difference.second))
@@ -79,12 +87,12 @@ def names_of(experiment, difference):
                  for level in (difference.first, difference.second))
 
 
-def at_text(experiment, difference):
+def at_text(experiment: Experiment, difference: Difference) -> str:
     """Return the levels of the other factors that are held fixed, in words."""
     return ', '.join(level_label(experiment.factors, place, level) for place, level in difference.at)
 
 
-def sentence(experiment, difference, scale):
+def sentence(experiment: Experiment, difference: Difference, scale: Scale) -> str:
     """Return the sentence about a Difference. ``scale``: the wording.Scale of its metric."""
     first, second = names_of(experiment, difference)
     at = at_text(experiment, difference)
@@ -92,7 +100,7 @@ def sentence(experiment, difference, scale):
            f'{size_text(difference, difference_scale(difference.metric, scale))}.'
 
 
-def size_text(difference, scale, noun='pairs'):
+def size_text(difference: Difference, scale: Scale, noun: str = 'pairs') -> str:
     """Return '−12.0 s (−7.9 %; 95 % interval −12.7 to −11.2 s; 6 pairs)', or why there is no such figure."""
     estimate = difference.estimate
     if difference.is_cut:
@@ -107,7 +115,7 @@ def size_text(difference, scale, noun='pairs'):
     return f'{value}{scale.suffix} ({"; ".join(filter(None, inside))})'
 
 
-def _share_text(difference):
+def _share_text(difference: Any) -> str:
     """Return the difference in per cent of the first side, '' where that says nothing."""
     value, reference = difference.estimate.value, difference.reference
     if difference.metric.is_share or value == 0.0 or not 0.0 < reference + value <= 11.0 * reference:
@@ -115,7 +123,7 @@ def _share_text(difference):
     return f'{digits(100.0 * value / reference, 2)}{NBSP}%'
 
 
-def pairs_text(difference, noun='pairs'):
+def pairs_text(difference: Difference, noun: str = 'pairs') -> str:
     """Return '30 pairs', or if several combinations are averaged '5 to 30 pairs with each'."""
     if len(difference.used) < 2:
         return counted(difference.estimate.n, noun)
@@ -125,14 +133,14 @@ def pairs_text(difference, noun='pairs'):
     return f'{each} with each'
 
 
-def _order_text(difference):
-    order = difference.order
+def _order_text(difference: Difference) -> str:
+    order: Any = difference.order
     return f'larger in {whole(order.larger)}, smaller in {whole(order.smaller)} of {counted(order.known, "pairs")}'
 
 
 # ---- the row ------------------------------------------------------------------------------------------------------
 
-def asides(experiment, difference, scale):
+def asides(experiment: Experiment, difference: Any, scale: Scale) -> Dict[str, str]:
     """Return {one of ASIDES: text} of a Difference, of those that have something to say."""
     found = {'not in it': _left_out(experiment, difference),
              'the other way round': '; '.join(f'{groups_text(experiment, difference, [group])}: '
@@ -149,9 +157,9 @@ def asides(experiment, difference, scale):
     return {name: text for name, text in found.items() if text}
 
 
-def _left_out(experiment, difference):
+def _left_out(experiment: Experiment, difference: Difference) -> str:
     """Return the combinations of the other factors of which a difference says nothing, and why."""
-    texts = {}
+    texts: Dict[Any, Any] = {}
     for group, count, is_cut in zip(difference.groups, difference.counts, difference.cut):
         if count < difference.needed or not difference.used:
             why = 'limit of time' if is_cut else 'too few pairs' if count else 'no pairs'
@@ -161,14 +169,14 @@ def _left_out(experiment, difference):
     return '; '.join(f'{groups_text(experiment, difference, groups)} ({why})' for why, groups in texts.items())
 
 
-def _of_sides(difference, *counts):
+def _of_sides(difference: Difference, *counts: str) -> str:
     """Return '0 of 30 and 10 of 30', of the first and the second side; '' if both are 0."""
     sums = [sum(getattr(side, what) for what in counts) for side in difference.sides]
     return ' and '.join(f'{whole(count)} of {whole(side.run)}' for count, side in zip(sums, difference.sides)) \
         if any(sums) else ''
 
 
-def groups_text(experiment, difference, groups):
+def groups_text(experiment: Experiment, difference: Difference, groups: Sequence[Tuple[int, int]]) -> str:
     """Return groups of configurations in words, by the factors that are not compared."""
     varied = [place for place in range(len(experiment.factors)) if place != difference.factor
               and len({each.levels[place] for each in experiment.configurations}) > 1]

@@ -1,11 +1,15 @@
 """The design of an experiment: its factors, their levels, the configurations that they make, and what is measured."""
+from __future__ import annotations
 
 import json
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from move_base_abstract.common.shown import shown_text
+
+if TYPE_CHECKING:
+    from .outcome import Trial
 
 NO_LEVEL = 'none'
 YES_NO = 'yes/no'  # the unit of a metric that is 1 or 0 in each trial
@@ -36,10 +40,10 @@ class Metric:
     name: str
     title: str
     unit: str
-    better: object  # 'lower', 'higher' or None
+    better: Any  # 'lower', 'higher' or None
     is_share: bool = False  # yes or no in each trial, so that means are shares
     smallest: float = 0.0  # the smallest difference that counts, in the metric's unit; 0: the plan names none
-    at_limit: object = None  # what it means in a trial that the limit of time ended, see endings; None: not declared
+    at_limit: Any = None  # what it means in a trial that the limit of time ended, see endings; None: not declared
     is_primary: bool = False  # whether the experiment's file names it as the primary metric
     outcome: str = ''  # 'failed' or 'limit' if this is not a measured metric, but a way in which trials ended
 
@@ -49,7 +53,7 @@ FAILED_TRIALS = Metric('failed', 'Failed trials', YES_NO, 'lower', is_share=True
 LIMITED_TRIALS = Metric('limit', 'Trials ended by the limit of time', YES_NO, None, is_share=True, outcome='limit')
 
 
-def factors_of(plan):
+def factors_of(plan: Mapping[str, Any]) -> Tuple[Factor, ...]:
     """Return the Factors of a plan (a mapping): those that it names, then others that its trials have."""
     named = {str(name): {key_of(value): value for value in values} for name, values in plan.get('factors', {}).items()}
     for trial in plan['trials']:
@@ -58,18 +62,18 @@ def factors_of(plan):
     return tuple(_factor(name, list(levels.values())) for name, levels in named.items())
 
 
-def _factor(name, values):
+def _factor(name: str, values: Sequence[Any]) -> Factor:
     values = list({key_of(value): value for value in values}.values())
     is_numeric = bool(values) and all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in values)
     return Factor(name, words(name), tuple(map(level_text, values)), tuple(map(key_of, values)), is_numeric)
 
 
-def key_of(value):
+def key_of(value: Any) -> str:
     """Return a text that is equal for two values only if the values are equal."""
     return json.dumps(value, sort_keys=True)
 
 
-def level_text(value):
+def level_text(value: Any) -> str:
     """Return a level as the report shows it."""
     if isinstance(value, str):
         return value if value.strip() else "''"
@@ -80,12 +84,12 @@ def level_text(value):
     return json.dumps(value, ensure_ascii=False, sort_keys=True)
 
 
-def words(name):
+def words(name: str) -> str:
     """Return the name of a factor or metric as words: 'robot_count' as 'robot count'."""
     return ' '.join(str(name).replace('_', ' ').split()) or '(no name)'
 
 
-def level_label(factors, place, level):
+def level_label(factors: Sequence[Factor], place: Any, level: Any) -> str:
     """Return a level so that no level of another factor reads the same: 'auction', 'robots 4'."""
     factor = factors[place]
     text = factor.levels[level]
@@ -94,7 +98,8 @@ def level_label(factors, place, level):
     return text if is_word and not elsewhere else f'{factor.title} {text}'
 
 
-def configurations_of(factors, planned):
+def configurations_of(factors: Sequence[Factor],
+                      planned: Sequence[Dict[str, Any]]) -> Tuple[Tuple[Configuration, ...], List[int]]:
     """Return the Configurations of the plan's trials, in the order of the levels, and the place of each trial's own."""
     combinations = [tuple(_place(factor, trial.get('configuration', {})) for factor in factors) for trial in planned]
     in_order = sorted(dict.fromkeys(combinations), key=lambda levels: [-1 if each is None else each for each in levels])
@@ -104,16 +109,16 @@ def configurations_of(factors, planned):
     return configurations, [places[levels] for levels in combinations]
 
 
-def _place(factor, configuration):
+def _place(factor: Factor, configuration: Any) -> Any:
     return factor.keys.index(key_of(configuration[factor.name])) if factor.name in configuration else None
 
 
-def _label(factors, levels):
+def _label(factors: Sequence[Factor], levels: Sequence[int]) -> str:
     return ', '.join(level_label(factors, place, level) for place, level in enumerate(levels)
                      if level is not None) or 'the only configuration'
 
 
-def metrics_of(plan, trials):
+def metrics_of(plan: Mapping[str, Any], trials: Sequence[Trial]) -> Tuple[Metric, ...]:
     """Return the Metrics: the primary one, the others of the plan in its order, then those that only Trials have."""
     told = {str(name): about if isinstance(about, dict) else {} for name, about in plan.get('metrics', {}).items()}
     for trial in trials:
@@ -132,7 +137,7 @@ def metrics_of(plan, trials):
     return tuple(sorted(found, key=lambda metric: not metric.is_primary))
 
 
-def unknown_names(plan, factors, metrics):
+def unknown_names(plan: Mapping[str, Any], factors: Sequence[Factor], metrics: Sequence[Metric]) -> List[str]:
     """Return a line for each metric or baseline level that a plan names and no trial has."""
     names = [metric.name for metric in metrics]
     asked = [('primary', plan['primary'])] if plan.get('primary') else []
@@ -145,7 +150,7 @@ def unknown_names(plan, factors, metrics):
     return lines
 
 
-def baseline_of(plan, factor):
+def baseline_of(plan: Mapping[str, Any], factor: Factor) -> Any:
     """Return the place of the level of a Factor that the plan names as the baseline, or None."""
     key = key_of((plan.get('baseline') or {}).get(factor.name))
     return factor.keys.index(key) if factor.name in (plan.get('baseline') or {}) and key in factor.keys else None

@@ -4,16 +4,22 @@ Replication k has the same seed in every configuration (common random numbers), 
 replication. In a mean over several combinations of the other factors, each combination has the same weight, however
 many values it has. So trials that failed, or fewer replications, shift no weight from one combination to another.
 """
+from __future__ import annotations
 
 import itertools
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, AbstractSet, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import endings, intervals, orders
 from .intervals import NOTHING, Estimate
 from .outcome import COMPLETE, FAILED
+
+if TYPE_CHECKING:
+    from .design import Configuration, Factor, Metric
+    from .intervals import Comparison
+    from .outcome import Experiment
 
 MAX_INTERACTION_LEVELS = 3  # if a factor has more levels, only its first and its last are compared
 ALL_PAIRS = 12  # up to so many configurations are all compared with one another if no two differ in one factor only
@@ -28,7 +34,7 @@ class Side(NamedTuple):
     cut: int  # ended by the limit of time, so that the value is at best a bound
 
     @property
-    def lacking(self):
+    def lacking(self) -> float:
         """The share of trials that have no value."""
         return (self.failed + self.without) / self.run if self.run else 0.0
 
@@ -36,10 +42,10 @@ class Side(NamedTuple):
 class Difference(NamedTuple):
     """The difference of one metric between two levels or configurations, second minus first."""
 
-    metric: object  # design.Metric
-    factor: object  # the place of the factor whose levels are compared; None: whole configurations are compared
-    first: object  # the place of the level, or of the configuration
-    second: object
+    metric: Any  # design.Metric
+    factor: Any  # the place of the factor whose levels are compared; None: whole configurations are compared
+    first: Any  # the place of the level, or of the configuration
+    second: Any
     at: tuple  # the levels that are held fixed: pairs (place of a factor, place of a level)
     estimate: Estimate
     p: float
@@ -48,49 +54,49 @@ class Difference(NamedTuple):
     groups: tuple  # the configurations compared, as tuples of places; one for each combination of the other factors
     counts: tuple  # per group: the number of replications with values on all sides; 0 if values are cut off
     cut: tuple  # per group: whether the limit of time cut values off, so that they are at best bounds
-    median: object  # the Estimate of the median difference if the differences are skewed, otherwise None
+    median: Any  # the Estimate of the median difference if the differences are skewed, otherwise None
     sides: tuple = ()  # the Sides, first and second
     against: tuple = ()  # (group, Estimate) of the groups in which the difference has the opposite sign
-    order: object = None  # the orders.Order if there is no mean and values are lower bounds; p is then of its test
+    order: Any = None  # the orders.Order if there is no mean and values are lower bounds; p is then of its test
     is_everywhere: bool = False  # whether each pair, also of groups that are not used, has the sign of the mean
 
     @property
-    def needed(self):
+    def needed(self) -> int:
         """The number of values that a group must have to count: 2 for an interval; 1 if no group has two."""
         return 2 if max(self.counts, default=0) >= 2 else 1
 
     @property
-    def used(self):
+    def used(self) -> Tuple[Tuple[int, ...], ...]:
         """The groups that are averaged over."""
         return tuple(group for group, count in zip(self.groups, self.counts) if count >= self.needed)
 
     @property
-    def fewest(self):
+    def fewest(self) -> int:
         """The number of values of the used group that has the fewest."""
         return min((count for count in self.counts if count >= self.needed), default=0)
 
     @property
-    def is_cut(self):
+    def is_cut(self) -> bool:
         """Whether no mean can be given because the limit of time ended trials."""
         return not self.used and any(self.cut)
 
     @property
-    def is_ordered(self):
+    def is_ordered(self) -> bool:
         """Whether it is shown which side is larger, although not by how much."""
         return self.is_cut and self.order is not None and not self.order.against and self.p_holm < intervals.ALPHA
 
     @property
-    def leaves_out_0(self):
+    def leaves_out_0(self) -> bool:
         """Whether the interval does not contain 0."""
         return self.estimate.low > 0.0 or self.estimate.high < 0.0
 
     @property
-    def is_shown(self):
+    def is_shown(self) -> bool:
         """Whether a difference is shown, with all comparisons of its family counted."""
         return self.p_holm < intervals.ALPHA and self.leaves_out_0
 
     @property
-    def is_hint(self):
+    def is_hint(self) -> bool:
         """Whether the interval does not contain 0, but no difference is shown if all comparisons are counted."""
         return self.leaves_out_0 and not self.is_shown
 
@@ -102,14 +108,14 @@ class Level(NamedTuple):
     estimate: Estimate
 
 
-def summary(experiment, metric):
+def summary(experiment: Any, metric: Metric) -> List[Estimate]:
     """Return the Estimate of the mean or share of each configuration; method 'cut' if values are cut off."""
     estimate = intervals.share_estimate if metric.is_share else intervals.mean_estimate
     return [NOTHING._replace(n=len(intervals.known(row)), method='cut') if cut.any() else estimate(row)
             for row, cut in zip(experiment.values(metric), experiment.cut(metric))]
 
 
-def main_effects(experiment, metrics=None):
+def main_effects(experiment: Experiment, metrics: Optional[Sequence[Metric]] = None) -> List[Difference]:
     """Return, for each metric, the Differences between the levels of each factor, averaged over the other factors.
 
     :param metrics: those of the experiment if None.
@@ -124,7 +130,7 @@ def main_effects(experiment, metrics=None):
     return _adjusted(found)
 
 
-def single_differences(experiment, metrics=None):
+def single_differences(experiment: Experiment, metrics: Optional[Sequence[Metric]] = None) -> List[Difference]:
     """Return, for each metric, the Differences between configurations that differ in one factor only.
 
     If there are no two such configurations, all are compared with one another; if there are many, with the first one.
@@ -144,14 +150,14 @@ def single_differences(experiment, metrics=None):
     return _adjusted(found or _any_differences(experiment, metrics))
 
 
-def _any_differences(experiment, metrics):
+def _any_differences(experiment: Experiment, metrics: Sequence[Metric]) -> List[Difference]:
     count = len(experiment.configurations)
-    pairs = itertools.combinations(range(count), 2) if count <= ALL_PAIRS else ((0, each) for each in range(1, count))
-    pairs = list(pairs)
+    pairs = list(itertools.combinations(range(count), 2)) if count <= ALL_PAIRS else [
+        (0, each) for each in range(1, count)]
     return [_difference(experiment, metric, None, pair, (), [pair]) for metric in metrics for pair in pairs]
 
 
-def outcome_differences(experiment):
+def outcome_differences(experiment: Experiment) -> Any:
     """Return the Differences of how trials ended: a list of those between levels, a list between configurations.
 
     Each way of ending is a family of its own for Holm's correction.
@@ -160,7 +166,7 @@ def outcome_differences(experiment):
                  for found in (main_effects, single_differences))
 
 
-def interactions(experiment):
+def interactions(experiment: Experiment) -> List[Difference]:
     """Return, as Differences, how the difference between two levels of a factor changes between two of another one."""
     found = []
     for metric in experiment.metrics:
@@ -173,40 +179,43 @@ def interactions(experiment):
     return _adjusted(found)
 
 
-def _ends(factor):
+def _ends(factor: Factor) -> List[Tuple[int, int]]:
     count = len(factor.levels)
     if count > MAX_INTERACTION_LEVELS:
         return [(0, count - 1)]
     return list(itertools.combinations(range(count), 2))
 
 
-def _pairs(configurations, factor, first, second):
+def _pairs(configurations: Sequence[Configuration], factor: int, first: int, second: int) -> List[Tuple[int, int]]:
     """Return pairs of places of configurations that differ in this factor only: (first level, second level)."""
     others = {_without(each.levels, (factor,)): each.place for each in configurations if each.levels[factor] == second}
     return [(each.place, others[_without(each.levels, (factor,))]) for each in configurations
             if each.levels[factor] == first and _without(each.levels, (factor,)) in others]
 
 
-def _quadruples(configurations, one, firsts, two, seconds):
+def _quadruples(configurations: Sequence[Configuration], one: int, firsts: Tuple[int, int], two: int,
+                seconds: Tuple[int, int]) -> List[Tuple[int, int, int, int]]:
     """Return the places (b at d, a at d, b at c, a at c) of configurations that differ in these two factors only."""
     (a, b), (c, d) = firsts, seconds
-    found = {}
+    found: Dict[Any, Any] = {}
     for each in configurations:
         found.setdefault(_without(each.levels, (one, two)), {})[each.levels[one], each.levels[two]] = each.place
     wanted = ((b, d), (a, d), (b, c), (a, c))
     return [tuple(group[key] for key in wanted) for group in found.values() if all(key in group for key in wanted)]
 
 
-def _without(levels, factors):
+def _without(levels: Sequence[int], factors: Sequence[int]) -> Tuple[int, ...]:
     return tuple(level for place, level in enumerate(levels) if place not in factors)
 
 
-def _difference(experiment, metric, factor, levels, at, pairs):
+def _difference(experiment: Experiment, metric: Metric, factor: Any, levels: Tuple[int, int],
+                at: Sequence[Tuple[int, int]], pairs: Sequence[Tuple[int, int]]) -> Difference:
     """Return the Difference of these pairs of configurations; its p_holm is still NaN."""
     return _of_groups(experiment, metric, (factor, *levels, at), pairs, (-1, 1))
 
 
-def _of_groups(experiment, metric, what, groups, signs):
+def _of_groups(experiment: Experiment, metric: Metric, what: Tuple[Any, Any, Any, Any],
+               groups: Sequence[Tuple[int, ...]], signs: Sequence[int]) -> Difference:
     """Return the Difference of groups of configurations; its p_holm is still NaN.
 
     :param what: factor, first, second and at of the Difference. :param groups: tuples of places of configurations.
@@ -235,7 +244,7 @@ def _of_groups(experiment, metric, what, groups, signs):
                           against=_against(metric, found.used, tables, rows, left, comparison.estimate.value))
 
 
-def _ordered(experiment, difference):
+def _ordered(experiment: Experiment, difference: Any) -> Difference:
     """Return a Difference without a mean, together with the order of its values if that is known."""
     if not difference.is_cut or len(difference.sides) != len(difference.groups[0]) \
             or difference.metric.at_limit not in endings.BOUNDS:
@@ -246,7 +255,8 @@ def _ordered(experiment, difference):
     return difference if order is None else difference._replace(order=order, p=order.p)
 
 
-def _against(metric, groups, tables, rows, left, value):
+def _against(metric: Metric, groups: Sequence[Tuple[int, ...]], tables: Sequence[np.ndarray], rows: np.ndarray,
+             left: np.ndarray, value: float) -> Tuple[Any, ...]:
     """Return (group, Estimate) of the groups whose interval excludes 0 and whose sign is not that of all together."""
     if len(groups) < 2 or len(tables) != 2:
         return ()
@@ -259,7 +269,7 @@ def _against(metric, groups, tables, rows, left, value):
     return tuple(found)
 
 
-def _compared(metric, tables, rows, left):
+def _compared(metric: Metric, tables: Sequence[np.ndarray], rows: np.ndarray, left: np.ndarray) -> Comparison:
     """Return the Comparison of rows: by exact tests for shares, otherwise by Student's t.
 
     If at most half of the pairs differ, p is at least that of the test of signs. The t test alone would be too sure of
@@ -274,14 +284,14 @@ def _compared(metric, tables, rows, left):
     return found._replace(p=max(found.p, intervals.flip_test(np.sign(np.nansum(rows, axis=0)))))
 
 
-def _sides(experiment, metric, groups):
+def _sides(experiment: Experiment, metric: Metric, groups: Sequence[Tuple[int, ...]]) -> Any:
     """Return the Sides (first, second) of groups; for an interaction those at the two levels of the other factor."""
     half = len(groups[0]) // 2
     parts = (slice(0, half), slice(half, None)) if half == 1 else (slice(half, None), slice(0, half))
     return tuple(_side(experiment, metric, {place for group in groups for place in group[part]}) for part in parts)
 
 
-def _side(experiment, metric, places):
+def _side(experiment: Experiment, metric: Metric, places: AbstractSet[int]) -> Side:
     """Return the Side of some configurations."""
     own = sorted(places)
     failed, complete = (int(experiment.count(status)[own].sum()) for status in (FAILED, COMPLETE))
@@ -291,7 +301,7 @@ def _side(experiment, metric, places):
     return Side(failed + complete, failed, without, int(experiment.cut(metric)[own].sum()))
 
 
-def _adjusted(differences):
+def _adjusted(differences: Sequence[Difference]) -> List[Difference]:
     """Return the Differences with Holm's probabilities.
 
     Those of the primary metric, if the experiment names one, are a family of their own; all others are one family.
@@ -304,7 +314,8 @@ def _adjusted(differences):
     return found
 
 
-def levels_of(experiment, metric, factor, fixed=()):
+def levels_of(experiment: Experiment, metric: Metric, factor: int,
+              fixed: Sequence[Tuple[int, int]] = ()) -> Tuple[List[Level], bool]:
     """Return the Levels of a factor that were run, and whether all are means over the same other levels.
 
     If possible, the means are over those combinations of the other factors in which every level has values.
@@ -313,7 +324,7 @@ def levels_of(experiment, metric, factor, fixed=()):
     """
     values = experiment.values(metric)
     there = (~np.isnan(values)).any(axis=1)
-    groups = {}
+    groups: Dict[Any, Any] = {}
     for each in experiment.configurations:
         if all(each.levels[other] == level for other, level in fixed) and each.levels[factor] is not None:
             groups.setdefault(each.levels[factor], {})[_without(each.levels, (factor,))] = each.place
@@ -326,7 +337,7 @@ def levels_of(experiment, metric, factor, fixed=()):
     return found, bool(common) and all(len(group) == len(common) for group in groups.values())
 
 
-def _mean_of_rows(metric, rows):
+def _mean_of_rows(metric: Metric, rows: np.ndarray) -> Estimate:
     if not len(rows):
         return NOTHING
     if metric.is_share and len(rows) == 1:

@@ -4,9 +4,15 @@
 'required NODE' or 'returned' (a function). Of a failed trial it is 'time_limit' (wall time), 'fault', 'error', or
 another word of its runner.
 """
+from __future__ import annotations
 
 import math
 import sys
+from typing import TYPE_CHECKING, Mapping, Optional
+
+if TYPE_CHECKING:
+    from .design import Metric
+    from .outcome import Experiment, Trial
 
 LIMIT = 'seconds'
 #: what a metric means in a trial that the limit of time ended
@@ -16,7 +22,7 @@ _COMPLETE = 'complete'
 _NEARLY = 1.0 - 1e-9
 
 
-def ended_by(told, until, simulated_seconds):
+def ended_by(told: Optional[str], until: Optional[Mapping[str, int]], simulated_seconds: float) -> str:
     """Return how a trial ended, '' if it is not known.
 
     Its trial.json says it. If that does not, as with older files, a complete trial is compared with the limit of time.
@@ -31,7 +37,7 @@ def ended_by(told, until, simulated_seconds):
     return ''
 
 
-def is_span(experiment):
+def is_span(experiment: Experiment) -> bool:
     """Return whether trials last as long as they do by design: the limit is their only end, and all reached it."""
     if 'is_span' not in experiment.known:
         until = experiment.plan.get('until')
@@ -41,13 +47,13 @@ def is_span(experiment):
     return experiment.known['is_span']
 
 
-def has_limited(experiment):
+def has_limited(experiment: Experiment) -> bool:
     """Return whether the limit of time ended trials that might have ended otherwise."""
     return not is_span(experiment) and any(trial.ended_by == LIMIT for trial in experiment.trials
                                            if trial.status == _COMPLETE)
 
 
-def is_cut(experiment, metric, trial):
+def is_cut(experiment: Experiment, metric: Metric, trial: Trial) -> bool:
     """Return whether a trial's value of a metric is cut off because the limit of time ended the trial."""
     if metric.outcome or metric.at_limit == VALUE or trial.status != _COMPLETE or trial.ended_by != LIMIT:
         return False

@@ -4,12 +4,13 @@ Such a function is called with the Tables and returns a parts.Section or a list 
 just as the study's metrics run as part of a trial. So make the report of a folder only if you trust the modules that
 it names.
 """
+from __future__ import annotations
 
 import contextlib
 import importlib
 import os
 import sys
-from typing import NamedTuple
+from typing import Any, Iterator, List, Mapping, NamedTuple
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown, shown_text
@@ -20,15 +21,15 @@ from .parts import Figure, Html, Section, Table
 class Tables(NamedTuple):
     """The argument of such a function."""
 
-    experiment: object  # outcome.Experiment: plan, factors, configurations, metrics, folder
-    trials: object  # pandas.DataFrame, a row per planned trial; columns as of trials.csv
-    means: object  # pandas.DataFrame, a row per metric and configuration (tables/means.csv)
-    main_effects: object  # tables/main_effects.csv
-    differences: object  # tables/differences.csv
-    interactions: object  # tables/interactions.csv
+    experiment: Any  # outcome.Experiment: plan, factors, configurations, metrics, folder
+    trials: Any  # pandas.DataFrame, a row per planned trial; columns as of trials.csv
+    means: Any  # pandas.DataFrame, a row per metric and configuration (tables/means.csv)
+    main_effects: Any  # tables/main_effects.csv
+    differences: Any  # tables/differences.csv
+    interactions: Any  # tables/interactions.csv
 
 
-def names_of(plan):
+def names_of(plan: Mapping[str, Any]) -> List[str]:
     """Return the names of the functions that a plan asks for.
 
     :raises ConfigurationError: if they are not 'module:function', or a list of such names.
@@ -41,7 +42,7 @@ def names_of(plan):
     return names
 
 
-def sections(name, tables):
+def sections(name: str, tables: Any) -> List[Section]:
     """Return the Sections that a function adds; a function that fails adds a Section that says so.
 
     :param name: of the function, 'module:function'. :param tables: its argument.
@@ -60,7 +61,7 @@ def sections(name, tables):
 
 
 @contextlib.contextmanager
-def _modules_of(plan):
+def _modules_of(plan: Mapping[str, Any]) -> Iterator[None]:
     """Let Python find modules beside the experiment's file, as it does for the experiment's metrics."""
     provenance = plan.get('provenance')
     folder = provenance.get('folder') if isinstance(provenance, dict) else None
@@ -73,7 +74,7 @@ def _modules_of(plan):
             sys.path.remove(path)
 
 
-def _check(section):
+def _check(section: Section) -> None:
     if not isinstance(section, Section):
         raise TypeError(f'must give Sections, got {shown(section)}')
     for part in section.parts:

@@ -1,7 +1,8 @@
 """The findings: one sentence for each comparison, with its verdict and a little picture."""
+from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -10,6 +11,12 @@ from .comparisons import VERDICTS, difference_scale, sentence, size_text, verdic
 from .intervals import Estimate
 from .outcome import FAILED
 from .wording import EXACT_DIGITS, counted, digits, whole, with_interval
+
+if TYPE_CHECKING:
+    from .design import Metric
+    from .effects import Difference
+    from .outcome import Experiment
+    from .wording import Scale
 
 MOST_TOLD = 12  # the number of comparisons of one factor that are findings; all are in the tables
 _LAST_RESULT = 1
@@ -25,17 +32,18 @@ class Finding(NamedTuple):
     is_primary: bool = False
 
     @property
-    def verdict_text(self):
+    def verdict_text(self) -> str:
         """The verdict in words."""
         return VERDICTS[self.verdict][0]
 
     @property
-    def is_result(self):
+    def is_result(self) -> bool:
         """Whether it says that something differs, or gives a mean without any comparison."""
         return VERDICTS[self.verdict][1] <= _LAST_RESULT
 
 
-def findings(experiment, scales, mains, singles, changes):
+def findings(experiment: Experiment, scales: Mapping[str, Scale], mains: Sequence[Difference],
+             singles: Sequence[Difference], changes: Sequence[Difference]) -> List[Finding]:
     """Return the Findings. Within each metric, differences come first.
 
     :param scales: metric name: wording.Scale. :param mains, singles, changes: effects.main_effects, single_differences
@@ -56,14 +64,14 @@ def findings(experiment, scales, mains, singles, changes):
     return found
 
 
-def is_constant(experiment, metric):
+def is_constant(experiment: Experiment, metric: Metric) -> bool:
     """Return whether a metric is the same in all trials of all configurations, of which there are several."""
     values = experiment.values(metric)
     has_all = len(values) > 1 and not np.isnan(values).all(axis=1).any() and not experiment.cut(metric).any()
     return has_all and intervals.mean_and_sd(intervals.known(values))[1] == 0.0
 
 
-def constant_text(experiment, metric, scale):
+def constant_text(experiment: Experiment, metric: Metric, scale: Scale) -> str:
     """Return the sentence about a metric that is the same in all trials."""
     values = intervals.known(experiment.values(metric))
     count = 'trials' if len(values) == len(experiment.trials) else 'trials that have a value,'
@@ -71,7 +79,7 @@ def constant_text(experiment, metric, scale):
            f'{whole(len(values))} {count} of all configurations.'
 
 
-def of_differences(experiment, differences, scale):
+def of_differences(experiment: Experiment, differences: Sequence[Difference], scale: Scale) -> List[Finding]:
     """Return the Findings of one metric's Differences between levels, or between configurations."""
     told = []
     for factor in dict.fromkeys(each.factor for each in differences):
@@ -81,7 +89,7 @@ def of_differences(experiment, differences, scale):
     return told
 
 
-def _chosen(experiment, factor, own):
+def _chosen(experiment: Experiment, factor: Optional[int], own: Sequence[Difference]) -> Any:
     """Return the Differences of a factor that are told: with the baseline, or else of the best level with each other.
 
     The best level comes second, so that the others are subtracted from it. If no level leads all others, or if whole
@@ -96,7 +104,7 @@ def _chosen(experiment, factor, own):
     return own[:MOST_TOLD]
 
 
-def turned(difference):
+def turned(difference: Any) -> Any:
     """Return a Difference with first and second exchanged."""
     estimate, median = _negative(difference.estimate), difference.median
     return difference._replace(
@@ -107,18 +115,19 @@ def turned(difference):
         order=orders.turned(difference.order))
 
 
-def _negative(estimate):
+def _negative(estimate: Any) -> Any:
     return Estimate(-estimate.value or 0.0, -estimate.high or 0.0, -estimate.low or 0.0, *estimate[3:])
 
 
-def _leads(own):
+def _leads(own: Any) -> Any:
     """Return the Differences of the best level with each other one, in which it is the second: the smallest lead first.
 
     The best level is the one whose smallest lead is the largest; of equal ones the first. If neither side is better,
     it is the lowest. Those without a mean come last. None if no level leads all that it is compared with.
     """
     sign = 1.0 if own[0].metric.better == 'higher' else -1.0
-    sides, leads = {}, {}
+    sides: Dict[Any, Any] = {}
+    leads: Dict[Any, Any] = {}
     for each in own:
         sides.setdefault(each.second, []).append(each)
         sides.setdefault(each.first, []).append(turned(each))
@@ -133,9 +142,9 @@ def _leads(own):
     return [*leads[level], *(each for each in sides[level] if math.isnan(each.estimate.value))]
 
 
-def _strongest(changes, metric):
+def _strongest(changes: Sequence[Difference], metric: Metric) -> List[Difference]:
     """Return for each pair of factors the interaction with the smallest Holm p, if any is shown."""
-    best = {}
+    best: Dict[Any, Any] = {}
     for each in changes:
         key = each.factor, each.at[0][0]
         if each.metric is metric and each.is_shown and (key not in best or each.p_holm < best[key].p_holm):
@@ -143,7 +152,7 @@ def _strongest(changes, metric):
     return list(best.values())
 
 
-def _change(experiment, difference, scale):
+def _change(experiment: Experiment, difference: Difference, scale: Scale) -> Finding:
     """Return the Finding of an interaction."""
     first, second = (design.level_label(experiment.factors, *place) for place in difference.at)
     a, b = (design.level_label(experiment.factors, difference.factor, level)
@@ -155,7 +164,7 @@ def _change(experiment, difference, scale):
                    f'{first} it is {size}.', None)
 
 
-def _means(experiment, metric, scale):
+def _means(experiment: Experiment, metric: Metric, scale: Scale) -> List[Finding]:
     """Return the Findings of a metric without any comparison: its means."""
     told = []
     for place, (configuration, estimate) in enumerate(zip(experiment.configurations,
@@ -174,7 +183,7 @@ def _means(experiment, metric, scale):
     return told
 
 
-def _cut_text(experiment, metric, place):
+def _cut_text(experiment: Experiment, metric: Metric, place: int) -> str:
     """Return the words that say why a configuration has no mean of a metric. ``place``: the configuration's place."""
     cut, seen = int(experiment.cut(metric)[place].sum()), len(intervals.known(experiment.values(metric)[place]))
     bounds = 'their values are lower bounds' if metric.at_limit in endings.BOUNDS else \
@@ -182,7 +191,7 @@ def _cut_text(experiment, metric, place):
     return f'no mean: the limit of time ended {whole(cut)} of {counted(seen, "trials")}; {bounds}'
 
 
-def _mini(difference, family):
+def _mini(difference: Difference, family: Sequence[Difference]) -> Any:
     """Return where zero, the low end, the difference and the high end lie in its picture, in per cent of the width.
 
     All differences of a family have the same scale. None if the difference has no interval.

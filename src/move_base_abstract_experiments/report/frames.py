@@ -1,18 +1,25 @@
 """The tables behind the page, as data frames and as CSV text: one row per fact, numbers in the metrics' own units."""
+from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any, Dict, Sequence, Union
 
 import pandas as pd
 
 from . import comparisons, effects, intervals
 from .outcome import COMPLETE
 
+if TYPE_CHECKING:
+    from .effects import Difference
+    from .intervals import Estimate
+    from .outcome import Experiment
+
 DIGITS = '%.10g'  # further digits may be errors of rounding
 _ESTIMATE = ('n', 'value', 'low_95', 'high_95', 'interval')
 _TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'ended_by', 'error')
 
 
-def trials(experiment):
+def trials(experiment: Experiment) -> pd.DataFrame:
     """Return a frame with a row per planned trial: ID, factors, replication, seed, status, metrics, ...
 
     If a metric has the name of another column, its column is metric.NAME; that of a factor is factor.NAME.
@@ -32,11 +39,11 @@ def trials(experiment):
     return pd.DataFrame({**columns, 'labels': ['; '.join(trial.labels) for trial in trials]})
 
 
-def _free(name, taken, kind):
+def _free(name: str, taken: Sequence[str], kind: str) -> str:
     return f'{kind}.{name}' if name in taken else name
 
 
-def means(experiment):
+def means(experiment: Experiment) -> pd.DataFrame:
     """Return a frame with a row per metric and configuration: n, mean, its interval, sd, median, least, most."""
     rows = []
     for metric in experiment.metrics:
@@ -54,16 +61,16 @@ def means(experiment):
     return _framed(rows, ('metric', 'unit', *_ESTIMATE))
 
 
-def _levels(experiment, levels):
+def _levels(experiment: Experiment, levels: Sequence[int]) -> Dict[str, str]:
     return {f'factor.{factor.name}': '' if level is None else factor.levels[level]
             for factor, level in zip(experiment.factors, levels)}
 
 
-def _estimate(estimate):
+def _estimate(estimate: Estimate) -> Dict[str, Union[float, str]]:
     return dict(zip(_ESTIMATE, (estimate.n, estimate.value, estimate.low, estimate.high, estimate.method)))
 
 
-def differences(experiment, found):
+def differences(experiment: Any, found: Sequence[Difference]) -> pd.DataFrame:
     """Return a frame with a row per effects.Difference."""
     rows = []
     for each in found:
@@ -84,9 +91,9 @@ def differences(experiment, found):
     return _framed(rows, ('metric', 'unit', 'factor', 'first', 'second', 'at', *_ESTIMATE, 'p', 'p_holm', 'verdict'))
 
 
-def robots(experiment):
+def robots(experiment: Experiment) -> pd.DataFrame:
     """Return a frame with a row per configuration, robot and quantity: the mean over complete trials."""
-    sums = {}
+    sums: Dict[Any, Any] = {}
     for trial in experiment.trials:
         if trial.status == COMPLETE:
             for robot, quantities in trial.robots.items():
@@ -99,12 +106,12 @@ def robots(experiment):
     return _framed(rows, ('robot', 'quantity', *_ESTIMATE))
 
 
-def waits(experiment):
+def waits(experiment: Any) -> pd.DataFrame:
     """Return a frame with the mean wait [s] over complete trials.
 
     It has a row per configuration and place, zone or lane where robots waited.
     """
-    found = {}
+    found: Dict[Any, Any] = {}
     for trial in experiment.complete:
         for where in trial.waits:
             found.setdefault(trial.configuration, {}).setdefault(where)
@@ -119,21 +126,21 @@ def waits(experiment):
     return _framed(rows, ('where', *_ESTIMATE))
 
 
-def estimate_of(row):
+def estimate_of(row: Any) -> Any:
     """Return the intervals.Estimate in a row (a mapping) of such a frame."""
     return intervals.Estimate(row['value'], row['low_95'], row['high_95'], row['n'], row['interval'])
 
 
-def _framed(rows, columns):
+def _framed(rows: Sequence[Dict[str, Union[float, str]]], columns: Sequence[str]) -> pd.DataFrame:
     """Return rows as a frame; without rows it has these columns."""
     return pd.DataFrame(rows) if rows else pd.DataFrame(columns=list(columns))
 
 
-def csv_text(frame):
+def csv_text(frame: pd.DataFrame) -> str:
     """Return a frame as CSV text: numbers with ten digits, NaN as an empty field."""
     return frame.to_csv(index=False, float_format=DIGITS, **_line_end())
 
 
-def _line_end():
+def _line_end() -> Dict[str, str]:
     """Return pandas' option for the end of lines, which pandas renamed in 1.5."""
     return {'lineterminator' if tuple(map(int, pd.__version__.split('.')[:2])) >= (1, 5) else 'line_terminator': '\n'}

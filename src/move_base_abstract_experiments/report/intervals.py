@@ -3,9 +3,10 @@
 Formulas and their sources: docs/experiment_report.md. NaN among values stands for a trial without a value; it is left
 out.
 """
+from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, List, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import special, stats
@@ -30,7 +31,7 @@ class Estimate(NamedTuple):
     method: str
 
     @property
-    def has_interval(self):
+    def has_interval(self) -> bool:
         """Whether there is an interval. If all values are the same, there is one, and its width is 0."""
         return not math.isnan(self.low)
 
@@ -45,19 +46,19 @@ class Comparison(NamedTuple):
 NOTHING = Estimate(math.nan, math.nan, math.nan, 0, 'none')
 
 
-def known(values):
+def known(values: Union[Sequence[float], np.ndarray]) -> np.ndarray:
     """Return the values that are not NaN, as an array."""
     values = np.asarray(values, dtype=float)
     return values[~np.isnan(values)]
 
 
-def rounding_of(values):
+def rounding_of(values: np.ndarray) -> float:
     """Return the largest difference of such values that may come from rounding alone; 0 for whole numbers."""
     values = np.asarray(values, dtype=float)
     return 0.0 if (values == np.rint(values)).all() else ROUNDING * float(np.abs(values).max(initial=0.0))
 
 
-def contrast(signs, tables):
+def contrast(signs: Sequence[int], tables: Sequence[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
     """Return the sum of the tables with these signs, and per entry the largest error of rounding.
 
     An entry that is not larger than its error of rounding is 0.
@@ -71,7 +72,7 @@ def contrast(signs, tables):
     return np.where(np.abs(found) <= left, 0.0, found), left
 
 
-def mean_and_sd(values):
+def mean_and_sd(values: np.ndarray) -> Tuple[float, float]:
     """Return mean and standard deviation (n - 1), summed exactly. The latter is 0 if it may be rounding alone."""
     mean = math.fsum(values) / len(values)
     if len(values) < 2:
@@ -81,7 +82,7 @@ def mean_and_sd(values):
     return mean, 0.0 if sd <= rounding_of(values) else sd
 
 
-def mean_estimate(values):
+def mean_estimate(values: Union[Sequence[float], np.ndarray]) -> Estimate:
     """Return the Estimate of the mean with Student's interval, mean -+ t sd / sqrt(n)."""
     values = known(values)
     if not len(values):
@@ -95,7 +96,7 @@ def mean_estimate(values):
     return Estimate(mean, mean - reach, mean + reach, len(values), 't')
 
 
-def share_estimate(values):
+def share_estimate(values: Union[Sequence[int], np.ndarray]) -> Estimate:
     """Return the Estimate of the share of ones among zeros and ones, with Wilson's score interval."""
     values = known(values)
     if not len(values):
@@ -107,7 +108,7 @@ def share_estimate(values):
     return Estimate(p, low, 1.0 if p == 1.0 else middle + reach, n, 'wilson')
 
 
-def median_estimate(values):
+def median_estimate(values: Union[Sequence[float], range, np.ndarray]) -> Estimate:
     """Return the Estimate of the median with the narrowest symmetric interval between two order statistics.
 
     The interval holds the level and assumes nothing about the distribution. With fewer than six values there is none.
@@ -123,7 +124,7 @@ def median_estimate(values):
     return Estimate(median, float(values[below - 1]), float(values[n - below]), n, 'order')
 
 
-def is_skewed(values):
+def is_skewed(values: np.ndarray) -> bool:
     """Return whether Student's interval is in doubt: fewer values than Cochran's 25 g1^2, and g1 is not by chance."""
     values = known(values)
     if len(values) < _FEWEST_FOR_SKEWNESS:
@@ -136,7 +137,7 @@ def is_skewed(values):
     return len(values) < 25.0 * g1 * g1 and float(stats.skewtest(values)[1]) < _SKEWNESS_ALPHA
 
 
-def paired(differences):
+def paired(differences: Union[Sequence[float], np.ndarray]) -> Comparison:
     """Return the Comparison of paired differences: Student's interval and paired t test.
 
     If all differences are the same, the test is the test of signs: p = 2^(1 - n).
@@ -145,7 +146,7 @@ def paired(differences):
     return clustered(differences[None, :]) if len(differences) else Comparison(NOTHING, math.nan)
 
 
-def clustered(rows, left=0.0):
+def clustered(rows: np.ndarray, left: Union[float, np.ndarray] = 0.0) -> Comparison:
     """Return the Comparison of the mean of the means of rows; the values of one column had the same seed.
 
     All rows have the same weight, however many values they have, so that no row weighs more because trials of others
@@ -180,7 +181,7 @@ def clustered(rows, left=0.0):
                       float(2.0 * special.stdtr(fewest - 1, -abs(value) / error)))
 
 
-def flip_test(sums):
+def flip_test(sums: Any) -> float:
     """Return the probability of a total at least as far from 0 if the sign of each whole number were by chance."""
     sums = np.abs(np.asarray(sums, dtype=int)), int(np.sum(sums))
     sizes, total = sums[0][sums[0] > 0], abs(sums[1])
@@ -195,7 +196,7 @@ def flip_test(sums):
     return min(1.0, float(chances[np.abs(np.arange(len(chances)) - sizes.sum()) >= total].sum()))
 
 
-def paired_shares(first, second):
+def paired_shares(first: Union[Sequence[float], np.ndarray], second: Union[Sequence[float], np.ndarray]) -> Comparison:
     """Return the Comparison of paired zeros and ones, second - first.
 
     The interval is Newcombe's: from the score intervals of both shares, and their correlation, which is moved toward 0
@@ -212,7 +213,7 @@ def paired_shares(first, second):
     return Comparison(_newcombe(a, b, c, d), min(1.0, 2.0 * float(stats.binom.cdf(min(b, c), b + c, 0.5))))
 
 
-def share_differences(first, second):
+def share_differences(first: np.ndarray, second: np.ndarray) -> Comparison:
     """Return the Comparison of the mean over rows of differences of paired shares, second - first.
 
     On each side the interval is the wider of two: Student's interval, and Newcombe's intervals of the rows with their
@@ -227,7 +228,7 @@ def share_differences(first, second):
     found = clustered(rows).estimate
     if found.method == 'none':
         return Comparison(found, math.nan)
-    parts = [paired_shares(*each).estimate for each in zip(first, second)]
+    parts: List[Any] = [paired_shares(*each).estimate for each in zip(first, second)]
     below, above = (math.sqrt(math.fsum(((part.value - part[side]) / len(parts)) ** 2 for part in parts))
                     for side in (1, 2))
     sums = np.nansum(rows, axis=0)
@@ -237,7 +238,7 @@ def share_differences(first, second):
                       flip_test(sums) if is_alike else 1.0)
 
 
-def _newcombe(a, b, c, d):
+def _newcombe(a: int, b: int, c: int, d: int) -> Estimate:
     """Return the Estimate of the difference of shares (a + b) / n - (a + c) / n.
 
     The numbers of pairs with a one: a: on both sides, b: only on the second, c: only on the first, d: on neither.
@@ -245,19 +246,19 @@ def _newcombe(a, b, c, d):
     n = a + b + c + d
     one, two = share_estimate([1] * (a + b) + [0] * (c + d)), share_estimate([1] * (a + c) + [0] * (b + d))
     product = math.sqrt(float(a + b) * (c + d) * (a + c) * (b + d))
-    covariance = a * d - b * c
+    covariance = float(a * d - b * c)
     if covariance > 0:
         covariance = max(covariance - n / 2.0, 0.0)
     correlation = covariance / product if product else 0.0
     value = one.value - two.value
 
-    def reach(up, down):
+    def reach(up: float, down: float) -> float:
         return math.sqrt(max(0.0, up * up - 2.0 * correlation * up * down + down * down))
     return Estimate(value, value - reach(one.value - one.low, two.high - two.value),
                     value + reach(one.high - one.value, two.value - two.low), n, 'newcombe')
 
 
-def holm(probabilities):
+def holm(probabilities: Sequence[float]) -> List[float]:
     """Return Holm's adjusted probabilities, in the order given. NaN, where there was no test, does not count."""
     order = sorted((p, place) for place, p in enumerate(probabilities) if not math.isnan(p))
     adjusted, largest = [math.nan] * len(probabilities), 0.0

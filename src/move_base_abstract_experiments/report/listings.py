@@ -1,7 +1,9 @@
 """The page's tables: cells are texts, with units; a table has no more rows than people can read."""
+from __future__ import annotations
 
 import json
 import math
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.runs.states import STATES
 
@@ -11,20 +13,31 @@ from .outcome import COMPLETE, FAILED, MISSING
 from .parts import Cell, Table
 from .wording import NBSP, UNKNOWN, Scale, counted, digits, estimate_texts, probability, whole, with_interval
 
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+
+    from .design import Metric
+    from .effects import Difference
+    from .intervals import Estimate
+    from .notable_trials import Pick
+    from .outcome import Experiment
+
 MOST_ROWS = 200  # the largest number of rows in a table of the page
 _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
               'constant': 'all the same', 'fixed': 'the same per seed',
               'none': 'none', 'cut': 'cut off'}
 
 
-def cut(rows, note, where):
+def cut(rows: Sequence[Tuple[Union[str, Cell], ...]], note: str,
+        where: str) -> Tuple[Tuple[Tuple[Union[str, Cell], ...], ...], str]:
     """Return the rows that the page shows, and the note; if rows are left out, it says that ``where`` has all."""
     if len(rows) <= MOST_ROWS:
         return tuple(rows), note
     return tuple(rows[:MOST_ROWS]), f'The first {MOST_ROWS} of {whole(len(rows))}; all are in {where}. {note}'.strip()
 
 
-def means(experiment, metric, scale, estimates):
+def means(experiment: Experiment, metric: Metric, scale: Scale, estimates: Sequence[Estimate]) -> Table:
     """Return the table of a metric's means."""
     values = experiment.values(metric) * scale.factor
     rows, skewed = [], False
@@ -46,11 +59,11 @@ def means(experiment, metric, scale, estimates):
         note += ' Cut off: the limit of time ended trials, so there is no mean of what they would have measured.'
     if skewed:
         note += ' *: the values are skewed, so the interval of the mean is in doubt; use the median.'
-    rows, note = cut(rows, note, 'tables/means.csv')
-    return Table(f'Means{_in(scale)}', header, rows, note)
+    shown_rows, note = cut(rows, note, 'tables/means.csv')
+    return Table(f'Means{_in(scale)}', header, shown_rows, note)
 
 
-def _of_values(seen):
+def _of_values(seen: np.ndarray) -> Tuple[str, str, str, str]:
     """Return the standard deviation, least, median and most of values in the unit that is shown, as texts."""
     sd = intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan
     median = intervals.median_estimate(seen)
@@ -58,15 +71,16 @@ def _of_values(seen):
             digits(max(seen, default=math.nan)))
 
 
-def _in(scale):
+def _in(scale: Scale) -> str:
     return f' in {scale.unit}' if scale.unit else ''
 
 
-def _link(experiment, pick):
+def _link(experiment: Experiment, pick: Any) -> Any:
     return Cell(pick.trial.id, notable_trials.link(experiment, pick.trial)) if pick else ''
 
 
-def differences(experiment, title, found, scale, where):
+def differences(experiment: Experiment, title: str, found: Any, scale: Scale,
+                where: str) -> Optional[Table]:
     """Return the table of one metric's effects.Differences, or None if there are none."""
     if not found:
         return None
@@ -83,20 +97,20 @@ def differences(experiment, title, found, scale, where):
     header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict', *columns)
     smallest = found[0].metric.smallest
     note = f'The smallest difference that counts: {digits(smallest * scale.factor)}{scale.suffix}.' if smallest else ''
-    rows, note = cut(rows, note, where)
-    return Table(f'{title}{_in(unit)}', header, rows, note)
+    shown_rows, note = cut(rows, note, where)
+    return Table(f'{title}{_in(unit)}', header, shown_rows, note)
 
 
-def _probability(p):
+def _probability(p: float) -> str:
     return probability(p).replace(f'={NBSP}', '')
 
 
-def changes(experiment, found, scale):
+def changes(experiment: Any, found: Sequence[Difference], scale: Scale) -> Optional[Table]:
     """Return the table of one metric's interactions, or None if there are none."""
     if not found:
         return None
     unit = comparisons.difference_scale(found[0].metric, scale)
-    rows = []
+    rows: Any = []
     for each in found:
         first, second = comparisons.names_of(experiment, each)
         places = [level_label(experiment.factors, *place) for place in each.at]
@@ -110,13 +124,13 @@ def changes(experiment, found, scale):
                  note)
 
 
-def _of_change(verdict):
+def _of_change(verdict: str) -> str:
     return 'differs' if verdict in ('better', 'worse') else verdict
 
 
-def configurations(experiment):
+def configurations(experiment: Experiment) -> Table:
     """Return the table of the configurations: the numbers of trials, their length and their speed."""
-    rows = []
+    rows: Any = []
     for configuration in experiment.configurations:
         own = experiment.trials_of(configuration)
         counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED, MISSING)]
@@ -129,7 +143,7 @@ def configurations(experiment):
                                     'times real time (median)'), rows, note)
 
 
-def factors(experiment):
+def factors(experiment: Any) -> Optional[Table]:
     """Return the table of the factors, or None if there are none."""
     if not experiment.factors:
         return None
@@ -137,9 +151,9 @@ def factors(experiment):
                  tuple((factor.title, ', '.join(factor.levels)) for factor in experiment.factors))
 
 
-def worth_a_look(experiment, metric, scale, found):
+def worth_a_look(experiment: Any, metric: Metric, scale: Scale, found: Sequence[Pick]) -> Table:
     """Return the table of the worst and the median trial of each configuration."""
-    rows = []
+    rows: Any = []
     for pick in found:
         rows.append((experiment.configurations[pick.configuration].label, pick.role,
                      digits(pick.value * scale.factor) + scale.suffix + _bound(experiment, metric, pick.trial),
@@ -150,22 +164,22 @@ def worth_a_look(experiment, metric, scale, found):
                  rows, note, is_open=len(rows) <= 24)
 
 
-def _bound(experiment, metric, trial):
+def _bound(experiment: Experiment, metric: Metric, trial: Any) -> str:
     """Return the words that follow a value which the limit of time has cut off, '' if it is complete."""
     if not endings.is_cut(experiment, metric, trial):
         return ''
     return ' or more' if metric.at_limit in endings.BOUNDS else ' (cut off)'
 
 
-def failures(experiment):
+def failures(experiment: Any) -> Optional[Table]:
     """Return the table of trials with an error, failed or complete, grouped by the error; None if there are none."""
-    groups = {}
+    groups: Dict[Any, Any] = {}
     for trial in experiment.trials:
         if trial.error:
             groups.setdefault((trial.error, trial.status), []).append(trial)
     if not groups:
         return None
-    rows = []
+    rows: Any = []
     for (error, status), trials in sorted(groups.items(), key=lambda item: -len(item[1])):
         first = trials[0]
         where = notable_trials.node_logs(experiment, first) or notable_trials.event_log(experiment, first)
@@ -177,9 +191,9 @@ def failures(experiment):
     return Table('Trials by the first line of their error', header, rows, note, is_open=True)
 
 
-def labels(experiment):
+def labels(experiment: Experiment) -> Optional[Table]:
     """Return the table of the reasons why trials may not be repeatable, or None if there are none."""
-    counts = {}
+    counts: Dict[Any, Any] = {}
     for trial in experiment.complete:
         for label in dict.fromkeys(trial.labels):
             counts[label] = counts.get(label, 0) + 1
@@ -190,9 +204,9 @@ def labels(experiment):
     return Table('Why trials may not be repeatable, or are of another program', ('label', 'trials'), rows, note)
 
 
-def not_identical(experiment):
+def not_identical(experiment: Experiment) -> Optional[Table]:
     """Return the table of trials whose second run was different, or None if there are none."""
-    rows = [(experiment.configurations[trial.configuration].label,
+    rows: Any = [(experiment.configurations[trial.configuration].label,
              Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not recorded')
             for trial in experiment.complete if trial.verified == 'different']
     if not rows:
@@ -202,7 +216,7 @@ def not_identical(experiment):
                  note, is_open=True)
 
 
-def robots(frame):
+def robots(frame: pd.DataFrame) -> Optional[Table]:
     """Return the table of a frame of frames.robots, or None if it is empty."""
     if frame.empty:
         return None
@@ -210,18 +224,18 @@ def robots(frame):
              'goals_begun': 'goals begun', 'goals_beyond': 'goals outside of what was recorded'}
     columns = [name for name in dict.fromkeys(frame['quantity']) if not name.startswith('goals_beyond_')]
     factors_of = [name for name in frame.columns if name.startswith('factor.')]
-    rows = {}
+    rows: Dict[Any, Any] = {}
     for record in frame.to_dict('records'):
         key = tuple(record[name] for name in factors_of), record['robot']
         rows.setdefault(key, {})[record['quantity']] = digits(record['value'])
-    cells = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
+    cells: Any = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
              for (levels, robot), values in rows.items()]
     cells, note = cut(cells, 'Means over the complete trials; a trial that the limit of time ended counts until then.',
                       'tables/robots.csv')
     return Table('Each robot', ('configuration', 'robot', *(names.get(name, name) for name in columns)), cells, note)
 
 
-def provenance(experiment):
+def provenance(experiment: Experiment) -> Table:
     """Return the table of versions, machine and seeds with which the trials were run."""
     rows = list(_flat('', experiment.plan.get('provenance') or {}))
     seeds = list(dict.fromkeys(str(trial.seed) for trial in experiment.trials))
@@ -230,7 +244,7 @@ def provenance(experiment):
     return Table('Versions, machine, seeds', ('what', 'value'), tuple(rows[:MOST_ROWS]), is_open=True)
 
 
-def _flat(name, value):
+def _flat(name: str, value: Mapping[str, Union[Dict[str, str], int]]) -> Iterator[Tuple[str, str]]:
     """Yield (name, text) for each value in nested mappings; the name joins the keys by commas."""
     if isinstance(value, dict) and value:
         for key, inner in value.items():

@@ -1,12 +1,17 @@
 """The trials worth a look: the worst and the median one of each configuration, with their replays and logs."""
+from __future__ import annotations
 
 import math
 import os
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.common.own_files import FolderKind
 
 from . import endings
+
+if TYPE_CHECKING:
+    from .design import Metric
+    from .outcome import Experiment, Trial
 
 MOST_REPLAYS = 40  # the number of replays that one report writes; the links of other trials lead to the event log
 KIND = FolderKind("folder of an experiment's replays", ('*.html',))
@@ -17,11 +22,11 @@ class Pick(NamedTuple):
 
     configuration: int
     role: str  # 'worst' or 'median'
-    trial: object  # outcome.Trial
+    trial: Any  # outcome.Trial
     value: float
 
 
-def primary_metric(experiment):
+def primary_metric(experiment: Any) -> Optional[Metric]:
     """Return the Metric by which trials are picked: the first with a better side and values; None if there is none."""
     for metric in experiment.metrics:
         if metric.better and any(metric.name in trial.metrics and not math.isnan(trial.metrics[metric.name])
@@ -30,7 +35,7 @@ def primary_metric(experiment):
     return None
 
 
-def picks(experiment, metric):
+def picks(experiment: Any, metric: Metric) -> List[Pick]:
     """Return the Picks of a metric: the worst and the median trial of each configuration.
 
     Of trials with equal values the first one in the plan is picked. Of two trials in the middle, the median is the one
@@ -49,13 +54,14 @@ def picks(experiment, metric):
     return found
 
 
-def _worst(experiment, metric, own):
+def _worst(experiment: Experiment, metric: Metric, own: Sequence[Tuple[float, int, Trial]]) -> Tuple[float, int, Trial]:
     """Return the worst of the tuples (value, place, trial). If lower is better, values that were cut off are worst."""
     return min(own, key=lambda each: (-math.inf if metric.better == 'lower' and endings.is_cut(
         experiment, metric, each[2]) else -each[0] if metric.better == 'lower' else each[0], each[1]))
 
 
-def _median(experiment, metric, own):
+def _median(experiment: Experiment, metric: Metric,
+            own: Sequence[Tuple[float, int, Trial]]) -> Optional[Tuple[float, int, Trial]]:
     """Return the tuple in the middle, or None if it is not known which one that is."""
     cut = [endings.is_cut(experiment, metric, each[2]) for each in own]
     if any(cut) and metric.at_limit not in endings.BOUNDS:
@@ -69,32 +75,32 @@ def _median(experiment, metric, own):
     return median if is_known else None
 
 
-def event_log(experiment, trial):
+def event_log(experiment: Experiment, trial: Trial) -> Any:
     """Return the path of a trial's event log, relative to the experiment's folder, or None."""
     path = os.path.join('trials', trial.id, 'events.jsonl')
     return path if (experiment.folder / path).is_file() else None
 
 
-def node_logs(experiment, trial):
+def node_logs(experiment: Experiment, trial: Trial) -> Optional[str]:
     """Return the path of the folder with the logs of a trial's nodes, relative to the experiment's folder, or None."""
     path = os.path.join('trials', trial.id, 'logs')
     return path + '/' if (experiment.folder / path).is_dir() else None
 
 
-def link(experiment, trial):
+def link(experiment: Experiment, trial: Any) -> str:
     """Return the path of a trial's replay; if there is none, that of its event log, otherwise None."""
     return f'replays/{trial.id}.html' if trial.id in experiment.replays else event_log(experiment, trial)
 
 
-def write_replays(experiment, found, write_page):
+def write_replays(experiment: Experiment, found: Sequence[Pick], write_page: Callable[..., Any]) -> List[str]:
     """Write the replays of Picks; return a line for each that could not be written.
 
     :param write_page: the function of move_base_abstract_replay, called with a list of event logs and the page's path.
     """
-    wanted = dict.fromkeys(pick.trial.id for pick in found)
+    names = dict.fromkeys(pick.trial.id for pick in found)
     by_id = {trial.id: trial for trial in experiment.trials}
-    wanted = [by_id[name] for name in wanted if event_log(experiment, by_id[name])][:MOST_REPLAYS]
-    problems = []
+    wanted = [by_id[name] for name in names if event_log(experiment, by_id[name])][:MOST_REPLAYS]
+    problems: List[Any] = []
     if not wanted:
         return problems
     folder = experiment.folder / 'replays'

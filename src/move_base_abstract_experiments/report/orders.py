@@ -6,8 +6,9 @@ turns the sign of a known pair, and makes no pair known or unknown. So the signs
 and the test of signs is exact. (E. A. Gehan, Biometrika 52, 203, 1965, compares values that were cut off by the same
 rule.)
 """
+from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -25,12 +26,13 @@ class Order(NamedTuple):
     against: tuple  # the groups in which most pairs have the opposite order to that of all pairs together
 
     @property
-    def known(self):
+    def known(self) -> int:
         """The number of pairs whose order is known."""
         return self.larger + self.smaller + self.same
 
 
-def signs(first, second, first_cut, second_cut):
+def signs(first: np.ndarray, second: np.ndarray, first_cut: np.ndarray,
+          second_cut: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Return the order of each pair, and which pairs have values but no known order.
 
     The order is 1.0 if the second value is larger, -1.0 if it is smaller, 0.0 if both are the same, NaN if it is not
@@ -46,7 +48,8 @@ def signs(first, second, first_cut, second_cut):
     return np.where(is_hidden, np.nan, found), is_hidden & ~np.isnan(rows)
 
 
-def order_of(tables, cuts, groups):
+def order_of(tables: Sequence[np.ndarray], cuts: Sequence[np.ndarray],
+             groups: Sequence[Tuple[int, int]]) -> Optional[Order]:
     """Return the Order of the second table's values against the first's, or None if no pair has a known order.
 
     :param tables, cuts: two values, and whether they are lower bounds; each of shape (groups, replications).
@@ -56,12 +59,12 @@ def order_of(tables, cuts, groups):
     if np.isnan(found).all():
         return None
     total = np.nansum(found)
-    counts = [int((found == sign).sum()) for sign in (1.0, -1.0, 0.0)]
+    same, other, none = (int((found == sign).sum()) for sign in (1.0, -1.0, 0.0))
     against = tuple(group for group, row in zip(groups, found) if np.nansum(row) * total < 0.0)
-    return Order(*counts, int(is_hidden.sum()), intervals.flip_test(np.nansum(found, axis=0)), against)
+    return Order(same, other, none, int(is_hidden.sum()), intervals.flip_test(np.nansum(found, axis=0)), against)
 
 
-def turned(order):
+def turned(order: Optional[Order]) -> Optional[Order]:
     """Return an Order with first and second exchanged, in its groups too; None stays None."""
     return order and order._replace(larger=order.smaller, smaller=order.larger,
                                     against=tuple(group[::-1] for group in order.against))

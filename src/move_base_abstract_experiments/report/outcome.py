@@ -1,4 +1,5 @@
 """Read an experiment's folder: its plan, and the outcome of each planned trial."""
+from __future__ import annotations
 
 import csv
 import json
@@ -7,6 +8,7 @@ import re
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 import numpy as np
 
@@ -17,6 +19,9 @@ from move_base_abstract.common.shown import shown, shown_text
 
 from .. import records
 from . import design, endings
+
+if TYPE_CHECKING:
+    from .design import Configuration, Metric
 
 FORMAT = 1
 COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
@@ -33,24 +38,24 @@ class Trial:
     id: str
     configuration: int  # its place in Experiment.configurations
     replication: int
-    seed: object
+    seed: Any
     status: str  # COMPLETE, FAILED or MISSING
     error: str = ''  # a complete trial can have one too, for example of its metrics
     metrics: dict = field(default_factory=dict)  # name: float, NaN where the trial has none
     simulated_seconds: float = math.nan
     wall_seconds: float = math.nan
     times_real_time: float = math.nan
-    repeatable: object = None  # True, False, or None: not recorded
+    repeatable: Any = None  # True, False, or None: not recorded
     labels: tuple = ()
-    verified: object = None  # 'identical', 'different', or None: not run again
+    verified: Any = None  # 'identical', 'different', or None: not run again
     difference: str = ''
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
     waits: dict = field(default_factory=dict)  # place, zone or lane: s for which all robots together waited there
     attempts: int = 1
     ended_by: str = ''  # see endings; '': not recorded
     kept: str = ''  # the trial's program, if it is not the present one and the trial was kept nevertheless
-    open_goals: object = None  # the number of goals that had not ended at the trial's end; None: not recorded
-    properties: object = None  # the 'properties' of trial.json, unchecked; sections.properties reads them
+    open_goals: Any = None  # the number of goals that had not ended at the trial's end; None: not recorded
+    properties: Any = None  # the 'properties' of trial.json, unchecked; sections.properties reads them
 
 
 @dataclass(frozen=True)
@@ -67,16 +72,16 @@ class Experiment:
     known: dict = field(default_factory=dict, compare=False)  # a cache of tables
 
     @property
-    def name(self):
+    def name(self) -> str:
         """The name that the user gave the experiment."""
         return str(self.plan.get('experiment') or 'experiment')
 
     @property
-    def complete(self):
+    def complete(self) -> List[Trial]:
         """The complete Trials."""
         return [trial for trial in self.trials if trial.status == COMPLETE]
 
-    def trials_of(self, configuration):
+    def trials_of(self, configuration: Configuration) -> List[Trial]:
         """Return the Trials of a Configuration in the order of the plan."""
         if 'by configuration' not in self.known:
             found = self.known['by configuration'] = [[] for _ in self.configurations]
@@ -85,12 +90,12 @@ class Experiment:
         return self.known['by configuration'][configuration.place]
 
     @property
-    def outcomes(self):
+    def outcomes(self) -> Tuple[Metric, ...]:
         """Those of design.FAILED_TRIALS and LIMITED_TRIALS that occur; not the latter if all end so by design."""
         has_failed = any(trial.status == FAILED for trial in self.trials)
         return (design.FAILED_TRIALS,) * has_failed + (design.LIMITED_TRIALS,) * endings.has_limited(self)
 
-    def values(self, metric):
+    def values(self, metric: Any) -> np.ndarray:
         """Return the values of a Metric, shape (configurations, replications).
 
         NaN stands for a trial that failed, has not run or has no value. Columns are replications in ascending order;
@@ -101,16 +106,16 @@ class Experiment:
         return self._table(('values', metric.name, metric.outcome), of.get(metric.outcome, lambda trial: (
             trial.metrics.get(metric.name, math.nan))), math.nan)
 
-    def cut(self, metric):
+    def cut(self, metric: Any) -> np.ndarray:
         """Return which of values() the limit of time cut off, so that they are at best bounds: booleans, same shape."""
         return self._table(('cut', metric.name, metric.outcome),
                            lambda trial: endings.is_cut(self, metric, trial), 0.0) > 0.0
 
-    def count(self, status):
+    def count(self, status: str) -> np.ndarray:
         """Return the number of trials with this status, per configuration."""
         return np.nansum(self._table(('count', status), lambda trial: float(trial.status == status), 0.0), axis=1)
 
-    def _table(self, key, value_of, nothing):
+    def _table(self, key: Sequence[str], value_of: Callable[..., Any], nothing: float) -> np.ndarray:
         if key not in self.known:
             keys = sorted({(each.kept, each.replication) for each in self.trials})
             columns = {one: place for place, one in enumerate(keys)}
@@ -121,7 +126,7 @@ class Experiment:
         return self.known[key]
 
 
-def read(folder):
+def read(folder: Path) -> Experiment:
     """Return the Experiment of a folder.
 
     A trial whose file cannot be understood counts as failed, and its error says why.
@@ -140,19 +145,19 @@ def read(folder):
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
 
 
-def _share(planned, places):
+def _share(planned: Sequence[Dict[str, Union[Dict[str, Any], int, str]]], places: Sequence[int]) -> None:
     """Let the trials of a plan share equal configurations and programs, to save memory.
 
     :param places: the place of each trial's configuration.
     """
-    known = {}
+    known: Dict[Any, Any] = {}
     for each, place in zip(planned, places):
         for key in ('configuration', 'program'):
             if key in each:
                 each[key] = known.setdefault((key, place if key == 'configuration' else str(each[key])), each[key])
 
 
-def _json(path, most=MAX_BYTES):
+def _json(path: Path, most: int = MAX_BYTES) -> Dict[str, Any]:
     """Return the mapping that a JSON file holds. :raises ConfigurationError: naming the file and what is wrong."""
     try:
         return load_json_mapping(path, most)
@@ -160,7 +165,7 @@ def _json(path, most=MAX_BYTES):
         raise ConfigurationError(f'{path}: is not there; the folder must be one that `experiment run` made') from None
 
 
-def _check_plan(plan, path):
+def _check_plan(plan: Dict[str, Any], path: Path) -> None:
     if plan.get('format') != FORMAT:
         raise ConfigurationError(f"{path}: 'format' must be {FORMAT}, got {shown(plan.get('format'))}")
     for key, kind, name in (('trials', list, 'list'), ('factors', dict, 'mapping'), ('metrics', dict, 'mapping')):
@@ -177,7 +182,7 @@ def _check_plan(plan, path):
         if not isinstance(levels, list):
             raise ConfigurationError(f'{path}: factors[{shown(name)}] must be a list, got {shown(levels)}')
     plan.setdefault('trials', [])
-    seen = set()
+    seen: Set[Any] = set()
     for place, trial in enumerate(plan['trials']):
         where = f'{path}: trials[{place}]'
         if not isinstance(trial, dict) or not isinstance(trial.get('configuration', {}), dict):
@@ -196,7 +201,7 @@ def _check_plan(plan, path):
         seen.update((trial['id'], same))
 
 
-def _rows_of_csv(path, metrics):
+def _rows_of_csv(path: Path, metrics: Mapping[str, Dict[str, str]]) -> Dict[str, Dict[str, Any]]:
     """Return the rows of trials.csv by ID, in the form of trial.json; for a folder that came without its trials."""
     if not path.is_file():
         return {}
@@ -204,19 +209,21 @@ def _rows_of_csv(path, metrics):
         return {row['id']: _of_row(row, metrics) for row in csv.DictReader(stream) if row.get('id')}
 
 
-def _of_row(row, metrics):
+def _of_row(row: Mapping[str, str],
+            metrics: Mapping[str, Dict[str, str]]) -> Any:
     known = {key: value for key, value in row.items() if isinstance(key, str) and value not in ('', None)}
     labels = known.pop('labels', '')
-    told = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
+    told: Any = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
             'labels': [labels] if labels else []}
     if 'repeatable' in told:
         told['repeatable'] = told['repeatable'].lower() in ('true', '1', 'yes')
     return told
 
 
-def _trial(folder, plan, planned, configuration, rows):
+def _trial(folder: Any, plan: Mapping[str, Any], planned: Mapping[str, Union[Dict[str, Union[int, str]], int, str]],
+           configuration: int, rows: Mapping[Any, Any]) -> Trial:
     """Return the Trial of an entry of the plan."""
-    base = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
+    base: Any = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
                 seed=planned.get('seed'), kept=str(planned.get('program')) if planned.get('kept') else '')
     path = folder / 'trials' / planned['id'] / 'trial.json'
     try:
@@ -236,14 +243,15 @@ def _trial(folder, plan, planned, configuration, rows):
         return Trial(**base, status=FAILED, error=str(error))
 
 
-def _check_same(told, planned, path):
+def _check_same(told: Mapping[str, Any], planned: Mapping[str, Union[Dict[str, Union[int, str]], int, str]],
+                path: Path) -> None:
     for key in ('configuration', 'replication', 'seed'):
         if key in told and told[key] != planned.get(key):
             raise ConfigurationError(f"{path}: is of another plan: its '{key}' is {shown(told[key])}, but the plan has "
                                      f'{shown(planned.get(key))}')
 
 
-def _told(base, told, until):
+def _told(base: Any, told: Mapping[str, Any], until: Optional[Mapping[str, int]]) -> Trial:
     """Return the Trial of a trial.json (a mapping). Any part of it may be missing or wrong."""
     status = told.get('status')
     lines = str(told.get('error') or '').strip().splitlines()
@@ -253,13 +261,14 @@ def _told(base, told, until):
         return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')),
                      ended_by=endings.ended_by(told.get('ended_by'), None, math.nan),
                      properties=told.get('properties'))
-    robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
-    waits = told.get('waits') if isinstance(told.get('waits'), dict) else {}
-    labels = told.get('labels') if isinstance(told.get('labels'), list) else []
-    metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
+    robots: Any = told.get('robots') if isinstance(told.get('robots'), dict) else {}
+    waits: Any = told.get('waits') if isinstance(told.get('waits'), dict) else {}
+    labels: Any = told.get('labels') if isinstance(told.get('labels'), list) else []
+    metrics: Any = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
     return Trial(
         **base, status=COMPLETE, error=error, metrics={str(name): _number(value) for name, value in metrics.items()},
-        **{name: _number(told.get(name)) for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
+        **{name: _number(told.get(name))  # type: ignore[arg-type]
+           for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
         repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
         labels=tuple(sys.intern(str(label)) for label in labels),
         verified=told.get('verified') if told.get('verified') in _STATES else None,
@@ -273,7 +282,7 @@ def _told(base, told, until):
         ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))
 
 
-def _number(value):
+def _number(value: Any) -> float:
     """Return a value as a float that can be squared, or NaN for anything else in a file: null, text, infinity."""
     try:
         number = float(value) if isinstance(value, (int, float, str)) else math.nan
@@ -282,10 +291,10 @@ def _number(value):
     return number if abs(number) <= LARGEST else math.nan
 
 
-def _count(value):
+def _count(value: Optional[Union[Sequence[Any], int]]) -> int:
     return _whole(value) or 1
 
 
-def _whole(value):
+def _whole(value: Optional[Union[Sequence[Any], int]]) -> Optional[int]:
     """Return the value if it is a whole number of at least 0, otherwise None."""
     return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None

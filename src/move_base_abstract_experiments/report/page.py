@@ -1,11 +1,24 @@
 """The content of the page report.html, from an experiment and its statistics. The markup is in the Jinja2 templates."""
+from __future__ import annotations
 
 import itertools
 import json
 import math
 import re
 from pathlib import Path
-from typing import NamedTuple
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 from urllib.parse import quote
 
 import jinja2
@@ -25,9 +38,17 @@ from . import (
 )
 from .colours import Looks
 from .outcome import FAILED, MISSING
-from .parts import Section
+from .parts import Section, there
 from .sections import fleet, how_ended, properties, validity
 from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
+
+if TYPE_CHECKING:
+    from .design import Metric
+    from .findings import Finding
+    from .outcome import Experiment
+    from .parts import Table
+    from .pictures import Plot
+    from .wording import Scale
 
 MARK = 'report of an experiment of move_base_abstract'
 MOST_ROWS = 16  # the number of configurations that are shown unfolded; with more, all of them are folded
@@ -39,7 +60,7 @@ _NUMBER = re.compile(f'[{MINUS}+<{NBSP}]*[0-9][0-9,.]*(·10.*)?|{UNKNOWN}|')
 class Analysis(NamedTuple):
     """An experiment, and the statistics of it that the page and the tables share."""
 
-    experiment: object
+    experiment: Any
     scales: dict  # metric name: wording.Scale
     looks: Looks
     mains: list  # of effects.Difference
@@ -57,7 +78,7 @@ class Shares(NamedTuple):
     parts: tuple
 
 
-def analyse(experiment):
+def analyse(experiment: Experiment) -> Analysis:
     """Return the Analysis of an Experiment."""
     scales = {}
     for metric in experiment.metrics:
@@ -68,7 +89,7 @@ def analyse(experiment):
                     effects.outcome_differences(experiment))
 
 
-def render(analysis, added, problems=()):
+def render(analysis: Analysis, added: Sequence[Section], problems: Sequence[str] = ()) -> str:
     """Return the page as text.
 
     :param added: parts.Sections that the study adds. :param problems: lines about parts that could not be made.
@@ -82,15 +103,16 @@ def render(analysis, added, problems=()):
     return '\n'.join(line for line in (each.rstrip() for each in text.splitlines()) if line) + '\n'
 
 
-def _columns(table):
+def _columns(table: Table) -> List[str]:
     """Return the class of the cells for each column of a parts.Table: 'n' for numbers, which are aligned right."""
     columns = [[getattr(row[place], 'text', row[place]) for row in table.rows if place < len(row)]
                for place in range(len(table.header))]
     return ['n' if texts and all(_NUMBER.fullmatch(str(text)) for text in texts) else '' for texts in columns]
 
 
-def _page(analysis, added, problems):
-    experiment = analysis.experiment
+def _page(analysis: Analysis, added: Any,
+          problems: Sequence[str]) -> Dict[str, Union[List[Union[Tuple[str, List[Any]], str, Table]], int, str]]:
+    experiment: Any = analysis.experiment
     told = findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
     others = [each for each in told if not each.is_primary] if any(each.is_primary for each in told) else []
     told = [each for each in told if each not in others]
@@ -108,20 +130,20 @@ def _page(analysis, added, problems):
         run_tables=list(filter(None, (listings.factors(experiment), listings.configurations(experiment)))),
         metrics_notes=_metrics_notes(experiment),
         metrics=[_metric(analysis, metric) for metric in experiment.metrics],
-        sections=list(filter(None, (
+        sections=there((
             properties.section(experiment), _robots(analysis), fleet.section(experiment), *added, _looks(analysis),
-            _repeatable(experiment), _method(analysis), _provenance(experiment, problems)))))
+            _repeatable(experiment), _method(analysis), _provenance(experiment, problems))))
 
 
-def _by_metric(told):
+def _by_metric(told: Union[Sequence[Finding], Iterator[Any]]) -> Any:
     """Return pairs (title of a metric, its Findings)."""
-    groups = {}
+    groups: Dict[Any, Any] = {}
     for each in told:
         groups.setdefault(each.metric, []).append(each)
     return list(groups.items())
 
 
-def _lede(experiment):
+def _lede(experiment: Any) -> str:
     varied = [factor.title for factor in experiment.factors if len(factor.levels) > 1]
     what = f'{counted(len(experiment.configurations), "configurations")}'
     by = f' of {listed(varied)}' if varied else ''
@@ -129,7 +151,7 @@ def _lede(experiment):
     return f'{what}{by}; {trials}.'
 
 
-def _warnings(experiment):
+def _warnings(experiment: Any) -> Any:
     """Return the warnings that a reader must see before the findings."""
     texts = []
     failed = sum(trial.status == FAILED for trial in experiment.trials)
@@ -166,7 +188,7 @@ def _warnings(experiment):
     return texts + design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)
 
 
-def _findings_notes(analysis):
+def _findings_notes(analysis: Any) -> Any:
     found = analysis.mains or analysis.singles
     if not found:
         return []
@@ -182,7 +204,7 @@ def _findings_notes(analysis):
             'the interval says which differences are still possible.']
 
 
-def _metrics_notes(experiment):
+def _metrics_notes(experiment: Any) -> Any:
     if not experiment.complete:
         return []
     return ['Each tick is a trial. The mark is the mean, and its bar is the 95 % interval of the mean. In plots over '
@@ -191,7 +213,7 @@ def _metrics_notes(experiment):
             'be clear: see the tables.']
 
 
-def _facts(experiment):
+def _facts(experiment: Any) -> Any:
     complete = experiment.complete
     plan = experiment.plan
     varied = [f'{factor.title}: {counted(len(factor.levels), "levels")}' for factor in experiment.factors
@@ -209,16 +231,16 @@ def _facts(experiment):
         facts.append(('Simulated time', duration(math.fsum(simulated)), 'all complete trials together'))
     if len(speeds):
         median = intervals.median_estimate(speeds).value
-        ends = [digits(each, 2) for each in (min(speeds), max(speeds))]
+        slow, fast = (digits(each, 2) for each in (min(speeds), max(speeds)))
         facts.append(('Speed', f'{digits(median, 2)} times real time',
-                      f'median; {ends[0]} to {ends[1]}' if ends[0] != ends[1] else ''))
+                      f'median; {slow} to {fast}' if slow != fast else ''))
     facts += filter(None, (validity.fact(experiment),))
     if len(wall):
         facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'all complete trials, one after the other'))
     return facts
 
 
-def until_text(until):
+def until_text(until: Optional[Union[Mapping[str, Any], int]]) -> str:
     """Return in words when a trial ends, from the ``until`` of the plan."""
     if not isinstance(until, dict) or not until:
         return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
@@ -237,7 +259,7 @@ def until_text(until):
     return ', or '.join(words) or 'until it ends'
 
 
-def _metric(analysis, metric):
+def _metric(analysis: Analysis, metric: Metric) -> Any:
     """Return the part of the page about a metric, as a mapping for the template."""
     experiment, looks = analysis.experiment, analysis.looks
     scale = analysis.scales[metric.name]
@@ -247,7 +269,7 @@ def _metric(analysis, metric):
     if metric.is_share:
         better = ', '.join(filter(None, ('share of trials with yes', better)))
     unit = '' if scale.unit == metric.title.lower() else scale.in_brackets
-    about = dict(title=metric.title, unit=unit, better=better, strips=shown, plots=[], tables=[],
+    about: Any = dict(title=metric.title, unit=unit, better=better, strips=shown, plots=[], tables=[],
                  problem='' if shown else 'No complete trial has a value.')
     if shown is None:
         return about
@@ -275,7 +297,7 @@ def _metric(analysis, metric):
     return about
 
 
-def _plots(experiment, metric, scale, looks):
+def _plots(experiment: Any, metric: Metric, scale: Scale, looks: Looks) -> List[Plot]:
     varied = [place for place, factor in enumerate(experiment.factors) if len(factor.levels) > 1]
     plots = [pictures.factor_plot(experiment, metric, scale, looks, place) for place in varied]
     plots += [pictures.pair_plot(experiment, metric, scale, looks, pair)
@@ -283,9 +305,9 @@ def _plots(experiment, metric, scale, looks):
     return [plot for plot in plots if plot is not None]
 
 
-def _robots(analysis):
+def _robots(analysis: Analysis) -> Any:
     """Return the section about how the robots spent their time, or None if no trial recorded it."""
-    experiment = analysis.experiment
+    experiment: Any = analysis.experiment
     table = listings.robots(frames.robots(experiment))
     sums = [[math.fsum(intervals.known([robot.get(state.key, math.nan) for trial in experiment.complete
                                         if trial.configuration == configuration.place
@@ -308,11 +330,11 @@ def _robots(analysis):
                   (f'Shares of the time of all robots in all complete trials{_cut_text(rows)}.', table))
 
 
-def _cut_text(rows):
+def _cut_text(rows: Any) -> str:
     return f'; the first {listings.MOST_ROWS} configurations' if len(rows) > listings.MOST_ROWS else ''
 
 
-def _looks(analysis):
+def _looks(analysis: Analysis) -> Any:
     experiment = analysis.experiment
     metric = notable_trials.primary_metric(experiment)
     if metric is None:
@@ -324,7 +346,7 @@ def _looks(analysis):
         'or to the event log if there is no replay.', table))
 
 
-def _repeatable(experiment):
+def _repeatable(experiment: Any) -> Any:
     complete = experiment.complete
     again = [trial for trial in complete if trial.verified]
     told = [trial for trial in complete if trial.repeatable is not None]
@@ -341,11 +363,11 @@ def _repeatable(experiment):
     if told:
         parts.append('Trials whose run says that it is repeatable: '
                      f'{whole(sum(trial.repeatable for trial in told))} of {whole(len(told))}.')
-    parts += filter(None, (listings.not_identical(experiment), listings.labels(experiment)))
+    parts += there((listings.not_identical(experiment), listings.labels(experiment)))
     return Section('Repeatability', tuple(parts)) if complete else None
 
 
-def _method(analysis):
+def _method(analysis: Any) -> Any:
     """Return the section that explains the intervals and tests."""
     parts = [
         "Means of configurations have Student's 95 % interval. Shares of yes and no have Wilson's. Medians have the "
@@ -371,6 +393,6 @@ def _method(analysis):
     return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
 
 
-def _provenance(experiment, problems):
+def _provenance(experiment: Any, problems: Sequence[str]) -> Any:
     parts = [listings.provenance(experiment), *problems]
     return Section('Provenance', tuple(parts))

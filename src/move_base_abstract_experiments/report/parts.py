@@ -1,8 +1,9 @@
 """The building blocks of the report's sections. A study that adds sections of its own makes them from these."""
+from __future__ import annotations
 
 import io
 import re
-from typing import NamedTuple
+from typing import Any, Iterable, List, NamedTuple
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Section(NamedTuple):
     parts: tuple  # of Tables, Figures, Html, and texts, each of which is a paragraph
 
 
-def figure_of(figure, caption):
+def figure_of(figure: Any, caption: str) -> Figure:
     """Return the Figure of a matplotlib figure. Equal figures give equal bytes; black becomes the text's colour."""
     import matplotlib  # takes half a second, so only callers that need it wait
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -64,7 +65,7 @@ def figure_of(figure, caption):
     return Figure(caption, text.replace(_INK, 'currentColor'))
 
 
-def _in_ink(artist, colors):
+def _in_ink(artist: Any, colors: Any) -> None:
     """Give the black parts of an artist the colour that stands for the page's text, and make its white parts clear."""
     for name in ('color', 'edgecolor', 'facecolor'):
         getter, setter = getattr(artist, f'get_{name}', None), getattr(artist, f'set_{name}', None)
@@ -79,3 +80,8 @@ def _in_ink(artist, colors):
                 setter(_INK)
             elif (rgba[:, :3] == 1.0).all():
                 setter('none')
+
+
+def there(parts: Iterable[Any]) -> List[Any]:
+    """Return the parts that are not None or empty."""
+    return [part for part in parts if part]

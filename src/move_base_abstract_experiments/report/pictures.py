@@ -2,14 +2,23 @@
 
 Positions are percentages of a row's width, or units of a plot's own size, so that text keeps its size on any screen.
 """
+from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import effects
 from .design import level_label
 from .outcome import FAILED
 from .wording import counted, fixed, shortened, with_interval
+
+if TYPE_CHECKING:
+    from .colours import Look, Looks
+    from .design import Factor, Metric
+    from .effects import Level
+    from .intervals import Estimate
+    from .outcome import Experiment
+    from .wording import Scale
 
 TICK_STEPS = 1000  # the number of positions in a row at which a trial can be drawn
 PLOT_WIDTH, PLOT_HEIGHT = 360.0, 230.0
@@ -26,12 +35,12 @@ class Axis(NamedTuple):
     high: float
     ticks: tuple  # of (value, text)
 
-    def share(self, value):
+    def share(self, value: float) -> float:
         """Return where a value lies: 0 at the low end, 1 at the high end."""
         return (value - self.low) / (self.high - self.low)
 
 
-def axis(values, parts=5, pad=0.04, with_zero=False):
+def axis(values: Sequence[float], parts: int = 5, pad: float = 0.04, with_zero: bool = False) -> Axis:
     """Return the Axis that shows all these values.
 
     :param values: finite numbers, at least one. :param parts: the largest number of steps between ticks.
@@ -51,13 +60,13 @@ def axis(values, parts=5, pad=0.04, with_zero=False):
     return Axis(low, high, tuple((each * step, fixed(each * step, decimals)) for each in range(first, last + 1)))
 
 
-def _step(least):
+def _step(least: float) -> float:
     """Return the smallest round step that is at least ``least``."""
     size = 10.0 ** math.floor(math.log10(least))
     return next(each * size for each in _STEPS if each * size >= least * (1.0 - 1e-9))
 
 
-def _decimals(step):
+def _decimals(step: float) -> int:
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     return decimals if abs(round(step, decimals) - step) < 1e-6 * step else decimals + 1
 
@@ -66,11 +75,11 @@ class Row(NamedTuple):
     """One configuration: its trials as ticks, its mean with the interval; positions in per cent."""
 
     label: str
-    look: object  # colours.Look
+    look: Any  # colours.Look
     ticks: str  # an SVG path, x in 0..TICK_STEPS, y in 0..10
-    mid: object  # None if there is no mean
-    low: object  # low and high are None if there is no interval
-    high: object
+    mid: Any  # None if there is no mean
+    low: Any  # low and high are None if there is no interval
+    high: Any
     text: str
     note: str
 
@@ -86,9 +95,9 @@ class Point(NamedTuple):
     """A mean in a plot, in the plot's units; low and high are None where there is no interval."""
 
     x: float
-    y: float
-    low: object
-    high: object
+    y: Optional[float]
+    low: Optional[float]
+    high: Optional[float]
     tip: str
 
 
@@ -96,7 +105,7 @@ class Line(NamedTuple):
     """The means of one level of a factor, or of all trials."""
 
     label: str
-    look: object
+    look: Any
     path: str
     points: tuple  # of (colours.Look, Point)
     dash: str
@@ -112,7 +121,8 @@ class Plot(NamedTuple):
     note: str
 
 
-def strips(experiment, metric, scale, looks, estimates):
+def strips(experiment: Any, metric: Metric, scale: Scale, looks: Looks,
+           estimates: Sequence[Estimate]) -> Optional[Strips]:
     """Return the Strips of a metric, or None if no trial has a value."""
     values = [[value * scale.factor for value in row if not math.isnan(value)]
               for row in experiment.values(metric)]
@@ -129,7 +139,7 @@ def strips(experiment, metric, scale, looks, estimates):
     return Strips(rows, tuple((_percent(along.share(value)), text) for value, text in along.ticks))
 
 
-def _row(label, look, values, estimate, scale, along):
+def _row(label: str, look: Look, values: Sequence[float], estimate: Estimate, scale: Scale, along: Axis) -> Row:
     places = sorted({round(TICK_STEPS * along.share(value)) for value in values})
     mid, low, high = (None if math.isnan(value) else _percent(along.share(value * scale.factor))
                       for value in estimate[:3])
@@ -138,11 +148,11 @@ def _row(label, look, values, estimate, scale, along):
                counted(estimate.n, 'trials'))
 
 
-def _percent(share):
+def _percent(share: float) -> float:
     return round(100.0 * share, 2)
 
 
-def factor_plot(experiment, metric, scale, looks, factor):
+def factor_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks, factor: int) -> Any:
     """Return the Plot of a metric over the levels of a factor, or None if no level has a value."""
     levels, is_like_for_like = effects.levels_of(experiment, metric, factor)
     about = experiment.factors[factor]
@@ -152,7 +162,7 @@ def factor_plot(experiment, metric, scale, looks, factor):
                  lambda level: looks.of_level(factor, level))
 
 
-def pair_plot(experiment, metric, scale, looks, pair):
+def pair_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks, pair: Tuple[int, int]) -> Any:
     """Return the Plot of a metric over two factors, or None if there is no value.
 
     Each line is a level of one of the two factors: of the one that gives the colours, if it is among them.
@@ -167,7 +177,7 @@ def pair_plot(experiment, metric, scale, looks, pair):
     return _plot(f'by {about.title} and {experiment.factors[across].title}', about, lines, scale, '')
 
 
-def _roles(factors, pair, looks):
+def _roles(factors: Sequence[Factor], pair: Tuple[int, int], looks: Looks) -> Tuple[int, int]:
     """Return which of two factors makes the lines, and which lies along the axis."""
     if looks.colour_factor in pair:
         across = looks.colour_factor
@@ -176,7 +186,8 @@ def _roles(factors, pair, looks):
     return across, pair[0] if pair[1] == across else pair[1]
 
 
-def _plot(title, about, lines, scale, note, look_of=None):
+def _plot(title: str, about: Factor, lines: Sequence[Tuple[str, Optional[Look], List[Level]]], scale: Scale, note: str,
+          look_of: Any = None) -> Optional[Plot]:
     """Return the Plot of lines, or None if there is no value.
 
     :param lines: tuples (label, look, effects.Levels). :param look_of: returns the look of a level, for a line whose
@@ -203,23 +214,23 @@ def _plot(title, about, lines, scale, note, look_of=None):
     return Plot(title, tuple((_y(up, value), text) for value, text in up.ticks), x_ticks, tuple(drawn), note)
 
 
-def _dash(number, look):
+def _dash(number: int, look: Optional[Look]) -> str:
     """Return the dash pattern of a line. Lines without a colour of their own need one, to be told apart."""
     if look is None or look.colour is not None:
         return ''
     return ('', '6 3', '2 3', '8 3 2 3', '1 2', '10 4')[number % 6]
 
 
-def _point(level, about, label, scale, up, count, shift):
+def _point(level: Level, about: Factor, label: str, scale: Scale, up: Axis, count: int, shift: float) -> Point:
     value, low, high = (None if math.isnan(each) else _y(up, each * scale.factor) for each in level.estimate[:3])
     where = ', '.join(filter(None, (f'{about.title} {about.levels[level.level]}', label)))
     return Point(round(_x(level.level, count) + shift, 1), value, low, high,
                  f'{where}: {with_interval(level.estimate, scale)}')
 
 
-def _x(place, count):
+def _x(place: int, count: int) -> float:
     return round(_LEFT + (_RIGHT - _LEFT) * (place + 0.5) / count, 1)
 
 
-def _y(up, value):
+def _y(up: Axis, value: float) -> float:
     return round(_BOTTOM - (_BOTTOM - _TOP) * up.share(value), 1)

@@ -1,8 +1,13 @@
 """How the page writes numbers: with as many digits as their intervals justify, and with their units."""
+from __future__ import annotations
 
 import math
 import unicodedata
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
+
+if TYPE_CHECKING:
+    from .design import Metric
+    from .intervals import Estimate
 
 MINUS = '−'
 NBSP = '\N{NO-BREAK SPACE}'
@@ -32,17 +37,17 @@ class Scale(NamedTuple):
     unit: str
 
     @property
-    def suffix(self):
+    def suffix(self) -> str:
         """The unit as it follows a number."""
         return f'{NBSP}{self.unit}' if self.unit else ''
 
     @property
-    def in_brackets(self):
+    def in_brackets(self) -> str:
         """The unit as it follows the metric's title, where the numbers have no unit of their own."""
         return f'{NBSP}[{self.unit}]' if self.unit else ''
 
 
-def scale_of(metric, largest):
+def scale_of(metric: Metric, largest: float) -> Scale:
     """Return the Scale of a metric whose largest absolute value is ``largest``, in its own unit."""
     if metric.is_share:
         return Scale(100.0, '%')
@@ -52,7 +57,7 @@ def scale_of(metric, largest):
     return Scale(1.0, _PRETTY.get(metric.unit, metric.unit))
 
 
-def decimals_of(reach, *bounds):
+def decimals_of(reach: float, *bounds: float) -> int:
     """Return the number of decimals of an interval with this half width; negative: to tens, hundreds, ..."""
     if not reach > 0.0 or math.isinf(reach):
         return 0
@@ -65,7 +70,7 @@ def decimals_of(reach, *bounds):
     return least + _MORE
 
 
-def fixed(value, decimals):
+def fixed(value: float, decimals: int) -> str:
     """Return a number with this many decimals, commas between thousands, and a true minus sign."""
     text = f'{round(value, decimals):,.{max(0, decimals)}f}'
     if float(text.replace(',', '')) == 0.0:
@@ -73,7 +78,7 @@ def fixed(value, decimals):
     return text.replace('-', MINUS)
 
 
-def digits(value, count=PLAIN_DIGITS):
+def digits(value: float, count: int = PLAIN_DIGITS) -> str:
     """Return a number with this many significant digits and without trailing zeros."""
     if math.isnan(value):
         return UNKNOWN
@@ -86,17 +91,17 @@ def digits(value, count=PLAIN_DIGITS):
     return text.rstrip('0').rstrip('.') if '.' in text else text
 
 
-def whole(number):
+def whole(number: int) -> str:
     """Return a whole number with commas between thousands."""
     return f'{number:,}'.replace('-', MINUS)
 
 
-def counted(number, noun):
+def counted(number: int, noun: str) -> str:
     """Return '1 trial', '30 trials'."""
     return f'{whole(number)} {_SMALL_PLURALS.get(noun, noun) if number == 1 else noun}'
 
 
-def estimate_texts(estimate, scale):
+def estimate_texts(estimate: Estimate, scale: Scale) -> Any:
     """Return (value, low, high) of an Estimate as texts without unit; low and high are '' if there is no interval."""
     value, low, high = (each * scale.factor for each in estimate[:3])
     if math.isnan(value):
@@ -111,12 +116,12 @@ def estimate_texts(estimate, scale):
     return tuple(fixed(each, decimals) for each in (value, low, high))
 
 
-def _decimals_of_estimate(value, low, high):
+def _decimals_of_estimate(value: float, low: float, high: float) -> int:
     reaches = [each for each in (value - low, high - value) if each > 0.0]
     return decimals_of(min((high - low) / 2.0, 2.0 * min(reaches)) if reaches else high - low, low, high)
 
 
-def with_interval(estimate, scale):
+def with_interval(estimate: Any, scale: Scale) -> str:
     """Return '612 s (598 to 626 s)'; without an interval '612 s', without a value a dash."""
     value, low, high = estimate_texts(estimate, scale)
     if value == UNKNOWN:
@@ -128,7 +133,7 @@ def with_interval(estimate, scale):
     return f'{value}{scale.suffix} ({low} to {high}{scale.suffix})'
 
 
-def probability(p):
+def probability(p: float) -> str:
     """Return a probability as sentences have it: '= 0.03', '< 0.001'."""
     if math.isnan(p):
         return UNKNOWN
@@ -137,7 +142,7 @@ def probability(p):
     return f'={NBSP}{min(p, 1.0):.2g}' if p < 0.0995 else f'={NBSP}{min(p, 1.0):.2f}'
 
 
-def duration(seconds):
+def duration(seconds: float) -> str:
     """Return a duration in the unit in which it reads best."""
     if math.isnan(seconds):
         return UNKNOWN
@@ -147,7 +152,7 @@ def duration(seconds):
     return f'{digits(seconds, 3)}{NBSP}s'
 
 
-def shortened(text, length):
+def shortened(text: str, length: int) -> str:
     """Return a text that is at most ``length`` characters wide: a longer one loses its middle.
 
     Wide characters, as those of Chinese, count double.
@@ -160,11 +165,11 @@ def shortened(text, length):
     return f'{text[:(keep + 1) // 2]}…{text[len(text) - keep // 2:]}'
 
 
-def _width(text):
+def _width(text: str) -> float:
     return sum(2 if unicodedata.east_asian_width(sign) in 'WF' else 1 for sign in text)
 
 
-def listed(words):
+def listed(words: Sequence[str]) -> str:
     """Return 'a', 'a and b', 'a, b and c'."""
     words = list(words)
     return ' and '.join([', '.join(words[:-1]), words[-1]] if len(words) > 1 else words)

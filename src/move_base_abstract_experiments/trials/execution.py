@@ -9,7 +9,7 @@ import os
 import re
 import time
 import traceback
-from typing import TYPE_CHECKING, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
@@ -244,7 +244,7 @@ def _is_empty(folders: Folders) -> bool:
             os.path.exists(folders.messages) and os.path.getsize(folders.messages))
 
 
-def compare(folders: Folders, again: Folders) -> Optional[str]:
+def compare(folders: Any, again: Folders) -> Optional[str]:
     """Return the first difference of two runs in one line, or None. A function without an event log has none."""
     has_log, has_again = (os.path.exists(one.log) for one in (folders, again))
     if has_log != has_again:

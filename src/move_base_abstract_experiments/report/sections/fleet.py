@@ -1,21 +1,27 @@
 """The section about where robots waited for room: places, zones, lanes, chargers; per trial, all robots together."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 from .. import frames
 from ..listings import cut
 from ..parts import Section, Table
 from ..wording import UNKNOWN, Scale, estimate_texts, whole
 
+if TYPE_CHECKING:
+    from ..outcome import Experiment
+
 HEADING = 'Where robots waited'
 _SECONDS = Scale(1.0, 's')
 
 
-def section(experiment):
+def section(experiment: Experiment) -> Any:
     """Return the section, or None if no robot waited for room in any trial."""
     frame = frames.waits(experiment)
     if frame.empty:
         return None
     factors = [name for name in frame.columns if name.startswith('factor.')]
-    rows = []
+    rows: Any = []
     for record in frame.to_dict('records'):
         value, low, high = estimate_texts(frames.estimate_of(record), _SECONDS)
         levels = ', '.join(str(record[name]) for name in factors if record[name] != '')

@@ -1,10 +1,18 @@
 """How trials ended, in words: which failed, which the limit of time ended, and whether the shares of these differ."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
 
 from .. import effects, endings, listings
 from ..findings import of_differences
 from ..outcome import COMPLETE, FAILED
 from ..parts import Table
 from ..wording import UNKNOWN, Scale, whole, with_interval
+
+if TYPE_CHECKING:
+    from ..effects import Difference
+    from ..findings import Finding
+    from ..outcome import Experiment, Trial
 
 MOST_ROWS = 200
 MOST_OPEN = 16  # a table with more rows is folded
@@ -15,7 +23,7 @@ _NOTE = "Shares have Wilson's interval. The limit of time is that of simulated t
         'of complete trials.'
 
 
-def findings(experiment, mains, singles):
+def findings(experiment: Experiment, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Finding]:
     """Return the Findings about the shares of trials that failed, or that the limit of time ended.
 
     :param mains, singles: effects.outcome_differences of the experiment.
@@ -24,20 +32,21 @@ def findings(experiment, mains, singles):
             for finding in of_differences(experiment, own, SCALE) if finding.verdict != 'same']
 
 
-def tables(experiment, mains, singles):
+def tables(experiment: Any, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Optional[Table]]:
     """Return the tables of the same differences."""
     return [listings.differences(experiment, f'{own[0].metric.title}: differences', own, SCALE, 'tables/endings.csv')
             for own in _compared(experiment, mains, singles)]
 
 
-def _compared(experiment, mains, singles):
+def _compared(experiment: Experiment, mains: Sequence[Difference],
+              singles: Sequence[Difference]) -> List[List[Difference]]:
     """Return for each way of ending its Differences between levels, or else those between configurations."""
     kinds = [[[each for each in kind if each.metric is metric] for kind in (mains, singles)]
              for metric in experiment.outcomes]
     return [own[0] or own[1] for own in kinds if own[0] or own[1]]
 
 
-def table(experiment):
+def table(experiment: Any) -> Optional[Table]:
     """Return the table of how the trials of each configuration ended, or None if experiment.outcomes is empty."""
     outcomes = experiment.outcomes
     if not outcomes:
@@ -56,9 +65,9 @@ def table(experiment):
                  is_open=len(rows) <= MOST_OPEN)
 
 
-def _ends_text(trials):
+def _ends_text(trials: Sequence[Trial]) -> str:
     """Return how trials ended, the most frequent way first: 'idle 28, limit of time 2'."""
-    counts = {}
+    counts: Dict[Any, Any] = {}
     for trial in trials:
         if trial.ended_by:
             counts[trial.ended_by] = counts.get(trial.ended_by, 0) + 1
@@ -66,6 +75,6 @@ def _ends_text(trials):
     return ', '.join(f'{_ENDS.get(name, name)} {whole(count)}' for name, count in ordered)
 
 
-def ends_text(experiment):
+def ends_text(experiment: Experiment) -> str:
     """Return how all trials ended, in words: 'idle 28, limit of time 2'."""
     return _ends_text(experiment.trials)

@@ -1,6 +1,7 @@
 """The section about properties: in how many trials each held, was broken, or was not judged; and its first break."""
+from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
 from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
 from move_base_abstract.runs.built_in import ALL, BUILT_IN, SOMETIMES
@@ -9,6 +10,9 @@ from .. import notable_trials
 from ..listings import cut
 from ..parts import Cell, Section, Table
 from ..wording import UNKNOWN, counted, listed, whole
+
+if TYPE_CHECKING:
+    from ..outcome import Experiment, Trial
 
 HEADING = 'Properties'
 #: what `all` meant in trials that do not say by which properties they were judged
@@ -22,7 +26,7 @@ _NOTE = 'Not judged: the trial has not run, has left no event log, or has never 
 class Break(NamedTuple):
     """The first break of a property in a trial: its instant [ns] (None: it has none), and what happened, in words."""
 
-    instant_ns: object
+    instant_ns: Any
     words: str
 
 
@@ -34,11 +38,12 @@ class Judged(NamedTuple):
     statements: dict  # key: the outcome of the statement
 
 
-def read(told):
+def read(told: Optional[Mapping[Any, Any]]) -> Any:
     """Return the Judged of the 'properties' of a trial.json, or None if there are none. Wrong parts are left out."""
     if not isinstance(told, dict) or not told:
         return None
     broken = {}
+    one: Any
     for one in _rows(told.get('broken'), dict):
         key = _key(one.get('property'), one.get('node'), one.get('text'))
         if key is not None and key not in broken:
@@ -47,18 +52,19 @@ def read(told):
             details = ', '.join(map(str, _rows(one.get('details'), str)))
             words = f"{one.get('node')}: {one.get('text')}" if key[0] in BUILT_IN else ''
             broken[key] = Break(instant, ' '.join(filter(None, (words, f'({details})' if details else ''))))
-    stated = {_key(kind, node, text): outcome for node, kind, text, outcome in (
-        row for row in _rows(told.get('statements'), list) if len(row) == 4)}
+    statements: List[Any] = [row for row in _rows(told.get('statements'), list) if len(row) == 4]
+    stated = {_key(kind, node, text): outcome for node, kind, text, outcome in statements}
     stated.pop(None, None)
     names = _rows(told.get('judged'), str)
     return Judged(frozenset(_ALL_OF_1_0 if ALL in names else names) & frozenset(BUILT_IN), broken, stated)
 
 
-def _rows(value, kind):
+def _rows(value: Optional[Union[Sequence[Any], Mapping[Any, Any], int]],
+          kind: Type[Any]) -> List[Union[List[Any], Dict[str, Optional[Union[List[str], int, str]]], str]]:
     return [one for one in value if isinstance(one, kind)] if isinstance(value, list) else []
 
 
-def _key(name, node, text):
+def _key(name: Any, node: Any, text: Any) -> Optional[Tuple[str, str, str]]:
     """Return the key of a property, or None if there is no property of this name."""
     if name in BUILT_IN:
         return name, '', ''
@@ -68,13 +74,13 @@ def _key(name, node, text):
 class Count(NamedTuple):
     """The numbers of trials in which a property held and in which it was broken, and its first break."""
 
-    key: tuple
+    key: Any
     held: int
     broken: int
-    first: object  # (Trial, Break) or None
+    first: Any  # (Trial, Break) or None
 
 
-def _known(experiment):
+def _known(experiment: Experiment) -> List[Tuple[Trial, Judged]]:
     """Return (Trial, Judged) for each Trial that was judged, in the order of the plan."""
     if 'properties' not in experiment.known:
         found = [(trial, read(trial.properties)) for trial in experiment.trials]
@@ -82,7 +88,7 @@ def _known(experiment):
     return experiment.known['properties']
 
 
-def counts(experiment):
+def counts(experiment: Experiment) -> List[Count]:
     """Return the Count of each property by which a trial was judged: the built-in ones, then statements."""
     known = _known(experiment)
     keys = {_key(name, '', ''): None for name in BUILT_IN if any(
@@ -97,14 +103,14 @@ def counts(experiment):
     return found
 
 
-def _has_held(judged, key):
+def _has_held(judged: Judged, key: Any) -> bool:
     outcome = judged.statements.get(key)
     if key[0] in BUILT_IN:
         return key[0] in judged.names and key not in judged.broken
     return outcome == HELD if key[0] == SOMETIMES else outcome not in (None, BROKEN)
 
 
-def warning(experiment):
+def warning(experiment: Experiment) -> Optional[str]:
     """Return the warning about broken properties, or None if none was broken."""
     broken = [f'{_title(each.key)} (in {counted(each.broken, "trials")})' for each in counts(experiment) if each.broken]
     if not broken:
@@ -113,20 +119,21 @@ def warning(experiment):
     return f'Properties were broken: {listed(broken[:MOST_TOLD] + more)}: see {HEADING}.'
 
 
-def section(experiment):
+def section(experiment: Experiment) -> Optional[Section]:
     """Return the section, or None if no trial was judged."""
     found = counts(experiment)
     if not found:
         return None
     found.sort(key=lambda one: not one.broken)
-    rows = [_row(experiment, each) for each in found if each.key[0] != SOMETIMES]
-    seen = [(_title(each.key), whole(each.held), whole(_stated(experiment, each.key) - each.held))
+    rows: Any = [_row(experiment, each) for each in found if each.key[0] != SOMETIMES]
+    seen: Any = [(_title(each.key), whole(each.held), whole(_stated(experiment, each.key) - each.held))
             for each in found if each.key[0] == SOMETIMES]
-    parts = []
+    parts: List[Any] = []
     if rows:
         rows, note = cut(rows, _NOTE, 'properties.csv')
-        header = ('property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'details')
-        parts.append(Table('What must hold', header, rows, note, is_open=True))
+        parts.append(Table('What must hold', (
+            'property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'details'), rows,
+            note, is_open=True))
     never = [each for each in seen if each[1] == whole(0)]
     if never:
         parts.append(f'Came true in no trial: {listed([each[0] for each in never[:MOST_TOLD]])}'
@@ -138,7 +145,7 @@ def section(experiment):
     return Section(HEADING, tuple(parts))
 
 
-def _row(experiment, count):
+def _row(experiment: Experiment, count: Any) -> Tuple[Union[str, Cell], ...]:
     rest = len(experiment.trials) - count.held - count.broken
     row = (_title(count.key), whole(count.held), whole(count.broken), whole(rest))
     if count.first is None:
@@ -149,10 +156,10 @@ def _row(experiment, count):
             UNKNOWN if trial.seed is None else str(trial.seed), at, first.words)
 
 
-def _stated(experiment, key):
+def _stated(experiment: Experiment, key: Tuple[str, str, str]) -> int:
     return sum(key in judged.statements for _, judged in _known(experiment))
 
 
-def _title(key):
+def _title(key: Tuple[str, str, str]) -> str:
     name, node, text = key
     return f'{name}: {BUILT_IN[name].sentence}' if name in BUILT_IN else f'{name}: {text} ({node})'

@@ -1,16 +1,22 @@
 """How far a result that used calibrations can be trusted: the share of goals outside of what was recorded for them."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 from ..outcome import COMPLETE
 from ..wording import digits, listed, whole
+
+if TYPE_CHECKING:
+    from ..outcome import Experiment
 
 _WORDS = {'longer': 'were longer than any recorded leg', 'shorter': 'were shorter than any recorded leg',
           'turn': 'began with a larger turn than any recorded leg',
           'narrow': 'passed nearer to what is occupied than any recorded leg'}
 
 
-def _sums(experiment):
+def _sums(experiment: Experiment) -> Dict[str, float]:
     """Return {quantity: sum over all robots of all complete trials} for all goals and for goals outside."""
-    sums = {}
+    sums: Dict[Any, Any] = {}
     for trial in experiment.trials:
         for quantities in trial.robots.values() if trial.status == COMPLETE else ():
             for name in ('goals_begun', 'goals_beyond', *(f'goals_beyond_{what}' for what in _WORDS)):
@@ -19,11 +25,11 @@ def _sums(experiment):
     return sums
 
 
-def _share(count, of):
+def _share(count: float, of: float) -> str:
     return f'{digits(100.0 * count / of, 2)} %'
 
 
-def fact(experiment):
+def fact(experiment: Experiment) -> Optional[Tuple[str, str, str]]:
     """Return the fact (title, value, note) about goals outside of what was recorded, None if no trial counts them."""
     sums = _sums(experiment)
     begun, beyond = sums.get('goals_begun', 0.0), sums.get('goals_beyond', 0.0)
@@ -34,7 +40,7 @@ def fact(experiment):
             'than the legs that the calibrations were fitted to')
 
 
-def warning(experiment):
+def warning(experiment: Experiment) -> Optional[str]:
     """Return the warning about goals outside of what was recorded, or None if all goals lay inside."""
     sums = _sums(experiment)
     begun, beyond = sums.get('goals_begun', 0.0), sums.get('goals_beyond', 0.0)
