@@ -13,10 +13,10 @@ from roslaunch.core import Param, RLException
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.options import parameters_of
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract.radio import network
 from move_base_abstract.runs import ends
-from move_base_abstract_experiments.description import launch_files
-from move_base_abstract_ros.launching import look_ups, plan
+from move_base_abstract_ros.launching import adoption, look_ups, plan
 from move_base_abstract_ros.launching.outputs import Files
 from move_base_abstract_ros.launching.run import Patience, Run, enter
 
@@ -58,7 +58,9 @@ class System:
             options = plan.launch_options(settings, {
                 **network.resolve(parameters_of(settings), settings.folder), 'event_log': self.log,
                 'log_messages': settings.log_messages, **end, **settings.time_master}, no_respawn=True)
-            return plan.plan_of(config, launch_files.adopted(config, options) if settings.adopt else options)
+            if settings.adopt:
+                options = adoption.adopted(config, options, read_settings)
+            return plan.plan_of(config, options)
         except RLException as error:
             raise ConfigurationError(str(error)) from None
 

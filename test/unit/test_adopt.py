@@ -8,7 +8,7 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
 from move_base_abstract_ros.launching import adoption, command_line, plan
-from move_base_abstract_ros.nodes import lockstep_launch
+from move_base_abstract_ros.nodes.launch_run import launched
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 OUR_ROBOT = ('move_base/move_base', 'move_base_abstract/move_base')
@@ -263,10 +263,10 @@ def test_the_environment_that_a_package_would_have_set_counts(package):
 def test_the_command_line_says_the_same(package):
     write_map(package)
     path = write_stage(package, '10.0 20.0 0 0')
-    _parser, options = lockstep_launch.read_words(['--adopt', '--until', '9', path])
+    _parser, options = launched.read_words(['--adopt', '--until', '9', path])
     made = adoption.adopt(plan.read([(path, [])], True), plan.launch_options(options.run), read_settings)
     typed = command_line.typed('lockstep_launch', options.one, made.options, options.command)
-    _parser, options = lockstep_launch.read_words(shlex.split(typed)[3:])
+    _parser, options = launched.read_words(shlex.split(typed)[3:])
     assert dataclasses.replace(plan.launch_options(options.run), is_told=True) == made.options
     assert all(word in typed for word in ('--tolerant', '--start', '--param', '--replace', '--until 9'))
 
@@ -284,7 +284,7 @@ def test_what_was_asked_for_stays(package):
                                    ['--start', '/a=1,2,nan']])
 def test_options_that_say_nothing_are_refused(words):
     with pytest.raises(SystemExit):
-        lockstep_launch.read_words([*words, 'x.launch'])
+        launched.read_words([*words, 'x.launch'])
 
 
 def test_a_robot_that_is_not_there_cannot_start_anywhere(package):

@@ -6,7 +6,7 @@ import os
 import select
 import signal
 import sys
-import time  # noqa: TID251 - a call may take some wall time
+import time
 from typing import Any, Callable, Dict, List, Optional
 
 from ..common import processes

@@ -66,16 +66,10 @@ def arguments_of(path: str) -> List[str]:
 
 
 def adopted(config: Any, options: Any) -> Any:
-    """Return options with the changes that a configuration needs that was read with ``is_tolerant``.
-
-    :raises ConfigurationError: if something in the configuration cannot work.
-    """
+    """Return options as adoption.adopted does, with our own robots."""
     from move_base_abstract.config.settings import read_settings
     from move_base_abstract_ros.launching import adoption
-    found = adoption.adopt(config, options, read_settings)
-    if found.problems:
-        raise ConfigurationError('adopt: ' + '; '.join(found.problems))
-    return found.options
+    return adoption.adopted(config, options, read_settings)
 
 
 def find(text: str, folder: str) -> str:

@@ -38,6 +38,17 @@ def adopt(config, options, read_settings):
     return _Adoption(config, options, read_settings).adopted()
 
 
+def adopted(config, options, read_settings):
+    """Return the options with the changes that the configuration needs.
+
+    :raises ConfigurationError: if something in the configuration cannot work.
+    """
+    found = adopt(config, options, read_settings)
+    if found.problems:
+        raise ConfigurationError('adopt: ' + '; '.join(found.problems))
+    return found.options
+
+
 class _Adoption:
     def __init__(self, config, options, read_settings):
         self.config = config

@@ -28,7 +28,7 @@ from move_base_abstract.common.shown import shown
 
 from ..launching import command_line, conditions, warm_nodes
 from ..loopback import LoopbackError
-from . import lockstep_launch
+from .launch_run import launched
 
 with warm_nodes.importing():
     from ..launching import verification
@@ -88,9 +88,9 @@ def _verify(options, launch_words):
 def _start(words):
     """Run lockstep_launch in this process, and return the Launched."""
     try:
-        return lockstep_launch.launch(*lockstep_launch.read_words(words))
+        return launched.launch(*launched.read_words(words))
     except SystemExit as error:  # its words are wrong; it has said why
-        return lockstep_launch.Launched(error.code)
+        return launched.Launched(error.code)
 
 
 def _say(line):

@@ -1,0 +1,264 @@
+"""A run of a launch file in lockstep, in this process: its command line, the run itself, and what is said of it."""
+import argparse
+import os
+import shutil
+import signal
+import sys
+import tempfile
+from contextlib import nullcontext
+from typing import NamedTuple
+
+from move_base_abstract.common import processes
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.json_files import load_json_mapping
+from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.temporary_folder import temporary_folder
+from move_base_abstract.lockstep.run_options import FAIL
+from move_base_abstract.properties import Judgement, Run, judgement_on
+from move_base_abstract.radio import network
+from move_base_abstract.runs import ends
+
+from ...adopting import next_step
+from ...launching import command_line, warm_nodes
+
+_GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
+
+
+class Launched(NamedTuple):
+    """A run that is over. ``code``: the exit code; ``bags``: bags.Bag of each; ``crashes``: in words.
+
+    ``fleets``: [name, why it cannot be split into several processes, or ''] of each fleet that is one process.
+    """
+
+    code: int
+    bags: list = []
+    crashes: list = []
+    fleets: list = []
+    judged: Judgement = Judgement()
+
+
+def launch(parser, options):
+    """Run the launch file in this process; return the Launched. Print what is wrong with a file that cannot be run."""
+    with warm_nodes.importing():
+        from roslaunch.core import RLException
+        from rospkg import ResourceNotFound
+
+        from ...loopback import LoopbackError
+    series = options.series and load_json_mapping(options.series)
+    files = list(map(tuple, series['files'])) if series else command_line.files_of(parser, options.command)
+    options.deputy = (series['deputy'], series['address']) if series else ()
+    sys.argv[1:] = []  # otherwise roslaunch would read arguments of launch files from there
+    try:
+        return _run(options, files)
+    except (RLException, ResourceNotFound, SimulatorError, LoopbackError) as error:
+        print('lockstep_launch: {}'.format(next_step.with_next(error, files[0][0], options.adopt)), file=sys.stderr)
+        return Launched(_CANNOT)
+    finally:
+        processes.end_all_children()
+
+
+def read_words(words):
+    """Return (parser, options) of a command line.
+
+    ``options.run``: the RunOptions among them; ``options.one``: the OneRun; ``options.command``: the words after them.
+    """
+    parser = argparse.ArgumentParser(
+        prog='lockstep_launch', description='Run an unmodified launch file in lockstep. First steps: '
+        '--list FILE says which nodes take part. --adopt --list FILE says what is done with a file for Gazebo, Stage '
+        'or real robots. `verify FILE` checks that its runs are the same. `why` says, while it runs, what time waits '
+        'for.', usage=command_line.USAGE,
+        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 the file cannot be run like this, 3 a node '
+               'crashed, '
+               '4 a property is broken')
+    add_arguments(parser, command_line.OneRun)
+    command_line.add_run(parser)
+    # From `verify`: conditions that must not change the run.
+    parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
+    # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
+    parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
+    parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
+    parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
+    parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
+    options = parser.parse_args(words)
+    options.run, options.one = command_line.run_of(options), of_arguments(command_line.OneRun, options)
+    return parser, options
+
+
+def _run(options, files):
+    """Run ``files`` [(path, arguments)], with a folder for what only this run needs; return the Launched."""
+    own = tempfile.mkdtemp(prefix='move_base_abstract_notes_')  # no TemporaryDirectory: forks would remove that, too
+    try:
+        with nullcontext() if options.list else temporary_folder(say) as folder:
+            return _run_in(own, folder, options, files)
+    finally:
+        shutil.rmtree(own, ignore_errors=True)
+
+
+def _run_in(own, folder, options, files):
+    from roslaunch.core import Param, generate_run_id
+    from roslaunch.rlutil import get_or_generate_uuid
+
+    from ...launching import bags, look_ups, plan
+    look_ups.remember()
+    if not options.use_master:
+        os.environ.update(ROS_IP='127.0.0.1')
+        os.environ.pop('ROS_HOSTNAME', None)
+        plan.name_anonymous_ones_alike()
+    asked_run, notes, options.notes = options.run, os.path.join(own, 'bags'), os.path.abspath(options.notes or own)
+    with open(notes, 'xb'):
+        pass
+    asked = plan.launch_options(
+        asked_run, _parameters_of(options), deputy=options.deputy, parts=options.parts,
+        environment=((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ())),
+        own_environment=() if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),),
+        is_reversed=options.start_order == 'reversed')
+    config = plan.read(files, asked_run.tolerant or asked_run.adopt)
+    if asked_run.adopt:
+        asked = _adopted(config, asked, options)
+    made = plan.plan_of(config, asked)
+    for line in _lines(made._replace(left_out=[]) if options.adopt else made):
+        say(line)
+    if options.list:
+        say('next: this run: ' + _typed(options))
+        return Launched(0)
+    run_id = get_or_generate_uuid(None, False) if options.use_master else generate_run_id()
+    config.params['/run_id'] = Param('/run_id', run_id)
+    log = plan.log_of_run(made, own, options.check or asked_run.properties)
+    code, found = _carry_out(made, log, run_id, options)
+    return _conclude(made, Launched(code, _bags(notes, log)), ends.judge(found, ends.read_log(log)), log, options)
+
+
+def _parameters_of(options):
+    """Return the time master's parameters."""
+    given = (('event_log', options.event_log and os.path.abspath(options.event_log)),
+             ('message_bytes', options.message_bytes), ('end_when_idle', options.check),
+             *((f'note_of_{one}', os.path.join(options.notes, one)) for one in ('start', 'end')))
+    return {**network.resolve(parameters_of(options.run)), **parameters_of(options.one),
+            **{key: value for key, value in given if value}}
+
+
+def _carry_out(made, log, run_id, options):
+    """Run a Plan to its end; return (exit code, ends.Processes)."""
+    import rosgraph
+    import rospkg
+
+    from ...launching import outputs, plan, run
+    from ...loopback import find_executable
+    is_warm = not warm_nodes.wants_start(os.environ)  # not if `verify` asks for other addresses
+    if is_warm:
+        warm_nodes.be_ready(plan.scripts_of(made), os.path.dirname(find_executable('lockstep')))
+    this = run.Run(made, log, outputs.Screen(os.path.join(rospkg.get_log_dir(), run_id)), run.Patience(2.0, 15.0),
+                   os.path.join(options.notes, 'start'), is_warm, is_quick=False)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda _number, _frame: this.stop())
+    this.start(rosgraph.get_master_uri() if options.use_master else '', on_failure=lambda name, text: print(
+        'lockstep_launch: {} cannot be started: {}'.format(name, text), file=sys.stderr))
+    problem = this.wait()
+    is_bad = problem is not None and problem.kind != run.REQUIRED
+    if is_bad:
+        _complain(problem, this.printed(problem.name) if problem.code else (), problem.kind == run.ABSENT)
+    found = this.end()
+    return _BAD if is_bad or this.has_failed else _GOOD, found
+
+
+def _complain(problem, printed, is_absent):
+    """Print why the run does not come to its end: if a participant is absent, with its last lines, or what to do."""
+    print('lockstep_launch: {}'.format('{} ended ({}) before it took part, so that time never starts.{}'.format(
+        problem.name, ends.described(problem.code), ' It said last:' if problem.code else
+        ' If it is a node that does not go on running, make it an onlooker: --onlooker {}'.format(problem.name))
+        if is_absent else problem.text), file=sys.stderr)
+    for line in printed:
+        print('    ' + line, file=sys.stderr)
+
+
+def _adopted(config, asked, options):
+    """Print what --adopt does with the file, and return the options that do it.
+
+    :raises ConfigurationError: if something in the file cannot work.
+    """
+    from move_base_abstract.config.settings import read_settings
+
+    from ...launching import adoption
+    found = adoption.adopt(config, asked, read_settings)
+    for line in found.done:
+        say(_printable(line))
+    for line in found.remarks:
+        say('note: ' + _printable(line))
+    say('the same by options: ' + _typed(options, found.options))
+    if found.problems:
+        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
+                                                            for line in found.problems))
+    return found.options
+
+
+def _typed(options, run=None):
+    """Return this command line as a command, with its own RunOptions or ``run``."""
+    return command_line.typed('lockstep_launch', options.one, run or options.run, options.command)
+
+
+def _printable(line):
+    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
+
+
+def _conclude(made, launched, found, log, options):
+    """Report crashes and broken properties; return the Launched. ``found``: how nodes ended; ``log``: the event log."""
+    crashed = [end for end in found if end.crash is not None]
+    names = ('all',) if options.check else options.run.properties
+    judged = judgement_on(Run(log, found, names)) if names else Judgement()
+    for end in crashed:
+        print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
+        for line in end.last_lines:
+            print('    ' + shown_text(line), file=sys.stderr)
+    for one in judged.broken:
+        print('lockstep_launch: broken: ' + shown_text(one.words()), file=sys.stderr)
+    for node, text in judged.never_held() if names else ():
+        print('lockstep_launch: never held in this run: sometimes: {}: {}'.format(*map(shown_text, (node, text))))
+    sys.stdout.flush()
+    sys.stderr.flush()
+    code = launched.code
+    code = _BROKEN if judged.broken else _CRASHED if crashed and options.run.crashes == FAIL and not code else code
+    return launched._replace(code=code, crashes=[shown_text(end.words) for end in crashed], fleets=_fleets(made),
+                             judged=judged)
+
+
+def _fleets(made):
+    """Return [name, why] for each fleet that is one process; why it cannot be split into several, '' if it can."""
+    from ...fleet.fleet_scenario import why_one_process
+    params = {key: param.value for key, param in made.config.params.items()}
+    return [[shown_text(name), shown_text(why_one_process(params, name))] for name in made.fleets]
+
+
+def _bags(notes, log):
+    """Return the bags of the run; print them, and write them into the event log."""
+    from ...launching import bags
+    found = bags.written(notes)
+    for line in bags.lines(found):
+        say(line)
+    bags.add_to_log(log, found)
+    return found
+
+
+def say(line):
+    """Print a line under the name of the program."""
+    print('lockstep_launch: {}'.format(line), flush=True)
+
+
+def _lines(made):
+    taking = [role for role in made.roles if role.takes_part]
+    yield '{} of {} nodes take part: {}'.format(
+        len(taking), len(made.roles), ', '.join(shown_text(role.name) for role in taking))
+    for role in made.roles:
+        if not role.takes_part:
+            yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+    if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
+        yield 'if a program is not here: --leave-out NODE; if the file was written for Gazebo, Stage or real ' \
+              'robots, --adopt --list says what else it needs'
+    for name in made.left_out:
+        yield '{} is not started'.format(shown_text(name))
+    if made.fleets:
+        yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
+    for note in made.notes:
+        yield _printable(note)
