@@ -86,7 +86,7 @@ def _make_ledger(name: str, stream: Stream, client: GoalClient, keep_ns: int) ->
 
     def tell_goal(record: GoalRecord, now_ns: int) -> None:  # as tell() of the stream, with a call less for each goal
         for hear in hearers.get(GoalTaken, ()):
-            hear(new(GoalTaken, (now_ns, name, record.goal_id)))
+            hear(new(GoalTaken, (now_ns, name, 'goal', record.goal_id)))
 
     def tell_end(record: GoalRecord, stamp_ns: int) -> None:
         stream.tell(new(Ended, (stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text)))

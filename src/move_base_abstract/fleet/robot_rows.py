@@ -30,10 +30,6 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
     def hear(event: Any) -> None:
         take(event.row())
 
-    def taken(event: GoalTaken) -> None:
-        time_ns, robot, goal_id = event
-        flat((time_ns, robot, 'goal', goal_id))
-
     def stands(event: Stands) -> None:
         time_ns, robot, pose = event
         flat((time_ns, robot, 'stands', pose.x, pose.y, pose.yaw))
@@ -60,7 +56,7 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
     flat = take_flat or take
     return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
             **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
-            GoalTaken: taken, Departed: departed, Stands: stands, Ended: ended}
+            GoalTaken: flat, Departed: departed, Stands: stands, Ended: ended}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:

@@ -47,10 +47,14 @@ def robot_stream() -> Stream:
 
 
 class GoalTaken(NamedTuple):
-    """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal."""
+    """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal.
+
+    It is its own row, whose ``kind`` is 'goal', so that it costs little more than nothing.
+    """
 
     time_ns: int
     robot: str
+    kind: str
     goal_id: str
 
 

@@ -6,6 +6,7 @@ the simulation's present.
 from __future__ import annotations
 
 from collections import deque
+from functools import partial
 from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Union
 
 from ..common.errors import FrameError
@@ -87,7 +88,7 @@ class Navigator:
     def _take_in(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         ledger = self._ledger
         if ledger.is_silent:
-            self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
+            self._unheard.append(partial(self.receive, goal_id, stamp_ns, goal))
             return
         starts_from_idle = ledger.active is None
         if ledger.receive(goal_id, stamp_ns, now_ns) is None:
