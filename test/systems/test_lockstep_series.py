@@ -83,10 +83,11 @@ class LockstepSeries(unittest.TestCase):
         return path
 
     def run_script(self, path, *words, options=()):
-        """Run a script by lockstep_series; return (exit code, output)."""
+        """Run a script by lockstep_launch --script; return (exit code, output)."""
         environment = dict(os.environ, ROS_PACKAGE_PATH='{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH']))
         environment.pop('PYTHONHASHSEED', None)
-        done = subprocess.run([sys.executable, find_executable('lockstep_series'), '--logs', self.logs, *options, path,
+        done = subprocess.run([sys.executable, find_executable('lockstep_launch'), '--script',
+                               '--logs', self.logs, *options, path,
                                *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               timeout=GUARD, check=False)
         return done.returncode, done.stdout

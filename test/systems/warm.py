@@ -30,7 +30,7 @@ from move_base_abstract_ros.lockstep.programs import native_library
 
 GUARD = 60.0  # s, wall
 LAUNCHER, PLAIN = 'launcher', 'plain'
-_FORKING = ('lockstep', 'lockstep_launch', 'lockstep_series', 'verify')  # these fork nodes, or are nodes
+_FORKING = ('lockstep', 'lockstep_launch', 'verify')  # these fork nodes, or are nodes
 _HERE = os.path.dirname(os.path.abspath(__file__))
 _ROOT = os.path.dirname(os.path.dirname(_HERE))
 _MASTER = 'a ROS master'

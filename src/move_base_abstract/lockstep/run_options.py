@@ -1,6 +1,6 @@
 """The options of a run: the same, with the same words, for all that start runs.
 
-They are read by lockstep_launch, verify, chaos, run_checked, lockstep_series, experiments' files and commands, and the
+They are read by lockstep_launch, verify, chaos, experiments' files and commands, and the
 pytest plugin. To add an option, add a field here. Then all of them have it, the time master gets its ``parameter``, and
 the schema and the tables of the docs have the text that it ``says``.
 """

@@ -266,7 +266,8 @@ def _split(config, fleets, parts):
 
 
 def _add_deputy(config, name, address):
-    node = roslaunch.core.Node(PACKAGE, roles.DEPUTY, name=name, args='--deputy ' + shlex.quote(address),
+    node = roslaunch.core.Node(PACKAGE, 'lockstep', name=name,
+                               args='--own {} {}'.format(roles.DEPUTY, shlex.quote(address)),
                                output='screen', required=True)
     node.machine = config.machines['']
     if roles.name_of(node) in [roles.name_of(one) for one in config.nodes]:

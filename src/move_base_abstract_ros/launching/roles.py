@@ -13,15 +13,15 @@ from ..loopback import PACKAGE
 from . import programs
 
 _LAUNCHER, _OWN_NODE = 'lockstep', '--own'
-#: the program of the deputy, the node that takes part for a script that starts runs
-DEPUTY = 'lockstep_series'
+#: the deputy's module: the node that takes part for a script that starts runs
+DEPUTY = 'move_base_abstract_ros.nodes.series_run.deputy'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
               'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
-              'property_monitor', DEPUTY)
+              'property_monitor', 'deputy')
 #: own nodes that have nothing to do when the run is over: their results are in the event log, or are written already
 _WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
                        'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
-                       DEPUTY)
+                       'deputy')
 _LOOK_ON = {
     'rviz': 'it only displays',
     'rqt_gui': 'it only displays', 'image_view': 'it only displays', 'plotjuggler': 'it only displays'}

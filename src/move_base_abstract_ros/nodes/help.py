@@ -23,11 +23,10 @@ PROGRAMS = {
         'dispatcher': ('gives orders to robots, and sends robots to chargers', 'orders.md'),
         'demo': ('runs a mission of several robots on a ROS master of its own', 'demo.md')},
     'Your system in lockstep': {
-        'lockstep_launch': ('runs an unchanged launch file in lockstep, also as a `<test>` of rostest',
+        'lockstep_launch': ('runs an unchanged launch file in lockstep, also as a `<test>` of rostest, and scripts '
+                            'that start launch files',
                             'lockstep_launch.md'),
         'lockstep': ('starts an unmodified program as a participant', 'lockstep_launcher.md'),
-        'lockstep_series': ('runs an unchanged script that starts launch files, each of them in lockstep',
-                            'lockstep_series.md'),
         'time_master': ('publishes `/clock`: lockstep, or a factor; pause, step, run until, holds', 'time_master.md'),
         'why': ('says why time moves or stands still', 'time_master.md')},
     'Is it right?': {
@@ -56,6 +55,7 @@ _NODES = 'move_base_abstract_ros.nodes.'
 #: names that work for one release: {name: (program that it becomes, its first words ..., what to write instead)}
 OLD_NAMES = {
     'end_at_message': (*_OWN, _NODES + 'end_at_message_node', "`until: {topic: TOPIC}` in an experiment's file"),
+    'lockstep_series': ('lockstep_launch', '--script', '`lockstep_launch --script`'),
     'mapf_drive': (*_OWN, _NODES + 'orders_run.mapf_drive_node', 'include `mapf.launch`'),
     'message_recorder': (*_OWN, _NODES + 'message_recorder_node',
                          "`record: {messages: [TOPIC]}` in an experiment's file"),

@@ -2,6 +2,7 @@
 
     rosrun move_base_abstract lockstep_launch [options] FILE [ARG:=VALUE ...]
     rosrun move_base_abstract lockstep_launch [options] PACKAGE FILE [ARG:=VALUE ...]
+    rosrun move_base_abstract lockstep_launch --script [options] SCRIPT [ARGUMENTS]
 
 The first lines name the nodes that cannot take part and look on. The run has a ROS master of its own on 127.0.0.1,
 unless --use-master is given.
@@ -19,12 +20,17 @@ from ..launching.scripted import rostest_case
 from ..process.process_end import leave
 from .launch_run import launched
 
+_SCRIPT = '--script'
+
 
 def main():
     """Run the launch file and exit with the code."""
+    words = sys.argv[1:]
+    if words[:1] == [_SCRIPT]:
+        from .series_run import script
+        script.main(words[1:])
     outlive_readers()
     warm_nodes.start_again()
-    words = sys.argv[1:]
     if rostest_case.is_asked(words):
         rostest_case.run(words, lambda rest: launched.launch(*launched.read_words(rest)))
     parser, options = launched.read_words(words)

@@ -34,7 +34,7 @@ NEW_LOOPS = LOOPS + ', from Python 3.12 on'
 WARM = '`lockstep_launch`, and the warm process of an experiment and what it forks'
 FUTURES = 'lockstep.join, when a program uses concurrent.futures'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
-SERIES = '`lockstep_series`, for its script'
+SERIES = '`lockstep_launch --script`, for its script'
 
 
 class Row(NamedTuple):

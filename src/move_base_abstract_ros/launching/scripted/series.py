@@ -51,7 +51,7 @@ class Series:
         log = os.path.join(self._folder, 'run_{:03d}.jsonl'.format(self._number))
         if os.path.lexists(log):
             raise RLException('{}: exists already; a series needs a folder without its logs'.format(log))
-        print('lockstep_series: run {}: {}; event log {}'.format(
+        print('lockstep_launch: run {}: {}; event log {}'.format(
             self._number, ' '.join(word for path, words in files for word in (path, *words)), log), flush=True)
         self._begin(files, log)
 
@@ -102,7 +102,7 @@ class Series:
         if link is not None:
             link.close()
         self.code = max(self.code, abs(process.returncode))
-        print('lockstep_series: run {}: exit code {}'.format(self._number, process.returncode), flush=True)
+        print('lockstep_launch: run {}: exit code {}'.format(self._number, process.returncode), flush=True)
 
 
 class Parent:

@@ -79,10 +79,14 @@ def read_words(words):
     # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
     parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
-    parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
+    parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `--script`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
+    parser.add_argument('--script', action='store_true', help='as the first word: run an unchanged script that starts '
+                        'launch files, each of them in lockstep')
     options = parser.parse_args(words)
+    if options.script:
+        parser.error('--script must be the first word')
     options.run, options.one = command_line.run_of(options), of_arguments(command_line.OneRun, options)
     return parser, options
 

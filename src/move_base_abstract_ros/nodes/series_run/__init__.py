@@ -1,1 +1,1 @@
-"""A part of the program lockstep_series: the node that takes part in each run for the script."""
+"""What `lockstep_launch --script` is made of: the script, and the node that takes part in each run for the script."""

@@ -12,13 +12,13 @@ from ...replacing import rospy_start
 LEAVE = 'leave'
 
 
-def main(address):
-    """Take part until the script, which listens at ``address`` (the path of a Unix socket), leaves the run."""
+def main():
+    """Take part until the script, which listens at the first argument (the path of a Unix socket), leaves the run."""
     rospy_start.prepare()
     rospy.init_node('deputy', disable_rosout=True)
     try:
         lockstep.join()
-        Deputy(connect(address)).serve()
+        Deputy(connect(sys.argv[1])).serve()
     except (SimulatorError, rospy.ROSException, OSError) as error:
         sys.exit('{}: {}'.format(rospy.get_name(), error))
 

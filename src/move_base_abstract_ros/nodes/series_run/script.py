@@ -1,6 +1,6 @@
 """Run an unchanged Python script that starts launch files by ROSLaunchParent: each of them becomes a run in lockstep.
 
-    rosrun move_base_abstract lockstep_series [--logs FOLDER] [options of lockstep_launch] SCRIPT [ARGUMENTS]
+    rosrun move_base_abstract lockstep_launch --script [--logs FOLDER] [options] SCRIPT [ARGUMENTS]
 
 A node takes part in each run for the script, and does what the script asks rospy for. What the script computes takes no
 simulated time. When the script calls shutdown(), the run ends at that instant. Each run has a ROS master and an event
@@ -15,26 +15,21 @@ import types
 
 from move_base_abstract.common.errors import SimulatorError
 
-from ..loopback import LoopbackError, find_executable
+from ...loopback import LoopbackError, find_executable
 
-_DEPUTY = '--deputy'
 _FOLDER = 'lockstep_series_logs'
 _NO_MASTER = 'http://127.0.0.1:1/'  # no program listens there: a script must not reach a system that runs elsewhere
 _CANNOT = 2
 
 
-def main():
-    """Run the script; or, in a process that a run has started, be the node that takes part for the script."""
-    if sys.argv[1:2] == [_DEPUTY]:
-        from .series_run import deputy
-        deputy.main(sys.argv[2])
-        return
+def main(words):
+    """Run the script that the words of the command line after `--script` name, and exit with the code."""
     try:
-        folder, options, words = _parse(sys.argv[1:])
+        folder, options, words = _parse(words)
         _hash_alike()
         code = _run(folder, options, words)
     except (SimulatorError, LoopbackError) as error:
-        print('lockstep_series: {}'.format(error), file=sys.stderr)
+        print('lockstep_launch: {}'.format(error), file=sys.stderr)
         code = _CANNOT
     sys.exit(code)
 
@@ -45,9 +40,9 @@ def _parse(words):
 
     from move_base_abstract.common.options import add_arguments, of_arguments, words_of
 
-    from ..launching import command_line
+    from ...launching import command_line
     about, _, rest = __doc__.partition('\n\n')
-    parser = argparse.ArgumentParser(prog='lockstep_series', usage='%(prog)s [options] SCRIPT [ARGUMENTS]',
+    parser = argparse.ArgumentParser(prog='lockstep_launch --script', usage='%(prog)s [options] SCRIPT [ARGUMENTS]',
                                      description=about, epilog=rest.partition('\n\n')[2].replace('\n', ' '))
     parser.add_argument('--logs', default=_FOLDER, metavar='FOLDER', help='folder of the event logs '
                         '(default: %(default)s)')
@@ -74,8 +69,8 @@ def _run(folder, options, words):
     import roslaunch.scriptapi  # noqa: F401
     from roslaunch.core import RLException
 
-    from ..launching.scripted.series import Series
-    from ..replacing.replaced import replace
+    from ...launching.scripted.series import Series
+    from ...replacing.replaced import replace
     os.environ['ROS_MASTER_URI'] = _NO_MASTER
     series = Series(find_executable('lockstep_launch'), options, folder, _name(words[0]))
 
