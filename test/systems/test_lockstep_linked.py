@@ -6,10 +6,12 @@ import os
 import shutil
 import subprocess
 import unittest
+from unittest import mock
 
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
 from warm import Loopback
 
+from move_base_abstract_ros.lockstep.programs.binary import LOOKS_ON
 from move_base_abstract_ros.loopback import find_executable
 
 RUNS = Runs()
@@ -44,7 +46,8 @@ class LockstepLinkedTest(unittest.TestCase):
         expected = self.log(preloaded())
         self.assertGreater(expected.count('"message"'), 60)
         self.assertEqual(self.log(linked()), expected)
-        self.assertEqual(self.log(linked(launcher=(), path=own('linked_chance'))), expected)
+        with mock.patch.dict(os.environ, [LOOKS_ON]):  # as from an onlooker that starts a run of its own
+            self.assertEqual(self.log(linked(launcher=(), path=own('linked_chance'))), expected)
         self.assertNotEqual(self.log(linked(launcher=(find_executable('lockstep'), '--seed', '1'),
                                             path=own('linked_chance'))), expected)
 

@@ -62,6 +62,7 @@ def prepare(path, rank, sleep, environment):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system does not "
                          'preload a library into it'.format(path))
     result = dict(environment)
+    result.pop(LOOKS_ON[0], None)
     result[_PRELOAD] = _preloaded(SHIM, environment)
     if rank is not None:
         result[_RANK] = str(rank)
