@@ -247,7 +247,7 @@ class LockstepTest(LockstepCase):
                  (dict(max_microsteps=0), 'max_microsteps must be from 1 to 100000000', 'got 0'),
                  (dict(max_microsteps=2.5), 'max_microsteps must be a whole number', 'got'),
                  (dict(lockstep_port=70000), 'lockstep_port must be from 0 to 65535', 'got 70000'),
-                 (dict(end_at=0.5), 'end_at must be from 1 to 2', 'got 0.5'),
+                 (dict(end_at=0.5), 'end_at must be 0, or not before start_time', 'got 0.5'),
                  (dict(end_with=['a b']), 'end_with must be a list of node names', "'a b'"),
                  (dict(strict='yes'), 'strict must be true or false', "got 'yes'"),
                  (dict(end_when_idle='yes'), 'end_when_idle must be true or false', "got 'yes'"),

@@ -42,6 +42,7 @@ class ParameterReader {
     } else {
       refuse(key, "a number", raw);
     }
+    checkRange(key, value);
   }
 
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
@@ -52,6 +53,7 @@ class ParameterReader {
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
   void read(const std::string& key, int& value) {
     readAs(XmlRpc::XmlRpcValue::TypeInt, "a whole number", key, value);
+    checkRange(key, value);
   }
 
   /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */

@@ -3,13 +3,17 @@
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 
 namespace move_base_abstract {
 
 /**
- * @brief The description of one parameter. The code that reads and checks it is in parameters.h.
+ * @brief The description of one parameter. Numbers are held to the range in `allowed`,
+ * "[0, ]LOW to HIGH"; the other checks are in parameters.h.
  */
 struct ParameterRow {
   const char* name;
@@ -110,8 +114,9 @@ constexpr ParameterRow kParameterTable[] = {
     {"idle_nodes", "list of texts", "", "[]", "list of node names",
      "Nodes whose waiting threads always count as waiting for work when a run is called idle or a "
      "deadlock."},
-    {"end_at", "number", "s, simulated", "0", "0, start_time to 2147483647",
-     "The run ends at this instant with exit code 0; 0: no end."},
+    {"end_at", "number", "s, simulated", "0", "0, 1e-6 to 2147483647",
+     "The run ends at this instant, which is not before `start_time`, with exit code 0; 0: no "
+     "end."},
     {"end_with", "list of texts", "", "[]", "list of node names",
      "The run ends with the round in which the first of these nodes leaves (exit code 0) or dies "
      "(1)."},
@@ -129,6 +134,27 @@ constexpr ParameterRow kParameterTable[] = {
 inline bool isParameter(const std::string& name) {
   return std::any_of(std::begin(kParameterTable), std::end(kParameterTable),
                      [&](const ParameterRow& row) { return name == row.name; });
+}
+
+/** @throws std::invalid_argument unless @p value is in the range that its row allows. */
+inline void checkRange(const std::string& name, double value) {
+  const ParameterRow* const row =
+      std::find_if(std::begin(kParameterTable), std::end(kParameterTable),
+                   [&](const ParameterRow& each) { return name == each.name; });
+  const std::string allowed = row->allowed;
+  const bool or_zero = allowed.rfind("0, ", 0) == 0;
+  double low = 0.0;
+  double high = 0.0;
+  const char* const range = row->allowed + (or_zero ? 3 : 0);
+  if (std::sscanf(range, "%lf to %lf", &low, &high) != 2 || (or_zero && value == 0.0) ||
+      (value >= low && value <= high)) {
+    return;
+  }
+  std::ostringstream text;
+  text.precision(9);
+  text << name << " must be from " << low << " to " << high << (*row->unit != '\0' ? " " : "")
+       << row->unit << (or_zero ? ", or 0" : "") << ", got " << value;
+  throw std::invalid_argument(text.str());
 }
 
 }  // namespace move_base_abstract
