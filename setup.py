@@ -7,12 +7,12 @@ from setuptools import find_packages, setup
 DATA = {'move_base_abstract': ['py.typed'],
         'move_base_abstract_testing': ['py.typed'],
         'move_base_abstract_mapf': ['py.typed'],
-        'move_base_abstract_calibration': ['templates/*'],
+        'move_base_abstract_calibration': ['py.typed', 'templates/*'],
         'move_base_abstract_experiments': ['py.typed', 'report/templates/*.j2'],
         'move_base_abstract_replay': ['py.typed', 'templates/*'],
         'move_base_abstract_worlds': ['py.typed'],
         'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
-        'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}
+        'soil_mapping': ['py.typed', 'data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}
 PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_mapf',
          'move_base_abstract_replay', 'move_base_abstract_worlds')  # without ROS
 

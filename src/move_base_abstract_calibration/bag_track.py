@@ -1,7 +1,10 @@
 """The track and the plans of one robot in a bag, and the legs in which its poses cannot be right."""
+from __future__ import annotations
+
 import bisect
 import math
 import struct
+from typing import Any, Dict, List
 
 import genpy
 import numpy as np
@@ -32,14 +35,15 @@ class Track:
     :raises ConfigurationError: if there are no poses of the robot.
     """
 
-    def __init__(self, bag, types, namespace, pose_topic, path):
+    def __init__(self, bag: Any, types: Any, namespace: str, pose_topic: Any, path: str) -> None:
         topics = ['{}/{}'.format(namespace, name) for name in ([pose_topic] if pose_topic else _POSE_TOPICS)]
         found = [topic for topic in topics if types.get(topic) in _POSES]
         if not found:
             raise ConfigurationError('{}: no poses of {}; allowed: one of {}, of {}'.format(
                 path, namespace or '/', ', '.join(topics), ' or '.join(_POSES)))
         self.topic, self.frame = found[0], ''
-        track, told = [], {}
+        track: List[Any] = []
+        told: Dict[Any, Any] = {}
         for _, message, time, header in bag.read_messages(topics=[self.topic], return_connection_header=True):
             at = stamp(message.header, time)
             track.append((at, pose_of(message.pose.pose)))
@@ -55,12 +59,12 @@ class Track:
         self._plans = [(stamp(message.header, time), _path(message))
                        for _, message, time in bag.read_messages(topics=plans)] if plans else []
 
-    def at(self, time):
+    def at(self, time: float) -> Any:
         """Return the latest pose up to ``time`` [s], or None if there is none."""
         index = bisect.bisect_right(self._times, time)
         return self._poses[index - 1] if index else None
 
-    def way(self, begin, end, start, goal):
+    def way(self, begin: Any, end: Any, start: Any, goal: Any) -> Any:
         """Return the Way of the first plan from ``begin`` to ``end`` [s]; without a plan, of the poses, or None."""
         for time, plan in self._plans:
             if begin <= time <= end and len(plan) > 1:
@@ -68,7 +72,7 @@ class Track:
         driven = self._poses[bisect.bisect_left(self._times, begin):bisect.bisect_right(self._times, end)]
         return _way(start, [start, *driven], goal) if driven else None
 
-    def doubt(self, begin, end):
+    def doubt(self, begin: Any, end: Any) -> Any:
         """Return the fault of the poses from ``begin`` to ``end`` [s]: a key of checks.DOUBTS, or ''."""
         first = max(0, bisect.bisect_right(self._times, begin) - 1)
         last = bisect.bisect_right(self._times, end)
@@ -83,7 +87,7 @@ class Track:
                 return 'clock_leap'
         return 'rare' if any(length > FAR_STEP for _, length in steps) else ''
 
-    def returns(self):
+    def returns(self) -> Any:
         """Return how often the robot is elsewhere for one pose and then back, as if two robots published in turns.
 
         Return None if that may be chance.
@@ -94,12 +98,12 @@ class Track:
         return found if found >= max(_RETURNS[0], _RETURNS[1] * len(poses)) else None
 
 
-def stamp(header, time):
+def stamp(header: Any, time: Any) -> Any:
     """Return when a message was made [s]; without a stamp in its header, when it was recorded."""
     return (header.stamp if header.stamp.to_nsec() else time).to_sec()
 
 
-def pose_of(pose):
+def pose_of(pose: Any) -> Any:
     """Return a geometry_msgs/Pose as a Pose2D, or None if its numbers are not valid."""
     try:
         return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(quaternion_of(pose)))
@@ -107,13 +111,13 @@ def pose_of(pose):
         return None
 
 
-def quaternion_of(pose):
+def quaternion_of(pose: Any) -> Any:
     """Return (x, y, z, w) of a geometry_msgs/Pose."""
     orientation = pose.orientation
     return orientation.x, orientation.y, orientation.z, orientation.w
 
 
-def _at_once(told):
+def _at_once(told: Any) -> Any:
     """Return the names of nodes, sorted, whose spans overlap; ``told``: {name: (first, last) [s]}."""
     spans = sorted((span, name) for name, span in told.items() if name is not None)
     found = set()
@@ -123,14 +127,14 @@ def _at_once(told):
     return sorted(name.decode() if isinstance(name, bytes) else str(name) for name in found)
 
 
-def _top_speed(times, poses):
+def _top_speed(times: Any, poses: Any) -> Any:
     """Return the speed [m/s] of fast steps: the 95th percentile of all steps in which the robot moves."""
     speeds = [one.distance_to(other) / (later - sooner) for sooner, later, one, other in zip(
         times, times[1:], poses, poses[1:]) if later > sooner and one.distance_to(other) > 0.01]
     return float(np.quantile(speeds, 0.95)) if speeds else 0.0
 
 
-def _way(start, poses, goal):
+def _way(start: Any, poses: Any, goal: Any) -> Any:
     """Return the Way along ``poses``; its directions are those of the first and the last metre."""
     points = [(pose.x, pose.y) for pose in poses]
     length = math.fsum(math.dist(one, other) for one, other in zip(points, points[1:]))
@@ -143,6 +147,6 @@ def _way(start, poses, goal):
                normalize_angle(goal.yaw - math.atan2(points[-1][1] - last[1], points[-1][0] - last[0])))
 
 
-def _path(message):
+def _path(message: Any) -> Any:
     found = [pose_of(one.pose) for one in message.poses]
     return [pose for pose in found if pose is not None]

@@ -1,5 +1,8 @@
 """Read legs from a bag: goals and results of move_base actions, the robots' poses meanwhile, and their plans."""
+from __future__ import annotations
+
 import statistics
+from typing import Any, Dict, List, Set
 
 import rosbag
 
@@ -17,7 +20,7 @@ _SUCCEEDED, _ABORTED = 3, 4
 _LEAP = (1.0, 0.1)  # s, plus this share of the duration: stamps and the recording's times may differ by this much
 
 
-def read_legs(path, pose_topic=None):
+def read_legs(path: str, pose_topic: Any = None) -> Any:
     """Return (RecordedLegs, notes) of the bag ``path``.
 
     ``pose_topic``: the topic of poses in each robot's namespace; None: the best one that is there.
@@ -35,12 +38,13 @@ def read_legs(path, pose_topic=None):
             shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
 
 
-def _read(bag, path, pose_topic):
+def _read(bag: Any, path: str, pose_topic: Any) -> Any:
     types = {topic: info.msg_type for topic, info in bag.get_type_and_topic_info().topics.items()}
     actions = sorted(topic[:-len('goal')] for topic, kind in types.items() if kind == _GOAL and topic.endswith('/goal'))
     if not actions:
         raise ConfigurationError('{}: no goals; allowed: a bag with topics of {}, called .../goal'.format(path, _GOAL))
-    legs, notes = [], []
+    legs: List[Any] = []
+    notes: List[Any] = []
     for action in actions:
         namespace = action.rstrip('/').rpartition('/')[0]
         track = Track(bag, types, namespace, pose_topic, path)
@@ -54,7 +58,7 @@ def _read(bag, path, pose_topic):
     return legs, notes
 
 
-def _of_one_robot(legs, track, namespace, path, notes):
+def _of_one_robot(legs: Any, track: Any, namespace: str, path: str, notes: Any) -> Any:
     """Return ``legs``; if several robots publish in one namespace, return none, and add a note."""
     returns = track.returns()
     if len(track.publishers) < 2 and returns is None:
@@ -69,11 +73,13 @@ def _of_one_robot(legs, track, namespace, path, notes):
 class _Action:
     """The goals and results of one action: ``legs``, the ``frames`` of goals, notes() about those that are no legs."""
 
-    def __init__(self, bag, action, namespace, track, path):
+    def __init__(self, bag: Any, action: Any, namespace: str, track: Any, path: str) -> None:
         self._name = '{}: {{}} {{}} of {}'.format(path, namespace or '/')
-        self.legs, self.frames = [], set()
+        self.legs: List[Any] = []
+        self.frames: Set[Any] = set()
         self._strange = self._without_goal = self._placeless = 0
-        goals, recorded = {}, []
+        goals: Dict[Any, Any] = {}
+        recorded: List[Any] = []
         for topic, message, time in bag.read_messages(topics=[action + 'goal', action + 'result']):
             if topic.endswith('goal'):
                 self._take_goal(goals, message, time)
@@ -89,7 +95,7 @@ class _Action:
         self._without_result = len([goal for _, goal, _ in goals.values() if goal is not None])
         self._doubt_clocks(recorded, _twice(bag, (action + 'goal', action + 'result')))
 
-    def notes(self):
+    def notes(self) -> Any:
         """Return notes about goals and results that are no legs."""
         return [self._name.format(count, what) + why for count, what, why in (
             (self._strange, 'goals', ' are not poses in the plane, and are left out'),
@@ -98,14 +104,14 @@ class _Action:
             (self._without_goal, 'results', ' have no goal, and are left out'),
             (self._placeless, 'goals', ' were sent before the first pose, and are left out')) if count]
 
-    def _take_goal(self, goals, message, time):
+    def _take_goal(self, goals: Any, message: Any, time: Any) -> None:
         target = message.goal.target_pose
         self.frames.add(target.header.frame_id.lstrip('/'))
         goal = None if quaternion_fault(quaternion_of(target.pose)) else pose_of(target.pose)
         self._strange += goal is None  # move_base refuses it
         goals[message.goal_id.id] = stamp(message.header, time), goal, time.to_sec()
 
-    def _leg(self, sent, ended, goal, state, track, path, namespace):
+    def _leg(self, sent: Any, ended: Any, goal: Any, state: Any, track: Any, path: str, namespace: str) -> Any:
         start = track.at(sent)
         if start is None:
             self._placeless += 1
@@ -115,7 +121,7 @@ class _Action:
         return RecordedLeg(path, namespace, len(self.legs) + 1, start, goal, ended - sent, state == _SUCCEEDED,
                            state == _ABORTED, way, track.at(ended), sent=sent, doubt=doubt)
 
-    def _doubt_clocks(self, recorded, twice):
+    def _doubt_clocks(self, recorded: Any, twice: Any) -> None:
         """Mark legs that the clocks put in doubt.
 
         They lie in times that a clock showed twice (``twice``), or their durations by stamps and by the recording's
@@ -132,7 +138,7 @@ class _Action:
             self.legs[number] = leg._replace(doubt=doubt)
 
 
-def _twice(bag, topics):
+def _twice(bag: Any, topics: Any) -> Any:
     """Return [(low, high)]: the spans of time [s] that the clock has shown twice, by the messages of each topic.
 
     Such spans show in stamps that go back. If the recorder used the same clock, they show in the order of the file.

@@ -1,6 +1,8 @@
 """Measure how well legs are predicted that were not fitted: random parts, other recordings, regions of the map."""
+from __future__ import annotations
+
 import math
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -10,6 +12,11 @@ from move_base_abstract.engine.factors import along
 from .fit import fit, succeeded
 from .law import Durations
 from .legs import met_no_robot
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+
+    from .legs import RecordedLeg, Way
 
 PARTS = 10
 _MOST_RECORDINGS = 8  # up to so many recordings, each is predicted from the others
@@ -43,7 +50,8 @@ class Score(NamedTuple):
     success: Optional[tuple] = None  # the rates of success (predicted, measured)
 
 
-def predict(values, pairs, nominal_speed):
+def predict(values: Mapping[str, Union[List[List[float]], float, str]], pairs: Sequence[Tuple[RecordedLeg, Way]],
+            nominal_speed: Any) -> Predicted:
     """Return the Predicted for those ``pairs`` [(leg, way)] that succeeded and count.
 
     ``values``: {parameter of a calibration: value}; ``nominal_speed`` [m/s]: that of the straight line.
@@ -52,11 +60,11 @@ def predict(values, pairs, nominal_speed):
     law = Durations(values, [way for _, way in used])
     measured = np.array([leg.duration for leg, _ in used])
     straight = np.array([leg.start.distance_to(leg.goal) for leg, _ in used]) / nominal_speed
-    return Predicted(measured, law.quantile(0.5), law.mean(), *map(law.quantile, _INTERVAL),
+    return Predicted(measured, law.quantile(0.5), law.mean(), *map(law.quantile, _INTERVAL),  # type: ignore[call-arg]
                      law.share_below(measured), straight)
 
 
-def score(name, predicted, success=None):
+def score(name: str, predicted: Predicted, success: Optional[Tuple[float, float]] = None) -> Score:
     """Return the Score of a Predicted."""
     measured = predicted.measured
     return Score(
@@ -67,47 +75,49 @@ def score(name, predicted, success=None):
         float(np.median(measured / np.maximum(predicted.straight, 1e-9))), success)
 
 
-def success_rates(values, pairs):
+def success_rates(values: Any,
+                  pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[float, float]:
     """Return the predicted and the measured rate of success of ``pairs``, as shares."""
     ended = [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
-    failures = tuple(map(tuple, values['failure_by_length']))
+    failures: Any = tuple(map(tuple, values['failure_by_length']))
     chances = [along(failures, way.length) if failures else 0.0 for _, way in ended]
     return 1.0 - float(np.mean(chances)), sum(leg.succeeded for leg, _ in ended) / len(ended)
 
 
-def by_parts(pairs):
+def by_parts(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
     """Return [(legs to fit, legs to predict)] for random parts of ``pairs``; they are the same in each call."""
     order = np.random.default_rng(_SEED).permutation(len(pairs))
     return [([pairs[index] for index in np.setdiff1d(order, order[part::PARTS])],
              [pairs[index] for index in order[part::PARTS]]) for part in range(PARTS)]
 
 
-def by_regions(pairs):
+def by_regions(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
     """Return [(legs to fit, legs to predict)] for the four quarters around the median goal.
 
     The legs that end in a quarter are predicted from legs that neither begin nor end in it.
     """
     middle = np.median([(leg.goal.x, leg.goal.y) for leg, _ in pairs], axis=0)
 
-    def quarter(pose):
+    def quarter(pose: Pose2D) -> Tuple[bool, bool]:
         return pose.x > middle[0], pose.y > middle[1]
     quarters = [(east, north) for east in (False, True) for north in (False, True)]
     return [([pair for pair in pairs if one not in (quarter(pair[0].start), quarter(pair[0].goal))],
              [pair for pair in pairs if quarter(pair[0].goal) == one]) for one in quarters]
 
 
-def by_recordings(pairs):
+def by_recordings(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[List[Any], List[Any]]]:
     """Return {name of a recording: (legs of the others, its own legs)}; {} if there is only one, or very many."""
     folds = _by(pairs, lambda leg: leg.recording)
     return folds if len(folds) <= _MOST_RECORDINGS else {}
 
 
-def by_maps(pairs):
+def by_maps(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
     """Return {name of a map: (legs on the others, legs on it)}; {} if there is only one."""
     return _by(pairs, lambda leg: leg.map)
 
 
-def _by(pairs, key):
+def _by(pairs: Sequence[Tuple[RecordedLeg, Way]],
+        key: Callable[..., Any]) -> Dict[str, Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
     names = sorted({key(leg) for leg, _ in pairs})
     return {name: ([pair for pair in pairs if key(pair[0]) != name],
                    [pair for pair in pairs if key(pair[0]) == name]) for name in names} if len(names) > 1 else {}
@@ -121,7 +131,7 @@ class Folds(NamedTuple):
     success: tuple  # the rates of success (predicted, measured)
 
 
-def predict_folds(folds, nominal_speed):
+def predict_folds(folds: Any, nominal_speed: Any) -> Any:
     """Return the Folds of [(legs to fit, legs to predict)], or None if none can be used.
 
     Folds with too few legs to fit, or with none to predict, are left out.
@@ -143,7 +153,7 @@ def predict_folds(folds, nominal_speed):
                  (float(np.average(predicted, weights=weights)), float(np.average(measured, weights=weights))))
 
 
-def scores(values, pairs, nominal_speed):
+def scores(values: Any, pairs: Any, nominal_speed: Any) -> Any:
     """Return ([Score], the Folds for the pictures and classes); the first Score is of the legs that were fitted.
 
     If there are several maps, the Folds are those by maps, otherwise random parts; None if there are too few legs.
@@ -178,7 +188,7 @@ class ClassErrors(NamedTuple):
     rows: list
 
 
-def by_class(pairs, predicted):
+def by_class(pairs: Any, predicted: Any) -> Any:
     """Return [ClassErrors] of ``pairs`` [(leg, way)]; ``predicted`` (Predicted) has a value for each, in their order.
 
     Legs without a value have a class of their own. A kind without any value is left out.
@@ -196,11 +206,11 @@ def by_class(pairs, predicted):
     return found
 
 
-def _chosen(predicted, which):
+def _chosen(predicted: Any, which: int) -> Any:
     return Predicted(*(part[which] for part in predicted))
 
 
-def _words(place, edges, unit):
+def _words(place: Any, edges: Any, unit: str) -> str:
     if place < 0:
         return 'not known'
     if place == 0:

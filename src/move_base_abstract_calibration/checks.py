@@ -1,12 +1,18 @@
 """Check recordings: legs that would spoil the fit are left out and counted, or the whole recording is refused."""
+from __future__ import annotations
+
 import math
 from collections import Counter
+from typing import TYPE_CHECKING, AbstractSet, Any, Dict, Iterator, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
 from move_base_abstract.common.errors import ConfigurationError
 
 from .legs import FAR_STEP
+
+if TYPE_CHECKING:
+    from .legs import RecordedLeg
 
 #: why legs are left out, in the words that follow their number; docs/calibrate.md has the rules and their reasons
 DOUBTS = {
@@ -30,7 +36,7 @@ _FAR_ENDS = (1.0, 0.1)  # m, share of the straight lines: the larger one bounds 
 _OFFSET = (10, 0.25, 0.8)  # legs, m, share: so many ends, this far from their goals, and this much to one side
 
 
-def examine(legs):
+def examine(legs: Sequence[RecordedLeg]) -> Tuple[List[RecordedLeg], List[str]]:
     """Return (the legs that may be fitted, notes about those that are left out).
 
     :raises ConfigurationError: if the fault is not in single legs but in the recording.
@@ -54,7 +60,7 @@ def examine(legs):
     return kept, notes
 
 
-def shown_twice(times):
+def shown_twice(times: Any) -> Any:
     """Return [(low, high)]: the spans of time that a clock showed twice; ``times`` [s]: in the order as they came."""
     found, highest = [], -math.inf
     for time in times:
@@ -64,7 +70,7 @@ def shown_twice(times):
     return found
 
 
-def _doubts(legs):
+def _doubts(legs: Sequence[RecordedLeg]) -> Iterator[str]:
     """Yield the fault of each leg: a key of DOUBTS, or ''."""
     back = _sent_twice(legs)
     overlapping = _overlapping(legs)
@@ -79,7 +85,8 @@ def _doubts(legs):
         seen.add(same)
 
 
-def _doubt_of(leg, back, overlapping, is_known, fastest, furthest):
+def _doubt_of(leg: RecordedLeg, back: Mapping[Any, Any], overlapping: AbstractSet[Any], is_known: bool, fastest: float,
+              furthest: float) -> str:
     straight = leg.start.distance_to(leg.goal)
     found = {
         'clock_back': any(leg.sent < high and leg.sent + leg.duration > low
@@ -94,42 +101,44 @@ def _doubt_of(leg, back, overlapping, is_known, fastest, furthest):
     return next((doubt for doubt, is_so in found.items() if is_so), '')
 
 
-def _name(leg):
+def _name(leg: RecordedLeg) -> Tuple[str, str]:
     return leg.recording, leg.robot
 
 
-def _by_robot(legs):
+def _by_robot(legs: Sequence[RecordedLeg]) -> Dict[Tuple[str, str], List[RecordedLeg]]:
     """Return {(recording, robot): its legs}."""
-    found = {}
+    found: Dict[Any, Any] = {}
     for leg in legs:
         found.setdefault(_name(leg), []).append(leg)
     return found
 
 
-def _sent_twice(legs):
+def _sent_twice(legs: Sequence[RecordedLeg]) -> Dict[Any, Any]:
     """Return {(recording, robot): [(low, high)]}: spans of time shown twice, by goals in the order of their numbers."""
-    found = {}
+    found: Dict[Any, Any] = {}
     for name, own in _by_robot(legs).items():
         sent = latest = -math.inf
-        for leg in sorted((leg for leg in own if leg.sent is not None), key=lambda leg: leg.number):
+        timed: Any = [leg for leg in own if leg.sent is not None]
+        for leg in sorted(timed, key=lambda leg: leg.number):
             if leg.sent < sent - _BACK:
                 found.setdefault(name, []).append((leg.sent, latest))
             sent, latest = max(sent, leg.sent), max(latest, leg.sent + leg.duration)
     return found
 
 
-def _overlapping(legs):
+def _overlapping(legs: Sequence[RecordedLeg]) -> Any:
     """Return the id() of legs of one robot that overlap in time."""
     found = set()
     for own in _by_robot(legs).values():
-        ordered = sorted((leg for leg in own if leg.sent is not None), key=lambda leg: leg.sent)
+        timed: Any = [leg for leg in own if leg.sent is not None]
+        ordered = sorted(timed, key=lambda leg: leg.sent)
         for one, other in zip(ordered, ordered[1:]):
             if other.sent < one.sent + one.duration - _OVERLAP:
                 found |= {id(one), id(other)}
     return found
 
 
-def _check_frame(legs):
+def _check_frame(legs: Sequence[RecordedLeg]) -> None:
     """Check that legs that succeeded end at their goals; otherwise the poses are of another frame or map."""
     gaps = np.array([(leg.end.x - leg.goal.x, leg.end.y - leg.goal.y) for leg in legs
                      if leg.succeeded and leg.end is not None])
@@ -147,12 +156,12 @@ def _check_frame(legs):
             'goals'.format(median, *map(float, mean), most, far))
 
 
-def _check_names(legs, notes):
+def _check_names(legs: Sequence[RecordedLeg], notes: List[str]) -> None:
     """Note legs that do not begin where the one before ended; if these are most legs, refuse the recording."""
     begun = elsewhere = 0
     for own in _by_robot(legs).values():
         ordered = sorted(own, key=lambda leg: leg.number)
-        pairs = [(one, other) for one, other in zip(ordered, ordered[1:])
+        pairs: Any = [(one, other) for one, other in zip(ordered, ordered[1:])
                  if other.number - one.number <= 1 and one.end is not None]
         begun += len(pairs)
         elsewhere += sum(one.end.distance_to(other.start) > FAR_STEP for one, other in pairs)

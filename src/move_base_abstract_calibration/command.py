@@ -7,21 +7,28 @@
 Exit codes: 0 written; 2 a file cannot be read or written, there are too few legs, a library is missing, or the
 arguments are wrong.
 """
+from __future__ import annotations
+
 import argparse
 import math
 import os
 import sys
+from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
 from move_base_abstract.motion.calibration import calibration_file, read_calibration
 
+if TYPE_CHECKING:
+    from .check import Score
+    from .legs import RecordedLeg, Way
+
 _YAML = 'calibration.yaml'
 _KEPT = '90 %, as the calibration said to which encounters were fitted'
 
 
-def main(words=None):
+def main(words: Optional[Sequence[str]] = None) -> None:
     """Run the command with these arguments (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
     try:
@@ -36,7 +43,7 @@ def main(words=None):
         sys.exit(2)
 
 
-def _parse(words):
+def _parse(words: Any) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='calibrate', description='Fit how long the legs of a real robot take, from recordings of it. Write a YAML '
         'file that scenarios can name, and a page that shows how well it predicts.',
@@ -73,7 +80,7 @@ def _parse(words):
     return options
 
 
-def _run(options):
+def _run(options: argparse.Namespace) -> None:
     if options.encounters:
         _encounters(options)
     elif options.predict:
@@ -82,7 +89,7 @@ def _run(options):
         _calibrate(options)
 
 
-def _predict(options):
+def _predict(options: argparse.Namespace) -> None:
     from . import check  # this takes a while to import
     from .fit import succeeded
     name = os.path.abspath(options.predict) if options.predict.endswith('.yaml') else options.predict
@@ -96,19 +103,19 @@ def _predict(options):
                       check.success_rates(values, pairs))])
 
 
-def _encounters(options):
+def _encounters(options: argparse.Namespace) -> None:
     from . import encounter_report, outputs  # these take a while to import
     outputs.check(options.output)
     name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
     values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
-    sections = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
-    outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))
+    sections: Any = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
+    outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))  # type: ignore[call-arg]
     for line in encounter_report.lines(fitted, scores):
         print(line)
     print(options.output)
 
 
-def _pairs(options):
+def _pairs(options: argparse.Namespace) -> Tuple[List[Tuple[RecordedLeg, Way]], List[str]]:
     """Return the legs with their ways, and notes; the notes are printed, too."""
     from . import checks
     from .legs import met_no_robot, ways_of
@@ -129,7 +136,7 @@ def _pairs(options):
     return pairs, notes
 
 
-def _calibrate(options):
+def _calibrate(options: argparse.Namespace) -> None:
     from . import check, outputs  # these take a while to import
     from .check import by_class
     from .fit import fit, succeeded, tail_motion
@@ -156,15 +163,15 @@ def _calibrate(options):
     print(page)
 
 
-def _say(rows):
+def _say(rows: Sequence[Score]) -> None:
     for row in rows:
         print('{:60s} {:5d} legs: median error {:5.2f} %, mean {:.3f}, in 90 %: {:4.1f} %; success {:.1f} %, measured '
               '{:.1f} %; straight line: {:.0f} %'.format(
                   row.name, row.legs, 100.0 * row.median_error, row.mean_ratio, 100.0 * row.within,
-                  *(100.0 * rate for rate in row.success), 100.0 * row.straight_error))
+                  *(100.0 * rate for rate in row.success), 100.0 * row.straight_error))  # type: ignore[union-attr]
 
 
-def _read(options):
+def _read(options: argparse.Namespace) -> Tuple[List[RecordedLeg], List[Any]]:
     """Return all RecordedLegs, and notes."""
     legs, notes = [], []
     for path in options.recordings:
@@ -179,7 +186,7 @@ def _read(options):
     return legs, notes
 
 
-def _map(options, notes):
+def _map(options: argparse.Namespace, notes: Any) -> Any:
     """Return the OccupancyMap of --map, or None."""
     if options.map is None:
         return None
@@ -189,14 +196,14 @@ def _map(options, notes):
     return load_map(description)
 
 
-def _positive(text):
+def _positive(text: str) -> Any:
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
     return value
 
 
-def _count(text):
+def _count(text: str) -> int:
     value = int(text)
     if not 0 <= value <= 100_000:
         raise argparse.ArgumentTypeError('must be a whole number in 0..100000, got {}'.format(shown(text)))

@@ -1,5 +1,8 @@
 """Read legs from a table: one row per goal, with the columns that docs/calibrate.md names."""
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Union
 
 from move_base_abstract.common.csv_files import open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
@@ -8,13 +11,16 @@ from move_base_abstract.motion.geometry import Pose2D
 
 from .legs import RecordedLeg, Way, way_along
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 _NEEDED = ('start_x', 'start_y', 'start_yaw', 'goal_x', 'goal_y', 'goal_yaw', 'duration_s', 'state')
 _SUCCEEDED, _ABORTED = 3, 4  # of actionlib_msgs/GoalStatus
 _MOST_ROWS = 1_000_000
 _HALF_TURN = math.pi + 1e-3  # rad; a table may have rounded it up
 
 
-def read_legs(path):
+def read_legs(path: Union[str, Path]) -> List[RecordedLeg]:
     """Return the RecordedLegs in the CSV file ``path``.
 
     :raises ConfigurationError: if it cannot be read, a column is missing, or a value is no number.
@@ -26,19 +32,19 @@ def read_legs(path):
 class _Lines:
     """The lines of a stream that are no comments; ``number``: that of the latest line, from 1 on."""
 
-    def __init__(self, stream):
+    def __init__(self, stream: Any) -> None:
         self._stream = stream
         self.number = 0
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Optional[str]]:
         for line in self._stream:
             self.number += 1
             if not line.startswith('#'):
                 yield line
 
 
-def _read(lines, path):
-    legs = []
+def _read(lines: Any, path: str) -> List[RecordedLeg]:
+    legs: List[Any] = []
     for where, row in rows_of(lines, path):
         missing = [name for name in _NEEDED if name not in row]
         if missing:
@@ -53,7 +59,7 @@ def _read(lines, path):
     return legs
 
 
-def _leg(row, where, number):
+def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
     values = {name: _number(row, name, where) for name in _NEEDED}
     _check('duration_s', values['duration_s'], where, values['duration_s'] > 0.0, 'a number > 0 [s]')
     start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
@@ -65,8 +71,8 @@ def _leg(row, where, number):
         _check(name, optional[name], where, (optional[name] or 0.0) >= 0.0, 'a number >= 0 [m]')
     for name in ('start_turn_rad', 'end_turn_rad'):
         _check(name, optional[name], where, 0.0 <= (optional[name] or 0.0) <= _HALF_TURN, 'a number in 0..pi [rad]')
-    end = [optional[name] for name in ('end_x', 'end_y', 'end_yaw')]
-    stamps = optional['send_s'], optional['result_s']
+    end: Any = [optional[name] for name in ('end_x', 'end_y', 'end_yaw')]
+    stamps: Any = optional['send_s'], optional['result_s']
     return RecordedLeg(
         row.get('run') or '', row.get('robot') or '', int(optional['goal'] or number), start, goal,
         values['duration_s'], values['state'] == _SUCCEEDED, values['state'] == _ABORTED,
@@ -77,13 +83,13 @@ def _leg(row, where, number):
         reverse=optional['reverse_s'], turned=_turned_beyond(optional))
 
 
-def _turned_beyond(values):
+def _turned_beyond(values: Any) -> Any:
     """Return by how much more a robot turned [rad] than its way asks for; None if the table does not say it."""
-    asked = [values[name] for name in ('plan_turn_rad', 'start_turn_rad', 'end_turn_rad')]
+    asked: Any = [values[name] for name in ('plan_turn_rad', 'start_turn_rad', 'end_turn_rad')]
     return None if None in asked or values['turned_rad'] is None else values['turned_rad'] - sum(asked)
 
 
-def _way(values, start, goal):
+def _way(values: Any, start: Pose2D, goal: Pose2D) -> Optional[Way]:
     """Return the recorded way, as planned or otherwise as driven. Its turns have the signs of the straight line's."""
     length = values['driven_m'] if values['plan_m'] is None else values['plan_m']
     if length is None:
@@ -94,16 +100,16 @@ def _way(values, start, goal):
     return Way(length, *turns)
 
 
-def _check(name, value, where, is_allowed, allowed):
+def _check(name: str, value: Any, where: str, is_allowed: bool, allowed: str) -> None:
     if not is_allowed:
         raise ConfigurationError('{}: {}: got {:g}; allowed: {}'.format(where, name, value, allowed))
 
 
-def _optional(row, name, where):
+def _optional(row: Mapping[str, str], name: str, where: str) -> Optional[float]:
     return _number(row, name, where) if row.get(name) not in (None, '') else None
 
 
-def _number(row, name, where):
+def _number(row: Mapping[str, str], name: str, where: str) -> float:
     try:
         value = float(row[name])
     except (TypeError, ValueError):

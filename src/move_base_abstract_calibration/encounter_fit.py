@@ -6,8 +6,10 @@ going again. A leg that was given up after an encounter was blocked. A leg that 
 The priors lie around values that were chosen by hand. So a value about which the recordings say nothing stays there,
 and its row says so (``held``).
 """
+from __future__ import annotations
+
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import optimize, special, stats
@@ -16,6 +18,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.motion.encounter_law import KINDS
 
 from .law import Durations
+
+if TYPE_CHECKING:
+    from .meetings import Meeting, MetLeg
 
 LEAST_MET = 20
 _STEP, _LONGEST = 0.5, 300.0  # s; the step and the largest of the delays for the integration
@@ -56,7 +61,7 @@ class Fitted(NamedTuple):
     counts: dict
 
 
-def fit_encounters(legs, calibration, radius):
+def fit_encounters(legs: Sequence[MetLeg], calibration: Mapping[str, Union[float, str]], radius: float) -> Fitted:
     """Return the :class:`Fitted` for ``legs`` [MetLeg].
 
     ``calibration``: {parameter: value} for a robot alone; ``radius`` [m]: that of an encounter.
@@ -71,16 +76,16 @@ def fit_encounters(legs, calibration, radius):
     usual, widths = (np.array([row[place] for row in _FITTED]) for place in (1, 2))
     both = _BOTH_PRIOR[0] / sum(_BOTH_PRIOR)
     for _ in range(2):  # which robots stand, and how often both do, depend on each other
-        def cost(packed, both=both):
+        def cost(packed: np.ndarray, both: float = both) -> float:
             return 0.5 * np.sum(((packed - usual) / widths) ** 2) - data.log_likelihood(packed, both).sum()
         found = optimize.minimize(cost, usual, method='L-BFGS-B',
                                   bounds=list(zip(usual - 3.0 * widths, usual + 3.0 * widths)))
         both = data.both_chance(legs, found.x, both)
     variance = np.diag(np.linalg.inv(_hessian(cost, found.x)))
     spread = np.sqrt(np.where(variance > 0.0, variance, widths ** 2))  # at a bound, only the prior is known
-    rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),
+    rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),  # type: ignore[arg-type, call-arg]
                      bool(spread[k] > _PRIOR_HOLDS * width)) for k, (name, _, width, back) in enumerate(_FITTED))
-    values = {row.name: row.value for row in rows[2 * len(KINDS):] if row.name not in ('block_near', 'block_far')}
+    values: Any = {row.name: row.value for row in rows[2 * len(KINDS):] if row.name not in ('block_near', 'block_far')}
     values.update(block_chance=_table(found.x, 'block', radius), radius=radius,
                   both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
                   narrow_weight=1.0, **{'chance_' + kind: _table(found.x, kind, radius) for kind in KINDS})
@@ -88,7 +93,8 @@ def fit_encounters(legs, calibration, radius):
     return Fitted(values, rows, counts)
 
 
-def log_likelihoods(legs, calibration, fitted, radius):
+def log_likelihoods(legs: Sequence[MetLeg], calibration: Mapping[str, Union[float, str]], fitted: Fitted,
+                    radius: float) -> Tuple[float, float]:
     """Return (with encounters, without): the sums of the logarithms of the densities of ``legs`` that met a robot."""
     met = [leg for leg in legs if leg.succeeded and any(one.may_yield for one in leg.meetings)]
     if not met:
@@ -101,14 +107,14 @@ def log_likelihoods(legs, calibration, fitted, radius):
     return float(data.log_likelihood(packed, both).sum()), float(data.log_likelihood(never, both).sum())
 
 
-def mean_seconds(leg, values, radius):
+def mean_seconds(leg: MetLeg, values: Mapping[str, Any], radius: float) -> float:
     """Return the mean delay [s] of a leg that succeeds by its encounters, with the ``values`` of a section.
 
     Blocks that end with giving up, and long blocks, belong to legs that do not succeed.
     """
     go_on = (1.0 - values['long_chance']) * (1.0 - values['abort_chance'])
 
-    def mean(one):
+    def mean(one: Meeting) -> float:
         chance, block = (np.interp(one.nearest, *np.transpose(values[name])) for name in (
             'chance_' + one.kind, 'block_chance'))
         chance *= _share(one, values['both_chance'])
@@ -117,16 +123,16 @@ def mean_seconds(leg, values, radius):
     return sum(mean(one) for one in leg.meetings if one.may_yield)
 
 
-def _inverse(back):
+def _inverse(back: Any) -> Any:
     return special.logit if back is special.expit else np.log
 
 
-def _share(meeting, both):
+def _share(meeting: Meeting, both: Any) -> float:
     """Return the chance that this robot must stand if the encounter costs time at all."""
     return 0.5 * (1.0 + both) if meeting.kind in ('head_on', 'crossing') else 1.0
 
 
-def _table(packed, kind, radius):
+def _table(packed: np.ndarray, kind: str, radius: float) -> List[List[float]]:
     near, far = (packed[_NAMES.index(kind + end)] for end in ('_near', '_far'))
     return [[float(share * radius), float(special.expit(near + share * (far - near)))]
             for share in np.linspace(0.0, 1.0, _PLACES)]
@@ -135,7 +141,7 @@ def _table(packed, kind, radius):
 class _Data:
     """The legs that met a robot, as arrays: the density of each without a delay, and after each delay."""
 
-    def __init__(self, met, calibration, radius):
+    def __init__(self, met: Sequence[MetLeg], calibration: Any, radius: float) -> None:
         self.met = met
         law = Durations(calibration, [leg.way for leg in met])
         times = np.array([leg.duration for leg in met])
@@ -154,16 +160,16 @@ class _Data:
         first = np.array([min(one.after for one in leg.meetings if one.may_yield) for leg in met])
         self._until_end = np.maximum(_STEP, times - first)
 
-    def _chances(self, packed, both):
+    def _chances(self, packed: np.ndarray, both: float) -> Tuple[np.ndarray, np.ndarray]:
         """Return the chances of each leg that one of its encounters costs it time, and that one blocks it."""
-        def at(places):
+        def at(places: np.ndarray) -> np.ndarray:
             return special.expit(packed[places] + self._far * (packed[places + 1] - packed[places]))
         costs = np.where(self._yields_both, 0.5 * (1.0 + both), 1.0) * at(self._kinds)
         blocks = costs * at(np.full(len(costs), _NAMES.index('block_near')))
         return tuple(1.0 - np.exp(np.bincount(self._of, np.log1p(-np.minimum(one, _SURE)), len(self.met)))
                      for one in (costs, blocks))
 
-    def _parts(self, packed, both):
+    def _parts(self, packed: np.ndarray, both: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the densities of each leg: not delayed, delayed, blocked, each times its chance.
 
         For legs that were cut, these are the chances that they would take longer.
@@ -177,7 +183,7 @@ class _Data:
         blocks, longer = {'a': shape, 'scale': value['block_mean'] / shape}, {'scale': value['long_mean']}
         share = value['long_chance']
 
-        def mixed(block, long):
+        def mixed(block: np.ndarray, long: np.ndarray) -> np.ndarray:
             return (1.0 - share) * block + share * long
         density = mixed(stats.gamma.pdf(_DELAYS, **blocks), stats.expon.pdf(_DELAYS, **longer))
         ended = ((1.0 - chances) * self._alone,
@@ -189,16 +195,16 @@ class _Data:
         return tuple(np.where(self._succeeded, one, np.where(self._cut, other, third))
                      for one, other, third in zip(ended, cut, given_up))
 
-    def log_likelihood(self, packed, both):
+    def log_likelihood(self, packed: np.ndarray, both: float) -> np.ndarray:
         """Return the logarithm of each leg's density. A small share of it is for legs that nothing explains."""
         return np.log((1.0 - _STRANGE) * np.nan_to_num(sum(self._parts(packed, both))) + _STRANGE * self._strange)
 
-    def _affected(self, packed, both):
+    def _affected(self, packed: np.ndarray, both: float) -> Tuple[np.ndarray, np.ndarray]:
         alone, delayed, blocked = self._parts(packed, both)
         whole = np.maximum(1e-300, alone + delayed + blocked)
         return (delayed + blocked) / whole, blocked / whole
 
-    def both_chance(self, legs, packed, both):
+    def both_chance(self, legs: Sequence[MetLeg], packed: np.ndarray, both: float) -> float:
         """Return the chance that an encounter that costs time costs it both robots, from legs that met each other."""
         affected, _ = self._affected(packed, both)
         of = {id(leg): share for leg, share in zip(self.met, affected)}
@@ -212,14 +218,14 @@ class _Data:
                     no += 0.5 * (of[id(leg)] + of[id(other)] - 2.0 * together)
         return float(yes / (yes + no))
 
-    def abort_chance(self, packed, both):
+    def abort_chance(self, packed: np.ndarray, both: float) -> float:
         """Return the chance that a block ends with giving up."""
         _, blocked = self._affected(packed, both)
         ended = float(np.sum(~self._succeeded & ~self._cut))
         return (ended + _ABORT_PRIOR[0]) / (float(blocked.sum()) + sum(_ABORT_PRIOR))
 
 
-def _hessian(function, at):
+def _hessian(function: Callable[..., Any], at: np.ndarray) -> np.ndarray:
     """Return the matrix of second derivatives of ``function``, by differences."""
     step, count = 1e-2, len(at)
     steps = np.eye(count) * step

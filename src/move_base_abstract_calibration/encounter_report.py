@@ -1,5 +1,7 @@
 """Fit the section ``encounters`` of a calibration to recordings of several robots, and judge it on other maps."""
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -11,6 +13,9 @@ from .encounter_fit import fit_encounters, log_likelihoods, mean_seconds
 from .law import Durations
 from .meetings import met_legs
 from .recordings import read_recordings
+
+if TYPE_CHECKING:
+    from .meetings import MetLeg
 
 RADIUS = 3.0  # m; the radius of an encounter, if the calibration has no such section yet
 
@@ -25,7 +30,8 @@ class MapScore(NamedTuple):
     ratio_without: float  # the same without encounters
 
 
-def calibrate_encounters(folders, name, robot_radius):
+def calibrate_encounters(folders: Sequence[str], name: str,
+                         robot_radius: float) -> Tuple[Dict[str, Union[float, str]], Any, List[Any], List[MetLeg]]:
     """Return (values of the calibration ``name`` with the section, the Fitted, [MapScore], legs).
 
     ``folders``: those of the recordings; ``robot_radius`` [m]: the distance of ways from occupied cells.
@@ -35,7 +41,7 @@ def calibrate_encounters(folders, name, robot_radius):
     calibration = read_calibration(name, 'calibrate')
     raw = load_yaml_file(calibration_file(name, 'calibrate'))
     radius = RADIUS if calibration.encounters is None else calibration.encounters.radius
-    legs = []
+    legs: List[Any] = []
     for folder in folders:
         legs += _numbered_from(len(legs), met_legs(read_recordings(folder), folder, calibration, radius, robot_radius))
     fitted = fit_encounters(legs, raw, radius)
@@ -44,13 +50,13 @@ def calibrate_encounters(folders, name, robot_radius):
     return {'source': raw['source'], **values}, fitted, map_scores(legs, raw, radius), legs
 
 
-def _source(legs, fitted):
+def _source(legs: Sequence[MetLeg], fitted: Any) -> str:
     met = sum(any(one.may_yield for one in leg.meetings) for leg in legs)
     return '{} encounters on {} of {} legs of {} maps'.format(
         sum(fitted.counts.values()), met, len(legs), len({leg.map for leg in legs}))
 
 
-def map_scores(legs, calibration, radius):
+def map_scores(legs: Any, calibration: Any, radius: float) -> Any:
     """Return a MapScore for each map if all other maps together have enough legs that met a robot."""
     found = []
     for name in sorted({leg.map for leg in legs}):
@@ -70,13 +76,13 @@ def map_scores(legs, calibration, radius):
     return found
 
 
-def _numbered_from(first, legs):
+def _numbered_from(first: int, legs: Sequence[MetLeg]) -> List[MetLeg]:
     """Return ``legs`` with the numbers of the legs that they met raised by ``first``, to append them to a list."""
     return [leg._replace(meetings=tuple(one._replace(other=None if one.other is None else first + one.other)
                                         for one in leg.meetings)) for leg in legs]
 
 
-def _renumbered(chosen, legs):
+def _renumbered(chosen: Any, legs: Any) -> Any:
     """Return ``chosen`` of the list ``legs``, with the numbers of the legs that they met counted in ``chosen``."""
     numbers = {id(leg): number for number, leg in enumerate(chosen)}
     return [leg._replace(meetings=tuple(one._replace(
@@ -84,7 +90,7 @@ def _renumbered(chosen, legs):
         for leg in chosen]
 
 
-def lines(fitted, scores):
+def lines(fitted: Any, scores: Any) -> Iterator[Any]:
     """Yield the lines of the result: the values with their intervals, and how well maps are predicted by others."""
     yield 'encounters: {}'.format(', '.join('{} {}'.format(count, kind) for kind, count in fitted.counts.items()))
     for row in fitted.rows:

@@ -3,7 +3,10 @@
 The likelihood of all legs is maximised (scipy's L-BFGS-B) over the logarithms of the parameters. Each has a weak prior
 around a usual value, so that a parameter about which a recording says nothing stays there.
 """
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import optimize, special
@@ -11,6 +14,9 @@ from scipy import optimize, special
 from move_base_abstract.common.errors import ConfigurationError
 
 from .law import Durations
+
+if TYPE_CHECKING:
+    from .legs import RecordedLeg, Way
 
 LEAST_LEGS = 25
 _ROUNDS = 150
@@ -33,7 +39,7 @@ _NAMES = [name for name, *_ in _FITTED]
 PACKED_NAMES = (*_NAMES, 'tail_chance_level', 'tail_chance_slope')
 
 
-def fit(pairs):
+def fit(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Union[List[List[float]], float]]:
     """Fit a calibration to ``pairs`` [(RecordedLeg, Way)]; return {parameter: value}.
 
     :raises ConfigurationError: if too few legs count and have succeeded.
@@ -48,14 +54,14 @@ class Problem:
     :raises ConfigurationError: if too few legs count and have succeeded.
     """
 
-    def __init__(self, pairs):
+    def __init__(self, pairs: Sequence[Tuple[RecordedLeg, Way]]) -> None:
         used = succeeded(pairs)
         if len(used) < LEAST_LEGS:
             raise ConfigurationError('got {} legs that succeeded and count; allowed: at least {}'.format(
                 len(used), LEAST_LEGS))
         self._ways = np.array([way for _, way in used], float)
         self._durations = np.array([leg.duration for leg, _ in used])
-        self._fixed = {**_tolerances(used), 'failure_by_length': _failures(pairs)}
+        self._fixed: Any = {**_tolerances(used), 'failure_by_length': _failures(pairs)}
         usual = np.array([float(np.quantile(self._ways[:, 0] / self._durations, 0.95)) if value is None else value
                           for _, value, _ in _FITTED])
         self.first = np.append(np.log(np.maximum(usual, 1e-3)), [value for value, _ in _LOGISTIC])
@@ -64,15 +70,15 @@ class Problem:
         self.highest = self.first + 4.0 * self.widths
         self.highest[_NAMES.index('tail_cv')] = 0.0  # above 1 the density is unbounded and attracts all legs
 
-    def solve(self, begin=None):
+    def solve(self, begin: Optional[np.ndarray] = None) -> np.ndarray:
         """Return the packed values with the least cost.
 
         ``begin``: packed values near the result, from which a shorter and less exact search starts; None: from scratch.
         """
-        def cost(packed):
+        def cost(packed: np.ndarray) -> float:
             return 0.5 * np.sum(((packed - self.first) / self.widths) ** 2) + np.sum(self.surprises(packed))
         lowest = self.first - 4.0 * self.widths
-        options = {'maxiter': _ROUNDS, 'maxfun': 100 * _ROUNDS}
+        options: Dict[str, float] = {'maxiter': _ROUNDS, 'maxfun': 100 * _ROUNDS}
         if begin is None:
             begin = self._begin()
         else:
@@ -80,25 +86,25 @@ class Problem:
         return optimize.minimize(cost, begin, method='L-BFGS-B', bounds=list(zip(lowest, self.highest)),
                                  options=options).x
 
-    def surprises(self, packed):
+    def surprises(self, packed: np.ndarray) -> np.ndarray:
         """Return minus the logarithm of the likelihood of each duration, without the prior."""
         law = Durations(self.values(packed), self._ways)
         excess = (self._durations - law.least) / _STRANGE_SECONDS
         strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + excess ** 2))
         return -np.log((1.0 - _STRANGE) * law.density(self._durations) + _STRANGE * strange)
 
-    def values(self, packed):
+    def values(self, packed: np.ndarray) -> Dict[str, Union[List[List[float]], float]]:
         """Return {parameter of a calibration: value} of packed values."""
         level, slope = packed[len(_NAMES):]
         chances = special.expit(level + slope * (_TURNS - 0.75 * math.pi))
         return {**self._fixed, **{name: float(value) for name, value in zip(_NAMES, np.exp(packed))},
                 'tail_chance_by_turn': [[float(turn), float(chance)] for turn, chance in zip(_TURNS, chances)]}
 
-    def _begin(self):
+    def _begin(self) -> np.ndarray:
         """Return where the search begins: with the phases that fit best if large misses count little."""
         first, widths = self.first[:_PHASES], self.widths[:_PHASES]
 
-        def misses(phases):
+        def misses(phases: np.ndarray) -> np.ndarray:
             law = Durations(self.values(np.append(phases, self.first[_PHASES:])), self._ways)
             return np.append(law.least - self._durations, (phases - first) / widths)
         found = optimize.least_squares(misses, first, loss='soft_l1', f_scale=0.5, max_nfev=60,
@@ -106,19 +112,19 @@ class Problem:
         return np.append(found.x, self.first[_PHASES:])
 
 
-def succeeded(pairs):
+def succeeded(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[RecordedLeg, Way]]:
     """Return the ``pairs`` whose duration counts: those that succeeded and count."""
     return [(leg, way) for leg, way in pairs if leg.counts and leg.succeeded]
 
 
-def ended(pairs):
+def ended(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[RecordedLeg, Way]]:
     """Return the ``pairs`` that count for the rate of success: those that count and succeeded or failed."""
     return [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
 
 
-def _tolerances(used):
+def _tolerances(used: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, float]:
     """Return the tolerances of goals: the medians of the errors at the end; of yaw only after a last turn."""
-    ends = [(leg, way) for leg, way in used if leg.end is not None]
+    ends: Any = [(leg, way) for leg, way in used if leg.end is not None]
     xy = [leg.end.distance_to(leg.goal) for leg, _ in ends]
     yaw = [abs(math.remainder(leg.end.yaw - leg.goal.yaw, 2.0 * math.pi)) for leg, way in ends
            if abs(way.end_turn) > 0.5]
@@ -126,7 +132,7 @@ def _tolerances(used):
         ('xy_goal_tolerance', xy), ('yaw_goal_tolerance', yaw))}
 
 
-def _failures(pairs):
+def _failures(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[List[float]]:
     """Return the chance of failure by length, [[m, chance]], if failures come at random along the ways."""
     all_ended = ended(pairs)
     rate = sum(leg.failed for leg, _ in all_ended) / max(1e-9, math.fsum(way.length for _, way in all_ended))
@@ -138,7 +144,7 @@ _LATE = 3.0  # s; less may be chance
 _LONG = 10.0  # m; on a shorter way, a robot may drive backwards all the way
 
 
-def tail_motion(values, pairs):
+def tail_motion(values: Any, pairs: Any) -> Any:
     """Return {'reverse_speed': m/s, 'spin_speed': rad/s} of ``pairs`` [(leg, way)], or None if they do not say it.
 
     ``values``: those of the fitted calibration. A robot that drives backwards for a time t is late by t (1 - reverse

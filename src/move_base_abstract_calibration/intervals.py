@@ -1,5 +1,8 @@
 """Intervals of the parameters of a fit, by bootstrap over recordings or legs; parameters that the prior holds."""
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 from scipy import stats
@@ -8,6 +11,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.motion.recorded_range import HELD
 
 from .fit import PACKED_NAMES, Problem, ended, succeeded
+
+if TYPE_CHECKING:
+    from .legs import RecordedLeg, Way
 
 SAMPLES = 100
 _SEED = 20130213
@@ -20,11 +26,11 @@ _ANGLES = (90, 135, 180)  # degrees; the report shows the chance of the tail at 
 _TOLERANCES = ('xy_goal_tolerance', 'yaw_goal_tolerance')
 
 
-def clusters(pairs):
+def clusters(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[List[List[Tuple[Any, ...]]], str]:
     """Return ([pairs that were recorded together], the kind of these groups in words)."""
     for words, key in (('recordings', lambda leg: leg.recording),
                        ('robots of recordings', lambda leg: (leg.recording, leg.robot))):
-        groups = {}
+        groups: Dict[Any, Any] = {}
         for pair in pairs:
             groups.setdefault(key(pair[0]), []).append(pair)
         if len(groups) >= _LEAST_CLUSTERS:
@@ -32,7 +38,7 @@ def clusters(pairs):
     return [[pair] for pair in pairs], 'legs'
 
 
-def spreads(problem, packed):
+def spreads(problem: Problem, packed: np.ndarray) -> np.ndarray:
     """Return the spread of each packed value, from the information of the legs (Fisher's) and of the prior.
 
     The information of the legs is computed from the products of their scores, because the likelihood has kinks and its
@@ -45,7 +51,7 @@ def spreads(problem, packed):
     return np.sqrt(np.diag(np.linalg.inv(scores @ scores.T + np.diag(problem.widths ** -2.0))))
 
 
-def held_by_prior(problem, packed, spread):
+def held_by_prior(problem: Problem, packed: np.ndarray, spread: np.ndarray) -> List[str]:
     """Return those PACKED_NAMES about which the prior says more than the legs do.
 
     For these, the spread is still more than 0.7 of the prior's, and the value has moved by less than the prior's
@@ -56,7 +62,8 @@ def held_by_prior(problem, packed, spread):
             if share > _MOST_OF_PRIOR and way < 1.0]
 
 
-def intervals(pairs, samples=SAMPLES):
+def intervals(pairs: Sequence[Tuple[RecordedLeg, Way]],
+              samples: int = SAMPLES) -> Any:
     """Return ({name: (low, high) of 90 %, or HELD}, how they were found, in words) for ``pairs``.
 
     Each interval is the wider one of two: by bootstrap, and by information. (A bootstrap sample stays at the prior if
@@ -70,7 +77,7 @@ def intervals(pairs, samples=SAMPLES):
     groups, words = clusters(pairs)
     found = _samples(groups, samples, packed)
     ends = [_told(problem.values(np.minimum(packed + way * _NORMAL * spread, problem.highest))) for way in (-1.0, 1.0)]
-    result = {}
+    result: Dict[str, Any] = {}
     for name in ends[0]:
         values = [one[name] for one in found]
         both = [*(np.quantile(values, _LEVELS) if values else ()),
@@ -84,7 +91,7 @@ def intervals(pairs, samples=SAMPLES):
                    "Fisher's information".format(len(found), len(groups), words)
 
 
-def _samples(groups, count, packed):
+def _samples(groups: Sequence[List[Tuple[RecordedLeg, Way]]], count: int, packed: np.ndarray) -> List[Dict[str, float]]:
     """Return the values of the fits to ``count`` samples of ``groups``; each search starts from ``packed``."""
     generator = np.random.default_rng(_SEED)
     found = []
@@ -98,7 +105,7 @@ def _samples(groups, count, packed):
     return found
 
 
-def recorded_range(pairs):
+def recorded_range(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[float, float]]:
     """Return {'length', 'start_turn', and 'clearance' if it is known: (lowest, highest)} for the fitted legs."""
     used = succeeded(pairs)
     parts = {'length': [way.length for _, way in used], 'start_turn': [abs(way.start_turn) for _, way in used],
@@ -108,7 +115,7 @@ def recorded_range(pairs):
     return {name: (min(values), max(values)) for name, values in parts.items()}
 
 
-def _told(values):
+def _told(values: Any) -> Dict[str, float]:
     """Return {name: number} for the values that the report shows with an interval."""
     turns, chances = np.transpose(values['tail_chance_by_turn'])
     return {**{name: values[name] for name in (*PACKED_NAMES[:-2], *_TOLERANCES)},
@@ -116,7 +123,7 @@ def _told(values):
                for angle in _ANGLES}}
 
 
-def _failures_per_km(pairs):
+def _failures_per_km(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[float, float]:
     """Return the exact 90 % interval (Garwood) of the rate of failures [1/km], as a Poisson process."""
     all_ended = ended(pairs)
     count = sum(leg.failed for leg, _ in all_ended)

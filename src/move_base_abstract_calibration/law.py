@@ -1,5 +1,8 @@
 """The law of the simulator's ``calibration`` for many legs at once, for the fit. A test checks that both agree."""
+from __future__ import annotations
+
 import math
+from typing import Any, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import special, stats
@@ -8,7 +11,7 @@ from move_base_abstract.motion.calibration import LEAST_MOST
 
 _SHARES = (np.arange(200) + 0.5) / 200  # the quantiles of a tail from which its mean is computed
 
-def approach_seconds(distance, speed, acceleration, gain, offset):
+def approach_seconds(distance: np.ndarray, speed: Any, acceleration: Any, gain: Any, offset: Any) -> np.ndarray:
     """Return how long each ``distance`` [m] takes [s], as ``seconds`` of the simulator's ApproachProfile.
 
     ``speed`` [m/s], ``acceleration`` [m/s^2], ``gain`` [1/s], ``offset`` [m]; or the same with angles.
@@ -25,7 +28,7 @@ def approach_seconds(distance, speed, acceleration, gain, offset):
     return np.where(distance > 0.0, seconds, 0.0)
 
 
-def motion_seconds(values, ways):
+def motion_seconds(values: Any, ways: np.ndarray) -> np.ndarray:
     """Return how long the motion along each way takes [s], without the delay at the start.
 
     ``values``: {parameter of a calibration: value}; ``ways``: array of rows (length [m], start turn, end turn [rad]).
@@ -52,26 +55,27 @@ class Durations:
     rest x becomes x m / (x + m), where m is ``values['tail_most']`` times the length.
     """
 
-    def __init__(self, values, ways):
+    def __init__(self, values: Any,
+                 ways: Union[Sequence[Tuple[float, float, float]], np.ndarray]) -> None:
         ways = np.asarray(ways, float)
-        motion = motion_seconds(values, ways)
+        motion: Any = motion_seconds(values, ways)
         self.least = values['start_delay'] + motion
-        self._spread = max(values['spread'], 1e-6)
+        self._spread: Any = max(values['spread'], 1e-6)
         self._delay = np.maximum(values['delay_share'] * motion, 1e-6)
         self._for_turn = np.interp(np.abs(ways[:, 1]), *np.transpose(values['tail_chance_by_turn']))
         self.tail = 1.0 - np.exp(-values['tail_rate'] * motion) * (1.0 - self._for_turn)
         self._most = np.maximum(LEAST_MOST, values.get('tail_most', math.inf) * np.maximum(ways[:, 0], 1e-9))
         self._shape = 1.0 / values['tail_cv'] ** 2
-        self._tail_mean = values['tail_mean']
+        self._tail_mean: Any = values['tail_mean']
 
-    def mean(self):
+    def mean(self) -> np.ndarray:
         """Return the mean duration of each leg [s]."""
         late = special.gammaincinv(self._shape, _SHARES) * self._tail_mean / self._shape
         for_turn = np.mean(late / (1.0 + late / self._most[:, None]), axis=1)
         return (self.least + self._for_turn * for_turn + (self.tail - self._for_turn) * self._tail_mean
                 + (1.0 - self.tail) * self._delay)
 
-    def density(self, durations):
+    def density(self, durations: np.ndarray) -> np.ndarray:
         """Return the density [1/s] of each leg's distribution at ``durations`` [s]."""
         excess = durations - self.least
         spread, delay = self._spread, self._delay
@@ -84,7 +88,7 @@ class Durations:
         return ((1.0 - self.tail) * usual + self._for_turn * for_turn
                 + (self.tail - self._for_turn) * tail(excess, self._shape, scale=scale))
 
-    def share_below(self, durations):
+    def share_below(self, durations: np.ndarray) -> np.ndarray:
         """Return the chance of each leg to take no longer than ``durations`` [s]."""
         excess = durations - self.least
         spread, delay = self._spread, self._delay
@@ -95,11 +99,11 @@ class Durations:
         for_turn = special.gammainc(self._shape, late / np.maximum(self._left(excess), 1e-12))
         return (1.0 - self.tail) * usual + self._for_turn * for_turn + (self.tail - self._for_turn) * tail
 
-    def _left(self, excess):
+    def _left(self, excess: np.ndarray) -> np.ndarray:
         """Return the share that is left of the largest possible tail for the turn, at most 1."""
         return np.minimum(1.0, 1.0 - excess / self._most)
 
-    def quantile(self, share):
+    def quantile(self, share: float) -> np.ndarray:
         """Return the quantile of each leg's duration [s] at ``share`` (0 to 1), by bisection."""
         low = self.least - 10.0 * self._spread
         high = self.least + 40.0 * (self._tail_mean + self._spread + self._delay)

@@ -1,6 +1,8 @@
 """Legs as a real robot drove them, and the way of each: its length and its turns."""
+from __future__ import annotations
+
 import math
-from typing import NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 
@@ -48,12 +50,12 @@ class RecordedLeg(NamedTuple):
     turned: Optional[float] = None
 
 
-def met_no_robot(leg, distance):
+def met_no_robot(leg: RecordedLeg, distance: float) -> bool:
     """Return whether no other robot came nearer than ``distance`` [m], or it is not known."""
     return leg.nearest_robot is None or leg.nearest_robot >= distance
 
 
-def way_along(start, points, goal):
+def way_along(start: Pose2D, points: Sequence[Any], goal: Pose2D) -> Way:
     """Return the :class:`Way` of straight pieces from ``start`` by ``points`` [(x, y), m] to ``goal`` (Pose2D)."""
     places = [(start.x, start.y), *points, (goal.x, goal.y)]
     pieces = [(math.dist(one, other), math.atan2(other[1] - one[1], other[0] - one[0]))
@@ -64,7 +66,7 @@ def way_along(start, points, goal):
                normalize_angle(goal.yaw - pieces[-1][1]))
 
 
-def ways_of(legs, occupancy=None, radius=0.0):
+def ways_of(legs: Sequence[RecordedLeg], occupancy: Any = None, radius: float = 0.0) -> List[Tuple[RecordedLeg, Way]]:
     """Return [(leg, Way)] for ``legs``: their recorded ways, or straight ones; with a map, ways planned on it.
 
     ``occupancy``: the map (OccupancyMap) or None. Planned ways keep ``radius`` [m] away from occupied cells, and the

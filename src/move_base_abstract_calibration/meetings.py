@@ -7,7 +7,7 @@ simulator (:mod:`move_base_abstract.encounters`), so that values fitted to them 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.units import LAST_NS, seconds_to_ns
@@ -21,6 +21,11 @@ from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.phased_route import PhasedRoute
 
 from .legs import Way, way_along
+
+if TYPE_CHECKING:
+    from move_base_abstract.motion.calibration import Calibration
+
+    from .recordings import Recordings
 
 _PREEMPTED, _SUCCEEDED, _ABORTED = '2', '3', '4'  # of actionlib_msgs/GoalStatus
 LEAST_CLEARANCE = 0.3  # m; legs with less clearance of their plan do not count, because narrow places cost time, too
@@ -52,13 +57,14 @@ class MetLeg(NamedTuple):
     cut: bool = False
 
 
-def met_legs(recordings, folder, calibration, radius, robot_radius):
+def met_legs(recordings: Recordings, folder: Union[str, Path], calibration: Calibration, radius: float,
+             robot_radius: float) -> List[MetLeg]:
     """Return a :class:`MetLeg` for each leg of ``recordings`` (Recordings in ``folder``) that counts.
 
     ``calibration``: that of the robots; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: the distance of ways
     from occupied cells.
     """
-    found = []
+    found: List[Any] = []
     for mission in recordings.missions:
         rows = [row for row in recordings.legs if row['run'] == mission.run]
         ways = _ways(mission.map, folder, robot_radius)
@@ -78,13 +84,13 @@ class _Motion(NamedTuple):
     way: Optional[Way]
 
 
-def _ways(name, folder, robot_radius):
+def _ways(name: str, folder: Union[str, Path], robot_radius: float) -> MapWays:
     path = Path(folder) / (name + '.yaml')
     description = read_description(str(path if path.exists() else _MAPS / (name + '.yaml')))
     return MapWays.on(load_map(description), robot_radius)
 
 
-def _motions(rows, calibration, ways, radius):
+def _motions(rows: Sequence[Dict[str, str]], calibration: Calibration, ways: MapWays, radius: float) -> List[_Motion]:
     """Return the _Motion objects of one robot, in order; legs without a way on the map are stands."""
     found, reach = [], 2.0 * radius
     for row in sorted(rows, key=lambda row: float(row['send_s'])):
@@ -103,7 +109,7 @@ def _motions(rows, calibration, ways, radius):
     return [one._replace(end_ns=min(one.end_ns, other.begin_ns)) for one, other in zip(found, [*found[1:], found[-1]])]
 
 
-def _pose(row, what):
+def _pose(row: Mapping[str, str], what: str) -> Pose2D:
     try:
         return Pose2D(*(float(row[what + axis]) for axis in ('_x', '_y', '_yaw')))
     except ValueError as error:
@@ -111,8 +117,9 @@ def _pose(row, what):
             row['run'], row['robot'], row['goal'], error)) from None
 
 
-def _of_mission(name, motions, radius, first):
-    counted = [(robot, one) for robot in motions for one in motions[robot] if one.row is not None and _counts(one.row)]
+def _of_mission(name: str, motions: Mapping[str, List[_Motion]], radius: float, first: int) -> List[MetLeg]:
+    counted: Any = [(robot, one) for robot in motions for one in motions[robot]
+                    if one.row is not None and _counts(one.row)]
     numbers = {id(one): first + number for number, (_, one) in enumerate(counted)}
     return [MetLeg(name, one.way, float(one.row['duration_s']), one.row['state'] == _SUCCEEDED, tuple(
         meeting for other in motions if other != robot for theirs in motions[other]
@@ -120,13 +127,13 @@ def _of_mission(name, motions, radius, first):
         for robot, one in counted]
 
 
-def _counts(row):
+def _counts(row: Mapping[str, str]) -> bool:
     return row['state'] in (_PREEMPTED, _SUCCEEDED, _ABORTED) and not any(
         float(row.get(name) or 0.0) for name in ('rescued', 'stuck_start')) and not (
             float(row.get('plan_clearance_m') or LEAST_CLEARANCE) < LEAST_CLEARANCE)
 
 
-def _meetings(own, theirs, radius, numbers):
+def _meetings(own: _Motion, theirs: _Motion, radius: float, numbers: Mapping[int, int]) -> List[Meeting]:
     """Return the Meeting of a leg with a _Motion of another robot, as a list: [Meeting] or []."""
     begin_ns, end_ns = max(own.begin_ns, theirs.begin_ns), min(own.end_ns, theirs.end_ns)
     if begin_ns >= end_ns or (theirs.row is None and begin_ns > own.begin_ns and theirs.begin_ns == begin_ns):

@@ -1,7 +1,10 @@
 """Write the files of a calibration: the YAML that a scenario names, and the page that shows how well it predicts."""
+from __future__ import annotations
+
 import base64
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import jinja2
 
@@ -9,6 +12,11 @@ from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.motion.calibration import ENCOUNTERS, FORMAT, TABLE, make_calibration
 from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.parameter_table import Parameter
+
+    from .check import Score
 
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
@@ -18,7 +26,7 @@ _UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for paramete
           if parameter.allowed.endswith(']')}
 
 
-def check(*paths):
+def check(*paths: str) -> None:
     """Check that files can be written at the paths: their folders exist, and no other file is there.
 
     :raises ConfigurationError: naming the path, if there is no folder or the file is not of this program.
@@ -29,7 +37,10 @@ def check(*paths):
         own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
 
 
-def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None):
+def yaml_text(values: Any, source: Any,
+              recorded: Any = None,
+              intervals: Optional[Mapping[str, Union[Sequence[float], str]]] = None, how: str = '',
+              motion: Optional[Mapping[str, float]] = None) -> str:
     """Return the YAML of a calibration, with its numbers rounded to 5 digits and its content checked.
 
     ``values`` may have the mapping ``encounters`` of an EncounterLaw. The file has these sections: ``recorded`` {name:
@@ -55,7 +66,8 @@ def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None
     return '\n'.join(lines) + '\n'
 
 
-def _rows(table, values, indent):
+def _rows(table: Sequence[Parameter], values: Mapping[str, Union[List[List[float]], float, str]],
+          indent: str) -> Iterator[str]:
     for parameter in table:
         value = values[parameter.name]
         unit = _UNITS.get(parameter.name)
@@ -63,7 +75,7 @@ def _rows(table, values, indent):
                                   '  # ' + unit if unit else '')
 
 
-def write(path, text):
+def write(path: str, text: str) -> None:
     """Write a text file as a whole. It replaces only a file of this program.
 
     :raises ConfigurationError, OutputError: if another file is there, or it cannot be written.
@@ -73,7 +85,9 @@ def write(path, text):
         stream.write(text)
 
 
-def page_text(calibration, source, rows, picture, nominal_speed, notes, classes=(), intervals=None, how=''):
+def page_text(calibration: str, source: str, rows: Sequence[Score], picture: bytes, nominal_speed: Any,
+              notes: Sequence[str], classes: Sequence[Any] = (),
+              intervals: Optional[Mapping[str, Union[Tuple[float, float], str]]] = None, how: str = '') -> str:
     """Return the page as text. ``calibration``: the YAML; ``rows``: [check.Score]; ``picture``: the bytes of a PNG.
 
     ``classes``: [classes.ClassErrors]; ``intervals``, ``how``: as for :func:`yaml_text`.
@@ -86,12 +100,12 @@ def page_text(calibration, source, rows, picture, nominal_speed, notes, classes=
         picture=base64.b64encode(picture).decode('ascii')))
 
 
-def _quoted(text):
+def _quoted(text: str) -> str:
     plain = ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in ' '.join(text.split()))
     return "'{}'".format(plain.replace("'", "''"))
 
 
-def _rounded(value):
+def _rounded(value: Any) -> Any:
     """Return ``value`` with all numbers in it rounded to 5 digits; lists instead of tuples."""
     if isinstance(value, (list, tuple)):
         return [_rounded(each) for each in value]

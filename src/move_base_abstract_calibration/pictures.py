@@ -1,5 +1,8 @@
 """The pictures of a calibration's page, as PNG bytes."""
+from __future__ import annotations
+
 import io
+from typing import TYPE_CHECKING, Any, List, Mapping, Sequence, Tuple, Union
 
 import matplotlib
 
@@ -10,10 +13,15 @@ import numpy as np
 from .fit import succeeded
 from .law import Durations
 
+if TYPE_CHECKING:
+    from .check import Predicted
+    from .legs import RecordedLeg, Way
+
 _BLUE, _GREY, _RED = '#1f6fb4', '#9a9a9a', '#c0392b'
 
 
-def draw(values, pairs, predicted):
+def draw(values: Mapping[str, Union[List[List[float]], float]], pairs: Sequence[Tuple[RecordedLeg, Way]],
+         predicted: Predicted) -> bytes:
     """Return the PNG of four plots: three of ``predicted`` (Predicted, by cross-validation), one of the tail.
 
     ``values``: {parameter of a calibration: value}; ``pairs``: [(leg, way)] for the plot of the tail.
@@ -32,7 +40,7 @@ def draw(values, pairs, predicted):
     return stream.getvalue()
 
 
-def _scatter(axes, predicted):
+def _scatter(axes: Any, predicted: Predicted) -> None:
     most = 1.05 * max(predicted.measured.max(), predicted.median.max())
     axes.plot([0, most], [0, most], color='black', linewidth=0.8)
     axes.scatter(predicted.straight, predicted.measured, s=9, color=_GREY, label='straight line at nominal speed')
@@ -42,7 +50,7 @@ def _scatter(axes, predicted):
     axes.legend(loc='lower right', frameon=False)
 
 
-def _errors(axes, predicted):
+def _errors(axes: Any, predicted: Predicted) -> None:
     levels = np.arange(1, len(predicted.measured) + 1) / len(predicted.measured)
     for guess, colour, label in ((predicted.straight, _GREY, 'straight line at nominal speed'),
                                  (predicted.median, _BLUE, 'calibrated, held out')):
@@ -54,14 +62,15 @@ def _errors(axes, predicted):
     axes.legend(loc='upper left', frameon=False)
 
 
-def _chances(axes, predicted):
+def _chances(axes: Any, predicted: Predicted) -> None:
     axes.hist(predicted.below, bins=np.linspace(0.0, 1.0, 21), color=_BLUE)
     axes.axhline(len(predicted.below) / 20.0, color='black', linewidth=0.8)
     axes.set(xlim=(0.0, 1.0), xlabel='predicted chance of at most the measured duration', ylabel='legs',
              title='Even where the distributions are right')
 
 
-def _tail(axes, values, pairs):
+def _tail(axes: Any, values: Any,
+          pairs: Sequence[Tuple[RecordedLeg, Way]]) -> None:
     used = succeeded(pairs)
     law = Durations(values, [way for _, way in used])
     excess = np.array([leg.duration for leg, _ in used]) - law.least

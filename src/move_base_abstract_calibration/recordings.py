@@ -2,10 +2,12 @@
 
 examples/reality/README.md explains the format.
 """
+from __future__ import annotations
+
 import csv
 import math
 from pathlib import Path
-from typing import Dict, NamedTuple, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Type, Union
 
 import numpy
 
@@ -46,7 +48,7 @@ class Recordings(NamedTuple):
     poses: Dict[Tuple[str, int], numpy.ndarray]
 
 
-def read_recordings(folder):
+def read_recordings(folder: Union[str, Path]) -> Recordings:
     """Return the Recordings in the files missions.csv, legs.csv.gz and poses.csv.gz of ``folder``.
 
     :raises ConfigurationError: if one cannot be read, has a value that is no number, or names a mission that is not in
@@ -65,18 +67,19 @@ def read_recordings(folder):
     return Recordings(missions, legs, poses)
 
 
-def encounters(legs, distance):
+def encounters(legs: Sequence[Dict[str, str]], distance: float) -> List[Dict[str, str]]:
     """Return the rows of ``legs`` in which another robot came nearer than ``distance`` [m]."""
     return [leg for leg in legs if leg['min_robot_dist_m'] and float(leg['min_robot_dist_m']) < distance]
 
 
-def _missions(path):
+def _missions(path: Path) -> Iterator[Mission]:
     for where, row in _rows(path, _MISSION):
-        yield Mission(**{name: _value(row, name, kind, where) for name, kind in _MISSION.items()})
+        values: Any = {name: _value(row, name, kind, where) for name, kind in _MISSION.items()}
+        yield Mission(**values)
 
 
-def _poses(path):
-    rows = {}
+def _poses(path: Path) -> Dict[Tuple[str, int], numpy.ndarray]:
+    rows: Dict[Any, Any] = {}
     with open_csv(path) as stream:  # by position, because there are a hundred thousand rows
         lines = csv.reader(stream, strict=True)
         head = next(lines, [])
@@ -97,7 +100,7 @@ def _poses(path):
     return {key: numpy.array(values) for key, values in rows.items()}
 
 
-def _rows(path, needed):
+def _rows(path: Path, needed: Any) -> Iterator[Tuple[str, Dict[str, str]]]:
     with open_csv(path) as stream:
         for where, row in rows_of(stream, str(path)):
             missing = [name for name in needed if name not in row]
@@ -107,7 +110,7 @@ def _rows(path, needed):
             yield where, row
 
 
-def _value(row, name, kind, where):
+def _value(row: Mapping[str, str], name: str, kind: Type[Any], where: str) -> Union[float, str]:
     try:
         value = kind(row[name])
     except ValueError:

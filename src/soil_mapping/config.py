@@ -1,8 +1,10 @@
 """The parameters of a trial's mission, checked when they are made."""
+from __future__ import annotations
 
 import re
 from dataclasses import asdict, dataclass, fields
 from enum import Enum
+from typing import Any, Dict, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import check_keys
@@ -66,7 +68,7 @@ class TrialConfig:
     crs: Crs = Crs.DEGREES  # for csv:PATH
     size: str = ''  # 'WIDTHxHEIGHT' [m] to which a csv field's bounding box is stretched; '' = its own size
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, kind in (('allocation', Allocation), ('sampling', Sampling), ('coarse_cells', CoarseCells),
                            ('crs', Crs)):
             object.__setattr__(self, name, _member(kind, name, getattr(self, name)))
@@ -85,18 +87,18 @@ class TrialConfig:
             object.__setattr__(self, 'cell_m', int(self.cell_m))
         parse_size(self.size)
 
-    def to_dict(self):
+    def to_dict(self) -> Dict[str, Union[float, str]]:
         """Return the fields as plain values for JSON."""
         return {name: value.value if isinstance(value, Enum) else value for name, value in asdict(self).items()}
 
     @property
-    def label(self):
+    def label(self) -> str:
         """The allocation and the sampling as a text for names of files, such as 'ssi_dynamic'."""
         return '_'.join((each.value if isinstance(each, Enum) else each).replace(':', '.')
                         for each in (self.allocation, self.sampling))
 
     @classmethod
-    def from_dict(cls, values):
+    def from_dict(cls, values: Any) -> TrialConfig:
         """Return the configuration that a mapping describes.
 
         :raises ConfigurationError: for an unknown key, with the most similar known one, or a value that cannot be used.
@@ -106,11 +108,11 @@ class TrialConfig:
         return cls(**values)
 
 
-def parse_size(text):
+def parse_size(text: Union[int, str]) -> Any:
     """Return (width, height) [m] of 'WIDTHxHEIGHT', or None for ''. :raises ConfigurationError: for any other text."""
     if text == '':
         return None
-    found = re.fullmatch(r'([0-9.]{1,12})x([0-9.]{1,12})', text) if isinstance(text, str) else None
+    found: Any = re.fullmatch(r'([0-9.]{1,12})x([0-9.]{1,12})', text) if isinstance(text, str) else None
     try:
         width, height = map(float, found.groups())
     except (AttributeError, ValueError):
@@ -120,7 +122,7 @@ def parse_size(text):
     return width, height
 
 
-def _member(kind, name, value):
+def _member(kind: Any, name: str, value: Any) -> Any:
     try:
         return kind(value)
     except ValueError:
@@ -133,5 +135,5 @@ def _member(kind, name, value):
         raise ConfigurationError(f'{name} must be one of {allowed}, got {value!r}{own}') from None
 
 
-def _is_number(value):
+def _is_number(value: float) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)

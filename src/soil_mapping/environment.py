@@ -5,6 +5,7 @@ usage: environment.py FOLDER [REQUIREMENTS CONSTRAINTS]    (default: the lists o
 Compiled libraries that Debian has are kept, because a newer numpy in the environment would break Debian's scipy. The
 program never changes a folder that it did not make. It imports only the standard library, so any Python can run it.
 """
+from __future__ import annotations
 
 import os
 import shutil
@@ -12,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 HERE = Path(__file__).resolve().parent
 STUDY_LISTS = (HERE / 'requirements.txt', HERE / 'constraints.txt')
@@ -24,19 +26,19 @@ class EnvironmentFailure(Exception):
     """The environment cannot be made. The text says why, and what to do."""
 
 
-def of_the_user():
+def of_the_user() -> Path:
     """Return the folder of the environment that ``study setup`` makes, in the user's data folder."""
     data = os.environ.get('XDG_DATA_HOME', '')
     base = Path(data) if os.path.isabs(data) else Path('~/.local/share').expanduser()
     return base / 'move_base_abstract' / 'study_python'
 
 
-def python_in(folder):
+def python_in(folder: Union[str, Path]) -> Path:
     """Return the path of an environment's Python."""
     return Path(folder) / 'bin' / 'python'
 
 
-def make(folder, lists=STUDY_LISTS):
+def make(folder: Path, lists: Any = STUDY_LISTS) -> Path:
     """Make the environment of two lists, unless it exists already, and return the path of its Python.
 
     lists: the paths of a file of requirements and a file of constraints, as pip takes them.
@@ -61,7 +63,7 @@ def make(folder, lists=STUDY_LISTS):
     return python_in(folder)
 
 
-def _pins_of_the_system():
+def _pins_of_the_system() -> List[str]:
     """Return a line NAME==VERSION for each library of KEPT that this Python has."""
     import importlib.metadata  # takes half as long as Python's start, and other functions do not need it
     pins = []
@@ -73,14 +75,14 @@ def _pins_of_the_system():
     return pins
 
 
-def _made_from(folder):
+def _made_from(folder: Path) -> Optional[str]:
     try:
         return (folder / MARKER).read_text()
     except OSError:
         return None
 
 
-def _empty(folder, found):
+def _empty(folder: Path, found: Optional[str]) -> None:
     """Remove an environment, if this program made it, and leave an empty folder with the marker."""
     if found is not None:
         shutil.rmtree(folder)
@@ -91,13 +93,13 @@ def _empty(folder, found):
     _write(folder / MARKER, UNFINISHED)
 
 
-def _write(path, text):
+def _write(path: Path, text: str) -> None:
     part = path.with_name(path.name + '.part')
     part.write_text(text)
     part.replace(path)
 
 
-def _fill(folder, lists, pins):
+def _fill(folder: Path, lists: Tuple[Path, Path], pins: Sequence[str]) -> None:
     _run([sys.executable, '-m', 'venv', '--system-site-packages', folder],
          'the Python environment could not be made; it needs the Debian package python3-venv')
     requirements, constraints = lists
@@ -108,13 +110,13 @@ def _fill(folder, lists, pins):
               '-c', constraints, '-c', kept], f'pip could not install {requirements}')
 
 
-def _run(words, failure):
+def _run(words: Any, failure: Any) -> None:
     done = subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, check=False)
     if done.returncode != 0:
         raise EnvironmentFailure(f'{failure} (exit code {done.returncode}); its message is above')
 
 
-def main(words):
+def main(words: Any) -> int:
     """Make the environment that the words of the command line describe; return the exit code."""
     if len(words) not in (1, 3):
         print(__doc__, file=sys.stderr)

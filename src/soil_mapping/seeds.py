@@ -1,6 +1,8 @@
 """One seeded generator for each purpose and robot, so that a new robot, or a new draw, changes no other draws."""
+from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,6 @@ class Purpose(IntEnum):
     BOOTSTRAP = 4
 
 
-def generator(seed, purpose, robot=0):
+def generator(seed: int, purpose: Purpose, robot: int = 0) -> Any:
     """Return a numpy Generator that depends only on a seed (whole number >= 0), a Purpose and a robot's index."""
     return np.random.default_rng([seed, int(purpose), robot])

@@ -1,4 +1,5 @@
 """The truth: the soil compaction of the whole field, from a file or drawn at random."""
+from __future__ import annotations
 
 import functools
 import hashlib
@@ -8,6 +9,7 @@ import warnings
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Dict, Union
 
 import numpy as np
 
@@ -21,6 +23,9 @@ from ..interpolation.variogram import Variogram, fit
 from ..seeds import Purpose, generator
 from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid
 from .readings import read_meuse, read_readings
+
+if TYPE_CHECKING:
+    from ..config import TrialConfig
 
 SYNTHETIC_MEAN_KPA = 785.2975  # statistics of the interpolated compaction of the published study's field
 SYNTHETIC_SD_KPA = 17.0323
@@ -50,7 +55,7 @@ class Field:
     unit: str = 'kPa'
     extent: str = ''  # for people: how its size was found; '' for synthetic fields
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         values = np.array(self.values, dtype=np.float64)
         if values.shape != self.grid.shape:
             raise ValueError(f'values must have the shape of the grid, {self.grid.shape}, got {values.shape}')
@@ -60,16 +65,16 @@ class Field:
         object.__setattr__(self, 'values', values)
 
     @property
-    def about(self):
+    def about(self) -> Dict[str, Union[float, str]]:
         """What a trial records about it, as plain values."""
         return {'source': self.source, 'unit': self.unit, 'width_m': self.grid.width_m, 'height_m': self.grid.height_m,
                 'extent': self.extent}
 
-    def value_at(self, x, y):
+    def value_at(self, x: float, y: float) -> float:
         """Return the reading at a place of the map frame [m]: the value of the cell that contains it."""
         return float(self.values[self.grid.cell_of(x, y)])
 
-    def every_second_cell(self):
+    def every_second_cell(self) -> Field:
         """Return the field with cells of twice the edge. Each has the value of its south-western quarter."""
         return Field(self.values[::2, ::2], _coarse(self.grid), self.source, self.unit, self.extent)
 
@@ -77,41 +82,44 @@ class Field:
 class DrawnField(Field):
     """A Field that is drawn when its values are first used, because drawing takes longer than all other work on it."""
 
-    def __init__(self, grid, source, draw):
+    _draw: Callable[..., Any]
+
+    def __init__(self, grid: Grid, source: str, draw: Callable[..., Any]) -> None:
         """draw() returns the values, as in Field."""
         for name, value in (('grid', grid), ('source', source), ('unit', 'kPa'), ('extent', ''), ('_draw', draw)):
             object.__setattr__(self, name, value)
 
     @property
-    def draw(self):
+    def draw(self) -> Any:
         """The function that draws its values and returns them."""
         return self._draw
 
-    def draw_by(self, draw):
+    def draw_by(self, draw: Any) -> None:
         """Set another function to draw its values, if they are not drawn yet."""
         object.__setattr__(self, '_draw', draw)
 
     @functools.cached_property
-    def values(self):
+    def values(self) -> np.ndarray:
         """As in Field."""
         return Field(self._draw(), self.grid, self.source).values
 
-    def every_second_cell(self):
+    def every_second_cell(self) -> DrawnField:
         """As in Field."""
         return DrawnField(_coarse(self.grid), self.source, lambda: self.values[::2, ::2])
 
 
-def _coarse(grid):
+def _coarse(grid: Grid) -> Grid:
     """Return the Grid with cells of twice the edge."""
     return Grid(-(-grid.rows // 2), -(-grid.columns // 2), 2.0 * grid.cell_m)
 
 
-def field_of(config):
+def field_of(config: TrialConfig) -> Field:
     """Return the Field of a TrialConfig; see load_field."""
     return load_field(config.field, config.cell_m, config.crs, config.size)
 
 
-def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
+def load_field(source: str = 'synthetic', cell_m: float = 1, crs: Union[str, Crs] = Crs.DEGREES,
+               size: Any = '') -> Union[DrawnField, Field]:
     """Return the Field that a text names.
 
     'synthetic' or 'synthetic:SEED': a random field of 324 x 220 m. 'csv:PATH': readings at lat, lon, or with crs metres
@@ -148,7 +156,8 @@ def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
     return made if cell_m == 1 else made.every_second_cell()
 
 
-def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
+def interpolate(readings: np.ndarray, source: str, unit: str = 'kPa',
+                size: Any = PUBLISHED_SIZE) -> Any:
     """Return the Field of readings (columns east, north, value), stretched to a size (width, height) [m].
 
     It is made as in the published study: the variogram is gaussian (for the study's own readings it is the published
@@ -168,7 +177,7 @@ def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
     return Field(mean, grid, source, unit, extent)
 
 
-def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
+def interpolate_true(readings: np.ndarray, source: str, cell_m: float, crs: Union[str, Crs] = Crs.DEGREES) -> Field:
     """Return the Field of readings in its true size, by ordinary kriging in metres at the centres of its cells.
 
     The map frame's origin is the south-west corner of the readings' bounding box. Whole cells cover the box.
@@ -186,7 +195,7 @@ def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
     return Field(mean, grid, source, extent=extent)
 
 
-def _krige(points, values, x, y, variogram=None):
+def _krige(points: np.ndarray, values: np.ndarray, x: np.ndarray, y: np.ndarray, variogram: Any = None) -> np.ndarray:
     """Return the kriged mean of readings on the grid that x and y span; by default with a Variogram fitted to them."""
     if variogram is None:
         width, height = np.ptp(points, axis=0)
@@ -200,12 +209,12 @@ def _krige(points, values, x, y, variogram=None):
     return mean
 
 
-def is_published(readings):
+def is_published(readings: np.ndarray) -> bool:
     """Return whether these are the readings of the published study's field: the same numbers in the same order."""
     return hashlib.sha256(np.ascontiguousarray(readings, dtype='<f8').tobytes()).hexdigest() == PUBLISHED_READINGS
 
 
-def _checked(grid, source):
+def _checked(grid: Grid, source: str) -> Grid:
     """Return the grid. :raises ConfigurationError: if it has no cells, or more than kriging allows."""
     if min(grid.shape) < 1 or grid.rows * grid.columns > MAX_CELLS:
         raise ConfigurationError(f'field {source!r}: {grid.width_m:g} x {grid.height_m:g} m in cells of '
@@ -214,7 +223,7 @@ def _checked(grid, source):
     return grid
 
 
-def _synthetic(source, seed_text):
+def _synthetic(source: str, seed_text: str) -> DrawnField:
     """Return a gaussian random field with the mean and standard deviation of the published study's field."""
     if not seed_text.isdecimal() or len(seed_text) > 19:
         raise ConfigurationError(f'field {shown(source)}: the seed must be a whole number of at most 19 digits')
@@ -224,7 +233,7 @@ def _synthetic(source, seed_text):
     return DrawnField(grid, source, lambda: _draw(grid, int(seed_text)))
 
 
-def _draw(grid, field_seed):
+def _draw(grid: Grid, field_seed: int) -> np.ndarray:
     """Return the values of a gaussian random field [kPa]."""
     import gstools  # takes 0.7 s to import, and nothing else needs it
     from scipy.interpolate import RectBivariateSpline
@@ -242,7 +251,7 @@ MAX_SPAN_DEG = 1.0  # about 111 km: no field is larger, and lengths are true to 
 DECIMALS = 6  # of the degrees of the projection's origin: 0.1 m
 
 
-def _find_database(pyproj):
+def _find_database(pyproj: Any) -> None:
     """Tell Debian's pyproj, which looks only below sys.prefix, where its database is if it runs in an environment."""
     folder = Path(sys.base_prefix) / 'share' / 'proj'
     try:
@@ -252,7 +261,7 @@ def _find_database(pyproj):
             pyproj.datadir.set_data_dir(str(folder))
 
 
-def to_plane(lon, lat, where):
+def to_plane(lon: Any, lat: Any, where: str) -> Any:
     """Return (x, y, name): metres east and north of the places' middle, and the projection's PROJ text.
 
     PROJ computes it: a transverse Mercator projection of WGS84 about the middle of the places, with scale 1 there. It

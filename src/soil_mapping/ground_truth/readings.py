@@ -1,8 +1,10 @@
 """Reads the readings of a field from files: rows of (east, north, value), checked when they are read."""
+from __future__ import annotations
 
 import csv
 import math
 from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -17,7 +19,7 @@ MAX_VALUE = 1e12  # in any unit; squares and their sums stay finite
 MEUSE_FILE = Path(__file__).parents[1] / 'data' / 'meuse_zinc.csv'
 
 
-def read_readings(path, crs=Crs.DEGREES):
+def read_readings(path: str, crs: Union[str, Crs] = Crs.DEGREES) -> np.ndarray:
     """Return the readings of a CSV file as an array of shape (n, 3): lon, lat [degrees], or x, y [m], and the value.
 
     The file has a header with the columns lat and lon (crs metres: x and y) and one for the value: 'value', or the
@@ -30,7 +32,7 @@ def read_readings(path, crs=Crs.DEGREES):
     return _read(path, (*names, None))
 
 
-def read_meuse():
+def read_meuse() -> np.ndarray:
     """Return the zinc readings of the Meuse data set, shape (n, 3): x, y [m, Dutch national grid] and mg/kg.
 
     M. G. J. Rikken and R. P. G. Van Rijn, Soil pollution with heavy metals, Utrecht University, 1993.
@@ -38,15 +40,16 @@ def read_meuse():
     return _read(MEUSE_FILE, ('x', 'y', 'zinc'))
 
 
-def _read(path, names):
+def _read(path: Union[str, Path], names: Tuple[str, str, Optional[str]]) -> np.ndarray:
     rows = _read_rows(path, names)
     if len(rows) < MIN_READINGS:
         raise ConfigurationError(f'{path}: needs at least {MIN_READINGS} readings, got {len(rows)}')
     return np.array(rows, dtype=np.float64)
 
 
-def _read_rows(path, names):
-    rows, seen = [], {}
+def _read_rows(path: Union[str, Path], names: Tuple[str, str, Optional[str]]) -> List[List[float]]:
+    rows: List[Any] = []
+    seen: Dict[Any, Any] = {}
     with open_csv(path) as stream:
         lines = csv.reader(stream, strict=True)
         header = [name.strip() for name in next(lines, [])]
@@ -62,7 +65,7 @@ def _read_rows(path, names):
     return rows
 
 
-def _columns(header, names, path):
+def _columns(header: Sequence[str], names: Tuple[str, str, Optional[str]], path: Union[str, Path]) -> List[int]:
     """Return the indices of the columns; the name None means 'value', or the first other column if there is none."""
     left = [name for name in header if name not in names]
     value = 'value' if 'value' in left or not left else left[0]
@@ -76,7 +79,7 @@ def _columns(header, names, path):
     return [header.index(name) for name in wanted]
 
 
-def _number(cells, index, name, where):
+def _number(cells: Sequence[str], index: int, name: str, where: str) -> float:
     if index >= len(cells):
         raise ConfigurationError(f"{where}: column '{name}' is missing; the line has {len(cells)} columns")
     try:
@@ -90,13 +93,14 @@ def _number(cells, index, name, where):
     return number
 
 
-def _check_place(row, header, columns, seen, where, line):
+def _check_place(row: Sequence[float], header: Sequence[str], columns: Sequence[int],
+                 seen: Dict[Tuple[float, float], int], where: str, line: int) -> None:
     for number, index in zip(row, columns):
         limit = {'lat': 90.0, 'lon': 180.0}.get(header[index], math.inf)
         if abs(number) > limit:
             raise ConfigurationError(f"{where}: column '{header[index]}' must lie in -{limit:g}..{limit:g} degrees, "
                                      f'got {number!r}')
-    place = tuple(row[:2])
+    place: Any = tuple(row[:2])
     if place in seen:
         raise ConfigurationError(f'{where}: the same place as in line {seen[place]}; places must differ')
     seen[place] = line

@@ -5,6 +5,9 @@ processor chooses their kernel, and each kernel sums in its own order. The order
 of registers. numpy and the C library have one exp and one log for each kind of processor. Therefore all computations
 that decide something in a trial use this module instead.
 """
+from __future__ import annotations
+
+from typing import Tuple, Union
 
 import numpy as np
 
@@ -18,7 +21,7 @@ SINE_TERMS = 12  # of Taylor's series, for |x| <= pi / 2: the rest is below 1e-2
 LOG_TERMS = 12  # of the series of artanh, for |x| <= 0.172: the rest is below 1e-18
 
 
-def exp(x):
+def exp(x: Union[float, np.ndarray]) -> Union[float, np.ndarray]:
     """Return e^x elementwise, x <= 0, to 2 units of the last place; e^-300 if x is less than -300."""
     x = np.maximum(np.asarray(x, dtype=np.float64), LEAST_EXPONENT)
     doublings = np.rint(x * LOG2_E)
@@ -31,7 +34,7 @@ def exp(x):
     return np.ldexp(result, doublings.astype(np.int32))
 
 
-def log(x):
+def log(x: Union[float, np.ndarray]) -> Union[float, np.ndarray]:
     """Return the natural logarithm elementwise, x > 0, to 1e-15 of the larger of itself and 1."""
     mantissa, exponent = np.frexp(np.asarray(x, dtype=np.float64))
     small = mantissa < 0.7071067811865476
@@ -46,7 +49,7 @@ def log(x):
     return exponent * LN2_HIGH + (exponent * LN2_LOW + 2.0 * ratio * result)
 
 
-def sine(x):
+def sine(x: np.ndarray) -> np.ndarray:
     """Return the sine elementwise, |x| <= pi / 2, to 2 units of the last place."""
     square = x * x
     result = np.ones_like(square)
@@ -57,7 +60,7 @@ def sine(x):
     return x * result
 
 
-def fold(terms):
+def fold(terms: np.ndarray) -> Union[float, np.ndarray]:
     """Return the sum over the first axis, by halves. It overwrites terms, a float array."""
     count = len(terms)
     while count > 1:
@@ -67,13 +70,13 @@ def fold(terms):
     return terms[0]
 
 
-def mean(values):
+def mean(values: np.ndarray) -> float:
     """Return the mean of all values of an array, as a float."""
     terms = np.array(values, dtype=np.float64).ravel()
     return float(fold(terms)) / len(terms)
 
 
-def slices(values):
+def slices(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Return (high, low) of values in -1..1: whole numbers with values = (high + low / 2^22) / 2^22, to 2^-45."""
     scaled = values * SLICE
     high = np.rint(scaled)
@@ -82,7 +85,7 @@ def slices(values):
     return high, np.rint(scaled, out=scaled)
 
 
-def product(left, right):
+def product(left: Tuple[np.ndarray, np.ndarray], right: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Return the matrix product of two arrays that are given as slices, to 2^-43 per term.
 
     The absolute values of the terms of each sum are at most 512 together, as those of 512 terms in -1..1 are.

@@ -3,6 +3,9 @@
 Formulas: L. N. Trefethen, Approximation Theory and Approximation Practice, 2013, chapters 2 and 5 (nodes, barycentric
 formula) and theorem 8.2 (error). With arithmetic.py the results are the same on every computer.
 """
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
 
@@ -11,7 +14,7 @@ from .arithmetic import fold, product, sine, slices
 NODES, NODES_PER_WIDTH = 15, 12.5  # with these, theorem 8.2 bounds the error of exp(-t^2 / w^2) by 1e-16, up to 25 w
 
 
-def on_grid(function, x, y, width):
+def on_grid(function: Callable[..., Any], x: np.ndarray, y: np.ndarray, width: float) -> np.ndarray:
     """Return the values of function on the grid that x and y span, shape (k, len(y), len(x)).
 
     :param function: it returns values of shape (k, len(y), len(x)) for any x and y. Along each line in x and in y they
@@ -33,7 +36,7 @@ def on_grid(function, x, y, width):
     return values
 
 
-def _nodes(line, width):
+def _nodes(line: np.ndarray, width: float) -> Tuple[np.ndarray, Optional[Tuple[np.ndarray, np.ndarray]]]:
     """Return (nodes, slices of the matrix from values there to the line's); (line, None) if that saves little."""
     half, middle = (line[-1] - line[0]) / 2.0, (line[0] + line[-1]) / 2.0
     most = len(line) // 2 - 1  # with more nodes the matrix costs what they save

@@ -12,15 +12,19 @@ Special cases:
 - Samples in a line are no special case, because the variogram depends on distances alone. Off the line the variance
   grows as in any direction without samples.
 """
+from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import arithmetic
 from .kriging_system import KrigingSystem
 from .variogram import Variogram, fit
+
+if TYPE_CHECKING:
+    from ..ground_truth.grid import Grid
 
 MIN_SAMPLES = 3
 NEIGHBOURS = 64  # most samples that decide a cell
@@ -43,14 +47,15 @@ class Kriging:
     :param fit: the function that returns the Variogram of values at points, called as variogram.fit.
     """
 
-    def __init__(self, grid, fit=fit):
+    def __init__(self, grid: Grid, fit: Callable[..., Any] = fit) -> None:
         self.grid = grid
         self._fit = fit
         self._extent = math.sqrt(grid.width_m * grid.width_m + grid.height_m * grid.height_m)
         self._x = grid.x_centres()
         self._y = grid.y_centres()
 
-    def estimate(self, points, values, truth):
+    def estimate(self, points: Union[Sequence[Tuple[float, float]], np.ndarray],
+                 values: Union[Sequence[float], np.ndarray], truth: np.ndarray) -> Estimate:
         """Return the Estimate of samples.
 
         points: places (x, y) in the map frame [m]; values: kPa; truth: array of the grid's shape [kPa].
@@ -66,9 +71,9 @@ class Kriging:
         return Estimate(mean, variance, variogram, math.sqrt(arithmetic.mean(error * error)),
                         arithmetic.mean(variance))
 
-    def merge(self, points, values):
+    def merge(self, points: np.ndarray, values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Return (points, values) with the samples of each cell merged into one, in the order of first occurrence."""
-        groups = {}
+        groups: Dict[Any, Any] = {}
         for index, (x, y) in enumerate(points):
             groups.setdefault(self.grid.cell_of(x, y), []).append(index)
         members = list(groups.values())
@@ -77,7 +82,7 @@ class Kriging:
         return (np.array([[arithmetic.mean(points[m, axis]) for axis in (0, 1)] for m in members]),
                 np.array([arithmetic.mean(values[m]) for m in members]))
 
-    def evaluate(self, points, values, variogram):
+    def evaluate(self, points: np.ndarray, values: np.ndarray, variogram: Variogram) -> Tuple[np.ndarray, np.ndarray]:
         """Return (mean, variance) of all cells for a given Variogram; at a sample its value and 0."""
         if variogram.sill == 0.0:
             return np.full(self.grid.shape, float(values[0])), np.zeros(self.grid.shape)
@@ -88,7 +93,7 @@ class Kriging:
         return mean, variance
 
 
-def neighbourhoods(points, x, y, most):
+def neighbourhoods(points: np.ndarray, x: np.ndarray, y: np.ndarray, most: int) -> Iterator[Tuple[Any, Any, Any]]:
     """Yield (rows, columns, indices of the points that decide them) of the grid that x and y span.
 
     Up to `most` points, all of them decide all cells. With more points, the nearest ones decide each tile; among

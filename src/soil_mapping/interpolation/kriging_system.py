@@ -4,13 +4,18 @@ Formulas: N. Cressie, Statistics for Spatial Data, 1993, section 3.2, with the c
 of the variogram. C is factorised as L D L', by elimination without exchanges, which is stable due to the nugget. With
 arithmetic.py the results are the same on every computer.
 """
+from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any, Iterator, Tuple
 
 import numpy as np
 
 from .arithmetic import MOST_TERMS, fold, product, slices
 from .chebyshev import on_grid
+
+if TYPE_CHECKING:
+    from .variogram import Variogram
 
 COINCIDENT = 1e-10  # coordinates that differ by less than this are one place, as in PyKrige
 LEAST_PIVOT = 1e-12  # of the sill: a sample with less variance, given the others, is redundant and left out
@@ -20,7 +25,7 @@ BLOCK = 32768  # numbers in one step of the computation, so that they stay in th
 class KrigingSystem:
     """Samples and their variogram: points, shape (n, 2); values, shape (n,), n <= 512; a Variogram with a sill > 0."""
 
-    def __init__(self, points, values, variogram):
+    def __init__(self, points: np.ndarray, values: np.ndarray, variogram: Variogram) -> None:
         if len(values) > MOST_TERMS:
             raise ValueError(f'at most {MOST_TERMS} samples make a system, got {len(values)}')
         self._points, self._values, self._variogram = points, values, variogram
@@ -34,7 +39,7 @@ class KrigingSystem:
         self._mean = float(values[0]) + float(fold(self._of_ones * offsets)) / self._ones
         self._weights = self._solve(values - self._mean)
 
-    def mean(self, x, y):
+    def mean(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the kriged mean on the grid that x and y span, shape (len(y), len(x))."""
         mean = np.empty((len(y), len(x)))
         for block, found in self._blocks(x, y, self._weights[None, :]):
@@ -43,11 +48,11 @@ class KrigingSystem:
             mean[hits] = value
         return mean
 
-    def mean_and_variance(self, x, y):
+    def mean_and_variance(self, x: np.ndarray, y: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Return (mean, variance), each of shape (len(y), len(x)); at a sample its value and 0."""
         rows = np.vstack((self._weights, self._of_ones, _invert(self._lower)))
 
-        def at(some_x, some_y):
+        def at(some_x: np.ndarray, some_y: np.ndarray) -> np.ndarray:
             values = np.empty((2, len(some_y), len(some_x)))
             for block, found in self._blocks(some_x, some_y, rows):
                 values[0, block] = found[0] + self._mean
@@ -59,7 +64,7 @@ class KrigingSystem:
             mean[hits], variance[hits] = value, 0.0
         return mean, variance
 
-    def _solve(self, right):
+    def _solve(self, right: np.ndarray) -> np.ndarray:
         """Return C^-1 right."""
         result = right.astype(np.float64)
         for k in range(len(result)):
@@ -69,7 +74,7 @@ class KrigingSystem:
             result[:k] -= self._lower[k, :k] * result[k]
         return result
 
-    def _blocks(self, x, y, matrix):
+    def _blocks(self, x: np.ndarray, y: np.ndarray, matrix: np.ndarray) -> Iterator[Tuple[Any, np.ndarray]]:
         """Yield (rows of the grid, the product of the matrix and their covariances with the samples).
 
         The product has the shape (rows of the matrix, rows of the grid, len(x)).
@@ -87,7 +92,7 @@ class KrigingSystem:
             found *= scale[:, None]
             yield block, found.reshape(len(matrix), -1, len(x))
 
-    def _variance(self, missing, reduced):
+    def _variance(self, missing: np.ndarray, reduced: np.ndarray) -> np.ndarray:
         """Return sill - c' C^-1 c + (1 - 1' C^-1 c)^2 / (1' C^-1 1).
 
         :param missing: 1 - 1' C^-1 c. :param reduced: L^-1 c, which is overwritten.
@@ -96,13 +101,13 @@ class KrigingSystem:
         reduced *= self._inverse_pivots[:, None, None]
         return self._variogram.sill - fold(reduced) + missing * missing / self._ones
 
-    def _samples_on(self, x, y):
+    def _samples_on(self, x: np.ndarray, y: np.ndarray) -> Iterator[Tuple[Tuple[np.ndarray, np.ndarray], float]]:
         """Yield (indices of the grid, value) of each sample: at its own place gamma is 0, not the nugget."""
         for point, value in zip(self._points, self._values):
             yield np.ix_(np.abs(y - point[1]) < COINCIDENT, np.abs(x - point[0]) < COINCIDENT), value
 
 
-def _factorise(matrix, least_pivot):
+def _factorise(matrix: np.ndarray, least_pivot: float) -> Tuple[np.ndarray, np.ndarray]:
     """Return (L, 1 / D) of a symmetric matrix, which is overwritten; 1 / D is 0 for pivots up to least_pivot."""
     count = len(matrix)
     lower, inverse_pivots = np.eye(count), np.zeros(count)
@@ -114,7 +119,7 @@ def _factorise(matrix, least_pivot):
     return lower, inverse_pivots
 
 
-def _invert(lower):
+def _invert(lower: np.ndarray) -> np.ndarray:
     """Return the inverse of a lower triangular matrix with ones on its diagonal."""
     inverse = np.eye(len(lower))
     for k in range(len(lower)):

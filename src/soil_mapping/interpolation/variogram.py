@@ -9,8 +9,9 @@ Statistics for Spatial Data, 1993, section 2.6), with a prior, which matters mos
 follows in closed form. Scores are compared to the sixth decimal, and no BLAS is used, so the same samples have the same
 variogram on every computer.
 """
+from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Tuple
 
 import numpy as np
 
@@ -32,22 +33,22 @@ class Variogram(NamedTuple):
     nugget: float  # kPa^2
 
     @property
-    def sill(self):
+    def sill(self) -> float:
         """Variance at large distances [kPa^2]."""
         return self.psill + self.nugget
 
     @property
-    def scale_m(self):
+    def scale_m(self) -> float:
         """The s of the formula [unit of the coordinates]."""
         return self.range_m * RANGE_TO_SCALE
 
-    def decay(self, differences):
+    def decay(self, differences: np.ndarray) -> np.ndarray:
         """Return exp(-d^2 / s^2) for differences of coordinates, elementwise."""
         scaled = differences / self.scale_m
         return exp(-(scaled * scaled))
 
 
-def fit(points, values, extent):
+def fit(points: np.ndarray, values: np.ndarray, extent: float) -> Variogram:
     """Return the Variogram of values at points, shape (n, 2), n >= 2; extent: the diagonal of the area around them.
 
     Equal values give a variogram of zeros, and so do values whose squared differences are too small for a float.
@@ -68,13 +69,14 @@ def fit(points, values, extent):
     return Variogram(sill * (1.0 - nugget), float(ranges[best]), sill * nugget)
 
 
-def _prior():
+def _prior() -> np.ndarray:
     """Return the logarithm of the prior of each candidate (range, share of the nugget), except for a constant."""
-    offset = (log(np.array(RANGES)) - log(USUAL_RANGE)) / USUAL_SPREAD
+    offset: Any = (log(np.array(RANGES)) - log(USUAL_RANGE)) / USUAL_SPREAD
     return (-0.5 * offset[:, None] * offset[:, None] + log(1.0 - np.array(NUGGETS))).ravel()
 
 
-def _restricted(points, values, ranges, nuggets):
+def _restricted(points: np.ndarray, values: np.ndarray, ranges: np.ndarray,
+                nuggets: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """Return (squares, log determinants) of each candidate, the two parts of its restricted likelihood.
 
     R are the correlations of a candidate, 1 is the vector of ones, and m the mean by generalised least squares. The

@@ -23,9 +23,11 @@ differ from those in mission/coordinator.py in these points:
 
 The figures (see figures()) are those that the program wrote, counted in the same way.
 """
+from __future__ import annotations
 
 import math
 import random
+from typing import Any, Dict, List, Set
 
 import mesa
 import numpy as np
@@ -45,19 +47,19 @@ SIDE_STEPS = ((0, -1), (-1, 0), (1, 0), (0, 1))
 class PublishedRobot(mesa.Agent):
     """One robot of the published study. Cells are (x, y)."""
 
-    def __init__(self, model, pos):
+    def __init__(self, model: Any, pos: Any) -> None:
         super().__init__(model)
         self.pos = pos
         self.weights = np.ones((WIDTH, HEIGHT), dtype=np.int64)  # its cost of each cell
         self.search_weights = self.weights.copy()  # those of its last step, which its searches use
         self.goal = None
-        self.queue = []
-        self.path = []  # from its place before its last step
-        self.task_steps = []  # number of steps on the way, for each finished task
+        self.queue: List[Any] = []
+        self.path: List[Any] = []  # from its place before its last step
+        self.task_steps: List[Any] = []  # number of steps on the way, for each finished task
         self.steps_on_way = self.distance = self.idle = 0
-        self.costs = {}  # of ways, by their ends, until a weight changes
+        self.costs: Dict[Any, Any] = {}  # of ways, by their ends, until a weight changes
 
-    def step(self):
+    def step(self) -> None:
         """Sample, or move one cell, or stand idle."""
         if self.goal is None and self.queue:
             self.goal = self.queue.pop(0)
@@ -70,12 +72,12 @@ class PublishedRobot(mesa.Agent):
         if self.goal is None:
             self.idle += 1
 
-    def _sample(self):
+    def _sample(self) -> None:
         self.goal, self.path = None, []
         self.task_steps.append(self.steps_on_way)
         self.model.sampled(self.pos)
 
-    def _move(self):
+    def _move(self) -> None:
         self.steps_on_way += 1
         self.distance += 1
         self.search_weights = self.weights.copy()
@@ -91,11 +93,11 @@ class PublishedRobot(mesa.Agent):
         else:
             self.pos = ahead
 
-    def _beside(self):
+    def _beside(self) -> Any:
         cells = [(self.pos[0] + dx, self.pos[1] + dy) for dx, dy in SIDE_STEPS]
         return [cell for cell in cells if 0 <= cell[0] < WIDTH and 0 <= cell[1] < HEIGHT]
 
-    def _step_aside(self, taken, cells):
+    def _step_aside(self, taken: Any, cells: Any) -> None:
         """Move to a random one of the cells, drawn anew until it is not taken; stay if all are taken."""
         while any(cell not in taken for cell in cells):
             cell = cells[self.model.chance.randrange(len(cells))]
@@ -103,14 +105,14 @@ class PublishedRobot(mesa.Agent):
                 self.pos = cell
                 return
 
-    def way_cost(self, start, goal):
+    def way_cost(self, start: Any, goal: Any) -> Any:
         """Return the weight of all cells of the path between two cells."""
         if (start, goal) not in self.costs:
             path = np.array(greedy_path(self.search_weights, start, goal))
             self.costs[start, goal] = int(self.weights[path[:, 0], path[:, 1]].sum())
         return self.costs[start, goal]
 
-    def cheapest(self, task):
+    def cheapest(self, task: Any) -> Any:
         """Return (least cost of the queue with the task, the position of the task for it)."""
         if not self.queue:
             return self.way_cost(self.pos, task), 0
@@ -128,19 +130,20 @@ class PublishedModel(mesa.Model):
     :param trial: its number, from 1, which is also the seed.
     """
 
-    def __init__(self, truth, allocation, sampling, trial, robots=3, steps=100):
+    def __init__(self, truth: Any, allocation: Any, sampling: Any, trial: Any, robots: int = 3,
+                 steps: int = 100) -> None:
         super().__init__(seed=trial)
         self.truth = truth
         self.auction = Allocation(allocation) is Allocation.AUCTION
         self.dynamic = Sampling(sampling) is Sampling.DYNAMIC
         self.max_steps = steps
         self.chance = random.Random(trial)
-        self.values = {}  # by cell
-        self.estimate = None
+        self.values: Dict[Any, Any] = {}  # by cell
+        self.estimate: Any = None
         self.given = set()  # cells that have had a task
-        self._kriging = Kriging(Grid(HEIGHT, WIDTH, 1.0), fit_by_pykrige)
+        self._kriging: Any = Kriging(Grid(HEIGHT, WIDTH, 1.0), fit_by_pykrige)
         self._labels = field_clusters()
-        self._used = set()
+        self._used: Set[Any] = set()
         self._turn = 0
         self._reported = (0, 0)
         self.robots = [PublishedRobot(self, cell) for cell in _starts(random.Random(trial), robots)]
@@ -148,7 +151,7 @@ class PublishedModel(mesa.Model):
             robot.queue.append(robot.pos)
             self.given.add(robot.pos)
 
-    def step(self):
+    def step(self) -> None:
         """Simulate one step. Distance and idle time are reported as they were before the last step."""
         for robot in self.robots:
             near = _cells_near(robot.pos)
@@ -160,7 +163,7 @@ class PublishedModel(mesa.Model):
         self.running = self.steps < self.max_steps
         self.agents.do('step')
 
-    def figures(self):
+    def figures(self) -> Any:
         """Return the figures that the published results have for a trial, as a mapping.
 
         rmse [kPa] and variance [kPa^2] of the last map; samples: number of different sampled cells; distance [cells],
@@ -174,7 +177,7 @@ class PublishedModel(mesa.Model):
                 'samples': len(self.values), 'distance': distance, 'idle': idle, 'waiting': 0,
                 'task_time': float(np.mean(means))}
 
-    def sampled(self, cell):
+    def sampled(self, cell: Any) -> None:
         """Note a sample at a cell (x, y); make the map and new tasks, and assign them."""
         self.values[cell] = self.truth[cell[1], cell[0]]
         if len(self.values) < max(len(self.robots), MIN_SAMPLES):
@@ -185,16 +188,16 @@ class PublishedModel(mesa.Model):
         for task in self._dynamic_tasks() if self.dynamic else self._random_tasks():
             self._allocate(task)
 
-    def _random_tasks(self):
+    def _random_tasks(self) -> Any:
         return [self._random_cell() for _ in self.robots]
 
-    def _random_cell(self):
+    def _random_cell(self) -> Any:
         cell = self.chance.randrange(0, WIDTH), self.chance.randrange(0, HEIGHT)
         if cell in self.given:
             cell = self.chance.choice([(x, y) for x in range(WIDTH) for y in range(HEIGHT) if (x, y) not in self.given])
         return cell
 
-    def _dynamic_tasks(self):
+    def _dynamic_tasks(self) -> Any:
         variance = self.estimate.variance
         mean = np.bincount(self._labels.T.ravel(), weights=variance.T.ravel()) / np.bincount(self._labels.ravel())
         chosen = [label for label in np.argsort(-mean, kind='stable') if label not in self._used][:2 * len(self.robots)]
@@ -207,7 +210,7 @@ class PublishedModel(mesa.Model):
             tasks.append((int(x), int(y)))
         return tasks
 
-    def _allocate(self, task):
+    def _allocate(self, task: Any) -> None:
         if self.auction:
             bids = [robot.cheapest(task) for robot in self.robots]
             winner = min(range(len(bids)), key=lambda index: bids[index][0])
@@ -220,7 +223,7 @@ class PublishedModel(mesa.Model):
             self.given.add(task)
 
 
-def fit_by_pykrige(points, values, extent):
+def fit_by_pykrige(points: np.ndarray, values: np.ndarray, extent: float) -> Variogram:
     """Return the Variogram that PyKrige fits to values at points; see variogram.fit."""
     if np.ptp(values) ** 2 < np.finfo(np.float64).tiny:
         return Variogram(0.0, extent, 0.0)
@@ -229,12 +232,12 @@ def fit_by_pykrige(points, values, extent):
     return Variogram(*map(float, fitted.variogram_model_parameters))
 
 
-def _starts(chance, count):
+def _starts(chance: Any, count: int) -> Any:
     """Return different cells (x, y), drawn as in the published program: never in the first row or column.
 
     After each robot it draws three numbers for a colour.
     """
-    starts = []
+    starts: List[Any] = []
     while len(starts) < count:
         cell = chance.randrange(1, WIDTH), chance.randrange(1, HEIGHT)
         if cell not in starts:
@@ -244,14 +247,14 @@ def _starts(chance, count):
     return starts
 
 
-def _cells_near(cell):
+def _cells_near(cell: Any) -> Any:
     """Return the index arrays (x, y) of the cells within CROWDED_RADIUS."""
     reach = range(-CROWDED_RADIUS, CROWDED_RADIUS + 1)
     cells = [(cell[0] + dx, cell[1] + dy) for dx in reach for dy in reach if abs(dx) + abs(dy) <= CROWDED_RADIUS]
     return tuple(np.array([c for c in cells if 0 <= c[0] < WIDTH and 0 <= c[1] < HEIGHT]).T)
 
 
-def run_published_trial(truth, allocation, sampling, trial, steps=100):
+def run_published_trial(truth: Any, allocation: Any, sampling: Any, trial: Any, steps: int = 100) -> Any:
     """Return the figures of one trial; the arguments are those of PublishedModel."""
     model = PublishedModel(truth, allocation, sampling, trial, steps=steps)
     while model.running:
@@ -262,7 +265,7 @@ def run_published_trial(truth, allocation, sampling, trial, steps=100):
 NEIGHBOURS = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))  # (x, y), in the order of search
 
 
-def greedy_path(weights, start, goal):
+def greedy_path(weights: Any, start: Any, goal: Any) -> Any:
     """Return the cells (x, y) from start to goal, both included.
 
     :param weights: array of shape (width, height), the weight of each cell. The estimate of a cell is its weight plus
@@ -292,7 +295,7 @@ def greedy_path(weights, start, goal):
     return _trace(parents, cell, tuple(start))
 
 
-def _choose(open_cells, estimates):
+def _choose(open_cells: Any, estimates: Any) -> Any:
     """Remove and return the open cell to go on from."""
     youngest = open_cells.pop()
     if not open_cells:
@@ -304,7 +307,7 @@ def _choose(open_cells, estimates):
     return open_cells.pop(index)
 
 
-def _trace(parents, cell, start):
+def _trace(parents: Any, cell: Any, start: Any) -> Any:
     path = [cell]
     while cell != start:
         cell = parents[cell]

@@ -1,8 +1,13 @@
 """The allocation of tasks to robots, by round robin or auction, and the position of each task in the robot's queue."""
+from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple
 
 from ..config import Allocation
+
+if TYPE_CHECKING:
+    from .sampling import Task
 
 WAY_DECIMALS = 6  # of metres
 
@@ -22,23 +27,23 @@ class Allocator:
     :param places: (x, y) of each robot [m].
     """
 
-    def __init__(self, allocation, places):
+    def __init__(self, allocation: Optional[Allocation], places: Sequence[Tuple[float, float]]) -> None:
         self._auction = allocation is Allocation.AUCTION
         self._free_at = list(places)
-        self.queues = [[] for _ in places]
+        self.queues: Any = [[] for _ in places]
         self._turn = 0
 
-    def free_at(self, robot, place):
+    def free_at(self, robot: int, place: Tuple[float, float]) -> None:
         """Note the place (x, y) [m] of a robot that has no present task."""
         self._free_at[robot] = place
 
-    def take(self, robot):
+    def take(self, robot: int) -> Task:
         """Remove and return the first task of a robot's queue, which becomes the robot's present task."""
         task = self.queues[robot].pop(0)
         self._free_at[robot] = (task.x, task.y)
         return task
 
-    def allocate(self, task):
+    def allocate(self, task: Task) -> int:
         """Put a task into a robot's queue; return the robot's index."""
         if self._auction:
             bids = [self._cheapest(robot, task) for robot in range(len(self.queues))]
@@ -50,7 +55,7 @@ class Allocator:
         self.queues[robot].insert(position, task)
         return robot
 
-    def _cheapest(self, robot, task):
+    def _cheapest(self, robot: int, task: Task) -> Tuple[float, int]:
         """Return (least length of the robot's way with the task [m], the position of the task for it)."""
         stops = [self._free_at[robot], *((queued.x, queued.y) for queued in self.queues[robot])]
         place = (task.x, task.y)

@@ -1,7 +1,9 @@
 """Coarse cells: a partition of the grid. The dynamic sampling makes at most one task in each part."""
+from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,10 +11,14 @@ from move_base_abstract.common.errors import ConfigurationError
 
 from ..config import CoarseCells
 
+if TYPE_CHECKING:
+    from ..config import TrialConfig
+    from ..ground_truth.grid import Grid
+
 CLUSTERS_FILE = Path(__file__).parents[1] / 'data' / 'coarse_clusters.npy'  # compute_clusters(110, 162), made once
 
 
-def coarse_cells(config, grid):
+def coarse_cells(config: TrialConfig, grid: Grid) -> np.ndarray:
     """Return the coarse cell of each cell of the grid: labels from 0, shape (rows, columns), as a TrialConfig says.
 
     :raises ConfigurationError: if it asks for clusters and the field does not have the published size.
@@ -28,19 +34,19 @@ def coarse_cells(config, grid):
     return labels[np.ix_(row, column)]
 
 
-def square_labels(grid, edge_m):
+def square_labels(grid: Grid, edge_m: float) -> np.ndarray:
     """Return labels of squares of edge_m [m] from the south-west corner; the field's edge cuts the last ones."""
     row = (grid.y_centres() // edge_m).astype(np.int64)
     column = (grid.x_centres() // edge_m).astype(np.int64)
     return row[:, None] * (column[-1] + 1) + column
 
 
-def field_clusters():
+def field_clusters() -> np.ndarray:
     """Return the published Mesa study's coarse cells: 55 labels from 0 for 110 x 162 cells of 2 m, from a file."""
     return np.load(CLUSTERS_FILE, allow_pickle=False).astype(np.int64)
 
 
-def compute_clusters(rows, columns):
+def compute_clusters(rows: int, columns: int) -> np.ndarray:
     """Return labels from 0 of complete-linkage clusters of the cells' places, at most sqrt(rows * columns) / 4 wide.
 
     The width is the largest distance between two cells of a cluster, in cells. Ties depend on the order in which scipy

@@ -1,10 +1,15 @@
 """The log of a mission: events, samples, the map's history, and the times and distances of each robot."""
+from __future__ import annotations
 
 import math
 from enum import Enum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Sequence, Tuple
 
 from .commands import FIRST_SAMPLE
+
+if TYPE_CHECKING:
+    from .commands import Place
+    from .sampling import Task
 
 NOBODY = -1  # as a robot's index: the event concerns the mission
 
@@ -67,26 +72,27 @@ class Waypoint(NamedTuple):
 class MissionLog:
     """Takes notes. Its methods get times of the clock; the times in its lists count from the start of the mission."""
 
-    def __init__(self, robots):
-        self.events = []
-        self.samples = []
-        self.history = []
-        self.waypoints = []
+    def __init__(self, robots: int) -> None:
+        self.events: List[Any] = []
+        self.samples: List[Any] = []
+        self.history: List[Any] = []
+        self.waypoints: List[Any] = []
         self.driven_m = [0.0] * robots
         self.seconds_ns = [dict.fromkeys(Activity, 0) for _ in range(robots)]
-        self.task_ns = []  # simulated ns from the start of the leg to the end of the dwell, for each finished task
+        # Simulated ns from the start of the leg to the end of the dwell, for each finished task.
+        self.task_ns: List[Any] = []
         self.duration_ns = None  # simulated ns; None until the end
-        self._start_ns = None
+        self._start_ns: Any = None
         self._places = [(math.nan, math.nan)] * robots
         self._activity = [Activity.IDLE] * robots
         self._since_ns = [0] * robots
         self._leg_began_ns = [0] * robots
 
-    def activity(self, robot):
+    def activity(self, robot: int) -> Activity:
         """Return the Activity of a robot now."""
         return self._activity[robot]
 
-    def start(self, now_ns, places):
+    def start(self, now_ns: Any, places: Sequence[Tuple[float, float]]) -> None:
         """Note the start and the places (x, y) of the robots."""
         self._start_ns = now_ns
         for robot, (x, y) in enumerate(places):
@@ -94,37 +100,37 @@ class MissionLog:
             self._note(now_ns, robot, 'start', x=x, y=y)
             self.waypoints.append(Waypoint(0, robot, x, y))
 
-    def allocated(self, robot, now_ns, task):
+    def allocated(self, robot: int, now_ns: int, task: Task) -> None:
         """Note that a robot got a task."""
         self._note(now_ns, robot, 'allocate', task.number, task.x, task.y)
 
-    def driving(self, robot, now_ns, task):
+    def driving(self, robot: int, now_ns: int, task: Task) -> None:
         """Note that a robot is sent to a task."""
         self._become(robot, now_ns, Activity.DRIVING)
         self._leg_began_ns[robot] = now_ns
         self._note(now_ns, robot, 'drive', task.number, task.x, task.y)
 
-    def arrived(self, robot, now_ns, place, task):
+    def arrived(self, robot: int, now_ns: int, place: Place, task: int) -> None:
         """Note the end of a leg; the dwell follows."""
         self._move(robot, now_ns, place)
         self._note(now_ns, robot, 'arrive', task, place.x, place.y)
 
-    def passed(self, robot, now_ns, place):
+    def passed(self, robot: int, now_ns: int, place: Place) -> None:
         """Note a place on the way."""
         self._move(robot, now_ns, place)
 
-    def failed(self, robot, now_ns, place, task):
+    def failed(self, robot: int, now_ns: int, place: Place, task: int) -> None:
         """Note that a leg was given up."""
         self._move(robot, now_ns, place)
         self._become(robot, now_ns, Activity.IDLE)
         self._note(now_ns, robot, 'fail', task, place.x, place.y)
 
-    def sampling(self, robot, now_ns, task, dwell_ns):
+    def sampling(self, robot: int, now_ns: int, task: int, dwell_ns: int) -> None:
         """Note the beginning of a dwell."""
         self._become(robot, now_ns, Activity.SAMPLING)
         self._note(now_ns, robot, 'dwell', task, *self._places[robot], dwell_ns / 1e9)
 
-    def sampled(self, robot, now_ns, place, task, value):
+    def sampled(self, robot: int, now_ns: int, place: Place, task: int, value: float) -> None:
         """Note the end of a dwell and its reading [kPa]."""
         self._move(robot, now_ns, place)
         self._become(robot, now_ns, Activity.IDLE)
@@ -133,26 +139,26 @@ class MissionLog:
         self.samples.append(Sample(now_ns - self._start_ns, robot, task, place.x, place.y, value))
         self._note(now_ns, robot, 'sample', task, place.x, place.y, value)
 
-    def mapped(self, now_ns, estimate):
+    def mapped(self, now_ns: int, estimate: Any) -> None:
         """Note the Estimate of the map from all samples so far."""
         fit = estimate.variogram
         self.history.append(Moment(now_ns - self._start_ns, len(self.samples), estimate.rmse, estimate.mean_variance,
                                    fit.psill, fit.range_m, fit.nugget, len(self.task_ns), sum(self.driven_m)))
         self._note(now_ns, NOBODY, 'map', value=estimate.rmse)
 
-    def held(self, robot, now_ns):
+    def held(self, robot: int, now_ns: int) -> None:
         """Note that a driving robot is held up."""
         if self._activity[robot] is Activity.DRIVING:
             self._become(robot, now_ns, Activity.WAITING)
             self._note(now_ns, robot, 'hold')
 
-    def resumed(self, robot, now_ns):
+    def resumed(self, robot: int, now_ns: int) -> None:
         """Note that a robot that was held up drives on."""
         if self._activity[robot] is Activity.WAITING:
             self._become(robot, now_ns, Activity.DRIVING)
             self._note(now_ns, robot, 'resume')
 
-    def end(self, now_ns, places):
+    def end(self, now_ns: Any, places: Sequence[Place]) -> None:
         """Note the end of the mission and the Places of the robots; parts of legs count."""
         for robot, place in enumerate(places):
             if self._activity[robot] is not Activity.IDLE:
@@ -162,17 +168,18 @@ class MissionLog:
         self.duration_ns = now_ns - self._start_ns
         self._note(now_ns, NOBODY, 'end')
 
-    def _note(self, now_ns, robot, event, task=FIRST_SAMPLE, x=math.nan, y=math.nan, value=math.nan):
+    def _note(self, now_ns: int, robot: int, event: str, task: int = FIRST_SAMPLE, x: float = math.nan,
+              y: float = math.nan, value: float = math.nan) -> None:
         self.events.append(Event(now_ns - self._start_ns, robot, event, task, float(x), float(y), float(value)))
 
-    def _move(self, robot, now_ns, place):
+    def _move(self, robot: int, now_ns: int, place: Place) -> None:
         old = self._places[robot]
         driven = math.dist(old, (place.x, place.y)) if place.driven_m is None else place.driven_m
         self.driven_m[robot] += driven
         self._places[robot] = (place.x, place.y)
         self.waypoints.append(Waypoint(now_ns - self._start_ns, robot, place.x, place.y))
 
-    def _become(self, robot, now_ns, activity):
+    def _become(self, robot: int, now_ns: int, activity: Activity) -> None:
         since_ns = max(self._since_ns[robot], self._start_ns)
         self.seconds_ns[robot][self._activity[robot]] += now_ns - since_ns
         self._activity[robot] = activity

@@ -1,6 +1,8 @@
 """The driven distance of a robot, from its poses, which may arrive late, and from the ends of its goals."""
+from __future__ import annotations
 
 import math
+from typing import Any
 
 from .commands import Place
 
@@ -14,13 +16,13 @@ class Odometer:
     Reports that are older than the latest known one are left out, so that no way counts twice.
     """
 
-    def __init__(self):
-        self.position = None  # (x, y) [m, map frame]; None before the first pose
-        self.stamp_ns = None  # of the position
-        self._told = None  # (x, y) that take_place returned last
+    def __init__(self) -> None:
+        self.position: Any = None  # (x, y) [m, map frame]; None before the first pose
+        self.stamp_ns: Any = None  # of the position
+        self._told: Any = None  # (x, y) that take_place returned last
         self._way_m = 0.0  # driven since then
 
-    def pose(self, stamp_ns, x, y):
+    def pose(self, stamp_ns: Any, x: float, y: float) -> None:
         """Note that the robot was at (x, y) [m] at stamp_ns; a pose that is older than the last one is left out."""
         if self.position is None:
             self.position = (x, y)
@@ -29,12 +31,12 @@ class Odometer:
         self._way_m += math.dist(self.position, (x, y))
         self.position, self.stamp_ns = (x, y), stamp_ns
 
-    def reached(self, stamp_ns, x, y):
+    def reached(self, stamp_ns: int, x: float, y: float) -> None:
         """Note that a goal at (x, y) [m] was reached at stamp_ns. If a pose from then or later is known, it stays."""
         if self.stamp_ns < stamp_ns:
             self.pose(stamp_ns, x, y)
 
-    def take_place(self):
+    def take_place(self) -> Place:
         """Return the Place of the robot, with its way since the last call.
 
         If the way was straight, except for rounding, driven_m is None.
@@ -42,4 +44,4 @@ class Odometer:
         straight = math.dist(self._told, self.position) if self._told is not None else 0.0
         driven = self._way_m if self._way_m > straight + DETOUR_M else None
         self._told, self._way_m = self.position, 0.0
-        return Place(*self.position, driven)
+        return Place(*self.position, driven)  # type: ignore[call-arg]

@@ -1,12 +1,18 @@
 """The places of samples: the starts of the robots, and the three ways of making tasks."""
+from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Set, Tuple, Union
 
 import numpy as np
 
 from ..config import Sampling
 from ..seeds import Purpose, generator
 from .coarse_cells import coarse_cells
+
+if TYPE_CHECKING:
+    from ..config import TrialConfig
+    from ..ground_truth.grid import Grid
+    from ..interpolation.kriging import Estimate
 
 GRID_POINTS = 10  # per side
 GRID_MARGIN = 0.05  # of the field's extent, at each side
@@ -21,7 +27,7 @@ class Task(NamedTuple):
     y: float
 
 
-def start_places(robots, seed, grid):
+def start_places(robots: int, seed: int, grid: Grid) -> Tuple[Tuple[float, float], ...]:
     """Return the start (x, y) of each robot [m, map frame], drawn uniformly, each from a generator of its own.
 
     Places are drawn in metres and moved to the centre of their cell, so that the starts on other grids are nearly
@@ -31,7 +37,7 @@ def start_places(robots, seed, grid):
     return tuple(_uniform_place(draw, grid) for draw in draws)
 
 
-def make_sampling(config, seed, grid):
+def make_sampling(config: TrialConfig, seed: int, grid: Grid) -> Union[DynamicSampling, GridSampling, RandomSampling]:
     """Return the object that makes the tasks of a mission, as a TrialConfig says."""
     if config.sampling is Sampling.GRID:
         return GridSampling(grid)
@@ -46,21 +52,21 @@ class RandomSampling:
 
     first_samples = True  # each robot first samples at its start
 
-    def __init__(self, count, seed, grid):
+    def __init__(self, count: int, seed: int, grid: Grid) -> None:
         self._count = count
         self._grid = grid
         self._draw = generator(seed, Purpose.RANDOM_TASKS)
-        self._used = set()
+        self._used: Set[Any] = set()
         self._made = 0
 
     @property
-    def exhausted(self):
+    def exhausted(self) -> bool:
         """Whether every cell has had a task."""
         return len(self._used) >= self._grid.rows * self._grid.columns
 
-    def new_tasks(self, estimate):
+    def new_tasks(self, estimate: Optional[Estimate]) -> List[Task]:
         """Return the next tasks; the Estimate is not used."""
-        tasks = []
+        tasks: List[Any] = []
         while len(tasks) < self._count and not self.exhausted:
             place = _uniform_place(self._draw, self._grid)
             if place not in self._used:
@@ -83,7 +89,7 @@ class DynamicSampling:
 
     first_samples = True
 
-    def __init__(self, count, labels, grid, before):
+    def __init__(self, count: int, labels: np.ndarray, grid: Grid, before: RandomSampling) -> None:
         self._count = count
         self._labels = labels
         self._sizes = np.bincount(labels.ravel())
@@ -93,11 +99,11 @@ class DynamicSampling:
         self._made = 0
 
     @property
-    def exhausted(self):
+    def exhausted(self) -> bool:
         """Whether every coarse cell has had a task."""
         return not self._free.any()
 
-    def new_tasks(self, estimate):
+    def new_tasks(self, estimate: Optional[Estimate]) -> List[Task]:
         """Return the tasks for an Estimate; without one (None), those of random sampling."""
         if estimate is None:
             tasks = self._before.new_tasks(None)
@@ -106,7 +112,7 @@ class DynamicSampling:
         self._made += len(tasks)
         return tasks
 
-    def _pick(self, estimate):
+    def _pick(self, estimate: Estimate) -> List[Tuple[int, int]]:
         """Return (row, column) of each task, and mark the coarse cells as used."""
         variance = estimate.variance.round(VARIANCE_DECIMALS)
         mean = (np.bincount(self._labels.ravel(), weights=variance.ravel()) / self._sizes).round(VARIANCE_DECIMALS)
@@ -122,11 +128,11 @@ class GridSampling:
 
     first_samples = False  # the tasks exist at once
 
-    def __init__(self, grid):
+    def __init__(self, grid: Grid) -> None:
         self._grid = grid
         self.exhausted = False  # whether the tasks are made
 
-    def new_tasks(self, estimate):
+    def new_tasks(self, estimate: Any) -> List[Task]:
         """Return all tasks at the first call, and none later; the Estimate is not used."""
         if self.exhausted:
             return []
@@ -136,6 +142,6 @@ class GridSampling:
         return [Task(number, *place) for number, place in enumerate(places)]
 
 
-def _uniform_place(draw, grid):
+def _uniform_place(draw: Any, grid: Grid) -> Tuple[float, float]:
     x, y = draw.uniform(0.0, (grid.width_m, grid.height_m))
     return grid.snap(x, y)

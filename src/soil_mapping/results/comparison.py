@@ -3,12 +3,16 @@
 A study is a mapping from a configuration's name to an array of shape (trials, metrics), with the columns in the order
 of METRICS. Both studies of a comparison have the same configurations.
 """
+from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
 from ..seeds import Purpose, generator
+
+if TYPE_CHECKING:
+    from .result import Metrics
 
 METRICS = ('rmse_kpa', 'mean_variance_kpa2', 'samples', 'distance_m', 'idle_s', 'task_s')  # waiting is 0 everywhere
 RESAMPLES = 2000
@@ -33,12 +37,13 @@ class Difference(NamedTuple):
     standardised: float  # (second - first) of the means / pooled sd of the trials; +-inf if that is 0
 
 
-def trial_row(metrics):
+def trial_row(metrics: Metrics) -> List[float]:
     """Return the row of a trial's Metrics, in the order of METRICS."""
     return [float(getattr(metrics, name)) for name in METRICS]
 
 
-def cosine_similarity(first, second):
+def cosine_similarity(first: Mapping[str, Union[List[List[float]], np.ndarray]],
+                      second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> float:
     """Return the mean over the metrics of the cosine between the studies' vectors of configuration means.
 
     This measure is coarse: it does not depend on scale, and positive vectors are never far apart. Two vectors of zeros
@@ -47,12 +52,14 @@ def cosine_similarity(first, second):
     return float(np.mean(metric_cosines(first, second)))
 
 
-def metric_cosines(first, second):
+def metric_cosines(first: Mapping[str, Union[List[List[float]], np.ndarray]],
+                   second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> np.ndarray:
     """Return the cosine of each metric, in the order of METRICS."""
     return _cosines(_means(first, first), _means(second, first))
 
 
-def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
+def noise_floor(study: Mapping[str, np.ndarray], trials: int = 10, resamples: int = RESAMPLES, seed: int = 0,
+                level: float = 0.95) -> Tuple[float, float]:
     """Return (lower, upper) of the range in which the cosine similarity of two runs of one study lies.
 
     Both runs are drawn from the study's own trials, with replacement (percentile bootstrap: B. Efron and R. Tibshirani,
@@ -68,7 +75,8 @@ def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
     return _range_of(scores, tail)
 
 
-def similarity_interval(first, second, resamples=RESAMPLES, seed=0, level=0.95):
+def similarity_interval(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray], resamples: int = RESAMPLES,
+                        seed: int = 0, level: float = 0.95) -> Tuple[float, float]:
     """Return (lower, upper) of the bootstrap interval of the cosine similarity of two studies.
 
     Both must have the same seeds in the same order. Pairs of trials are drawn with replacement, as many as there are.
@@ -83,7 +91,7 @@ def similarity_interval(first, second, resamples=RESAMPLES, seed=0, level=0.95):
     return _range_of(scores, 50.0 * (1.0 - level))
 
 
-def differences(first, second):
+def differences(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> List[Difference]:
     """Return a Difference for each configuration and metric; configurations in the order of the first study."""
     found = []
     for name in _names(first, second):
@@ -93,7 +101,8 @@ def differences(first, second):
     return found
 
 
-def bootstrap_interval(first, second, comparisons=1, resamples=20 * RESAMPLES, seed=0, level=0.95):
+def bootstrap_interval(first: np.ndarray, second: np.ndarray, comparisons: int = 1, resamples: int = 20 * RESAMPLES,
+                       seed: int = 0, level: float = 0.95) -> Any:
     """Return (lower, upper) of the bootstrap interval of the difference of means, second - first.
 
     If 0 lies inside, no difference is shown.
@@ -110,41 +119,43 @@ def bootstrap_interval(first, second, comparisons=1, resamples=20 * RESAMPLES, s
     return tuple(float(bound) for bound in np.percentile(change, (tail, 100.0 - tail)))
 
 
-def _difference(name, metric, a, b):
+def _difference(name: str, metric: str, a: np.ndarray, b: np.ndarray) -> Difference:
     a, b = a[~np.isnan(a)], b[~np.isnan(b)]
     means = [float(x.mean()) if len(x) else np.nan for x in (a, b)]
     sds = [float(x.std(ddof=1)) if len(x) > 1 else np.nan for x in (a, b)]
     change = means[1] - means[0]
     freedom = len(a) + len(b) - 2
     pooled = np.sqrt(((len(a) - 1) * sds[0] ** 2 + (len(b) - 1) * sds[1] ** 2) / freedom) if freedom > 0 else np.nan
-    return Difference(name, metric, *means, *sds, _ratio(change, abs(means[0]), np.nan),
+    return Difference(name, metric, *means, *sds, _ratio(change, abs(means[0]), np.nan),  # type: ignore[call-arg]
                       _ratio(change, float(pooled), np.copysign(np.inf, change)))
 
 
-def _ratio(change, by, if_zero):
+def _ratio(change: float, by: float, if_zero: float) -> float:
     """Return change / by; 0 if change is 0, otherwise if_zero if by is 0."""
     if change == 0.0:
         return 0.0
     return float(if_zero) if by == 0.0 else float(change / by)
 
 
-def _names(first, second):
+def _names(first: Mapping[str, Union[List[List[float]], np.ndarray]],
+           second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> List[str]:
     if set(first) != set(second):
         raise ValueError(f'the studies must have the same configurations, got {sorted(first)} and {sorted(second)}')
     return list(first)
 
 
-def _means(study, like):
+def _means(study: Mapping[str, Union[List[List[float]], np.ndarray]],
+           like: Mapping[str, Union[List[List[float]], np.ndarray]]) -> np.ndarray:
     """Return the means of the configurations, shape (configurations, metrics), in the order of the study ``like``."""
     return np.array([_known_means(np.asarray(study[name], dtype=float)) for name in _names(like, study)])
 
 
-def _redrawn_means(study, trials, chance):
+def _redrawn_means(study: Mapping[str, np.ndarray], trials: Any, chance: Any) -> np.ndarray:
     rows = (np.asarray(rows, dtype=float) for rows in study.values())
     return np.array([_known_means(r[chance.integers(len(r), size=trials or len(r))]) for r in rows])
 
 
-def _known_means(rows):
+def _known_means(rows: np.ndarray) -> np.ndarray:
     """Return the mean of each column without its NaNs; NaN if it has only NaNs."""
     known = ~np.isnan(rows)
     count = known.sum(axis=0)
@@ -152,13 +163,13 @@ def _known_means(rows):
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _range_of(scores, tail):
+def _range_of(scores: Sequence[float], tail: float) -> Any:
     """Return the (tail, 100 - tail) percentiles; scores of NaN, from trials without a value, are left out."""
     known = [score for score in scores if not np.isnan(score)] or [np.nan]
     return tuple(float(bound) for bound in np.percentile(known, (tail, 100.0 - tail)))
 
 
-def _cosines(first, second):
+def _cosines(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Return the cosine of each pair of columns; 1 if both are zero, 0 if one is zero."""
     product = (first * second).sum(axis=0)
     lengths = np.linalg.norm(first, axis=0), np.linalg.norm(second, axis=0)

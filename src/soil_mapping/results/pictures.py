@@ -1,4 +1,7 @@
 """Pictures of a trial as PNG files: truth, prediction, variance, and the trajectories and samples of the robots."""
+from __future__ import annotations
+
+from typing import Any
 
 from matplotlib import cm
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -10,7 +13,7 @@ DPI = 100
 ROBOT_COLOURS = cm.tab10
 
 
-def write_pictures(folder, result):
+def write_pictures(folder: Any, result: Any) -> None:
     """Write truth.png, prediction.png (on the truth's scale), variance.png and trajectories.png of a TrialResult."""
     scale = {'vmin': float(result.truth.min()), 'vmax': float(result.truth.max())}
     _write_map(folder / 'truth.png', result, result.truth, 'Truth', 'soil compaction [kPa]', scale)
@@ -20,7 +23,7 @@ def write_pictures(folder, result):
                'soil compaction [kPa]', {**scale, 'cmap': 'Greys'}, _draw_robots)
 
 
-def _write_map(path, result, values, title, label, style, draw=None):
+def _write_map(path: str, result: Any, values: Any, title: str, label: str, style: Any, draw: Any = None) -> None:
     figure = Figure(figsize=(8.0, 5.2), constrained_layout=True)
     axes = figure.add_subplot()
     rows, columns = values.shape
@@ -34,7 +37,7 @@ def _write_map(path, result, values, title, label, style, draw=None):
         FigureCanvasAgg(figure).print_png(stream, metadata={'Software': None})
 
 
-def _draw_robots(axes, result):
+def _draw_robots(axes: Any, result: Any) -> None:
     robots = sorted({point.robot for point in result.waypoints})
     for robot in robots:
         colour = ROBOT_COLOURS(robot % ROBOT_COLOURS.N)

@@ -1,4 +1,5 @@
 """Where a result comes from: the versions of programs and libraries, and the machine."""
+from __future__ import annotations
 
 import ctypes
 import functools
@@ -7,6 +8,7 @@ import os
 import platform
 import re
 from pathlib import Path
+from typing import Dict, List, Union
 
 KERNEL_NAMES = ('openblas_get_corename', 'openblas_get_corename64_', 'scipy_openblas_get_corename',
                 'scipy_openblas_get_corename64_')  # OpenBLAS's names of the function, by the way of its build
@@ -14,7 +16,7 @@ LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
 
 
 @functools.lru_cache(maxsize=1)
-def package_version():
+def package_version() -> str:
     """Return the version in this package's package.xml, in the source tree or installed; or 'unknown'."""
     for folder in list(Path(__file__).resolve().parents)[3:7]:  # Python 3.9 takes no slice of them
         for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
@@ -25,7 +27,7 @@ def package_version():
 
 
 @functools.lru_cache(maxsize=1)
-def versions():
+def versions() -> Dict[str, str]:
     """Return {name: version} of Python and of the installed libraries."""
     found = {'python': platform.python_version()}
     for name in LIBRARIES:
@@ -37,7 +39,7 @@ def versions():
 
 
 @functools.lru_cache(maxsize=1)
-def machine():
+def machine() -> Dict[str, Union[int, str]]:
     """Return a description of the machine: system, processor, number of usable cores, kernels of its BLAS.
 
     A trial does not depend on these (interpolation/arithmetic.py), but studies that it is compared with may.
@@ -46,7 +48,7 @@ def machine():
             'blas': ', '.join(blas_kernels()) or 'unknown'}
 
 
-def blas_kernels():
+def blas_kernels() -> List[str]:
     """Return the names of the loaded OpenBLAS libraries, each with the kernel that it chose for this processor."""
     try:
         with open('/proc/self/maps', encoding='utf-8') as stream:
@@ -57,7 +59,7 @@ def blas_kernels():
             for path in sorted(paths) if 'openblas' in os.path.basename(path) for kernel in _kernel_of(path)]
 
 
-def _kernel_of(path):
+def _kernel_of(path: str) -> List[str]:
     """Return a list with the kernel of a loaded library; empty if it is no OpenBLAS."""
     try:
         library = ctypes.CDLL(path)
@@ -71,7 +73,7 @@ def _kernel_of(path):
     return []
 
 
-def _processor():
+def _processor() -> str:
     try:
         with open('/proc/cpuinfo', encoding='utf-8') as stream:
             names = [line.split(':', 1)[1].strip() for line in stream if line.startswith('model name')]

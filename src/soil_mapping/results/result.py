@@ -1,13 +1,17 @@
 """The result of a trial, in the same form for every engine."""
+from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, Mapping, NamedTuple
 
 import numpy as np
 
 from ..mission.mission_log import Activity
 from ..mission.own_code import own_code
+
+if TYPE_CHECKING:
+    from ..mission.coordinator import Coordinator
 
 
 class Metrics(NamedTuple):
@@ -34,9 +38,10 @@ class Metrics(NamedTuple):
     task_s: float
 
 
-def measure(coordinator):
+def measure(coordinator: Coordinator) -> Metrics:
     """Return the Metrics of a mission that has ended."""
-    log, estimate = coordinator.log, coordinator.estimate
+    log = coordinator.log
+    estimate: Any = coordinator.estimate
     return Metrics(
         rmse_kpa=math.nan if estimate is None else estimate.rmse,
         mean_variance_kpa2=math.nan if estimate is None else estimate.mean_variance,
@@ -72,24 +77,25 @@ class TrialResult:
     moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
 
     @property
-    def speed_up(self):
+    def speed_up(self) -> Dict[str, float]:
         """Simulated seconds per wall second, ``overall`` (start_up, mission) and while ``moving``; NaN if unknown."""
         overall = self.wall_s.get('start_up', 0.0) + self.wall_s.get('mission', math.nan)
         return {'overall': _ratio(self.simulated_s, overall), 'moving': _ratio(self.simulated_s, self.moving_wall_s)}
 
 
-def _ratio(simulated_s, wall_s):
+def _ratio(simulated_s: float, wall_s: float) -> float:
     return simulated_s / wall_s if wall_s > 0.0 else math.nan
 
 
-def collect(coordinator, engine, wall_s, moving_wall_s, inputs=None):
+def collect(coordinator: Coordinator, engine: Mapping[str, str], wall_s: Mapping[str, float], moving_wall_s: float,
+            inputs: Any = None) -> TrialResult:
     """Return the TrialResult of a mission that has ended; engine, inputs and wall times are those of TrialResult."""
     log, truth = coordinator.log, coordinator.truth
     unknown = np.full(truth.values.shape, np.nan)
-    estimate = coordinator.estimate
+    estimate: Any = coordinator.estimate
     return TrialResult(
         config=coordinator.config.to_dict(), seed=coordinator.seed, engine=dict(engine),
-        simulated_s=log.duration_ns / 1e9, metrics=measure(coordinator), events=log.events, samples=log.samples,
+        simulated_s=log.duration_ns / 1e9, metrics=measure(coordinator), events=log.events, samples=log.samples,  # type: ignore[operator]
         history=log.history, waypoints=log.waypoints, truth=truth.values,
         prediction=unknown if estimate is None else estimate.mean,
         variance=unknown if estimate is None else estimate.variance,

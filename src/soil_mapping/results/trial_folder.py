@@ -16,6 +16,7 @@ An engine may put further files (FROM_ENGINES) into TrialFolder.path before it i
 written so that reading gives the same bits. Times are simulated ns since the start of the mission, so the event logs of
 two runs can be compared directly.
 """
+from __future__ import annotations
 
 import csv
 import hashlib
@@ -24,6 +25,7 @@ import json
 import math
 import os
 from pathlib import Path
+from typing import Any, Callable, Dict, Mapping, Sequence, Union
 
 import numpy as np
 
@@ -50,7 +52,7 @@ KIND = FolderKind('trial', ('trial.json', *(file for _, file, _, _ in TABLES), *
                             *(f'{name}.png' for name in PICTURES), *FROM_ENGINES))
 
 
-def is_complete(path, prefix=''):
+def is_complete(path: Any, prefix: str = '') -> bool:
     """Return whether the folder has a complete trial. ``prefix``: what the names of its files begin with."""
     return (Path(path) / f'{prefix}trial.json').is_file()
 
@@ -66,30 +68,29 @@ class TrialFolder:
     :raises OutputError: if something cannot be written, for example because the disk is full.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: Any) -> None:
         self.final_path = Path(os.path.abspath(path))
         if not self.final_path.name:
             raise ConfigurationError(f'{path}: must be a folder that can be given its name, not the root of all')
         self.path = self.final_path.with_name(self.final_path.name + UNFINISHED)
         self._old = self.final_path.with_name(self.final_path.name + OLD)
-        self._marker = None
+        self._marker: Any = None
 
-    def check(self):
+    def check(self) -> None:
         """Check that nothing else has the names of the folder. :raises ConfigurationError: if so, with its path."""
         for path in (self.final_path, self.path, self._old):
             KIND.check(path)
 
-    def __enter__(self):
+    def __enter__(self) -> TrialFolder:
         self.check()
         KIND.remove(self.path)
         self._marker = KIND.make(self.path)
         return self
 
-    def __exit__(self, *problem):
+    def __exit__(self, *problem: object) -> None:
         os.close(self._marker)
-        return False
 
-    def finish(self, result, pictures=False, recorded=lambda: None):
+    def finish(self, result: TrialResult, pictures: bool = False, recorded: Callable[..., Any] = lambda: None) -> Path:
         """Write all files of a TrialResult to the disk, give the folder its final name, and return its path.
 
         pictures: whether to draw pictures, too. recorded: called when the trial is complete, before pictures are drawn.
@@ -101,7 +102,7 @@ class TrialFolder:
             write_pictures(self.final_path, result)
         return self.final_path
 
-    def _write(self, result):
+    def _write(self, result: TrialResult) -> None:
         write_files(self.path, result)
         try:
             _sync_folder(self.path)
@@ -110,7 +111,7 @@ class TrialFolder:
             raise OutputError(f'{self.final_path}: cannot be given its name: {error.strerror}; the trial is in '
                               f'{self.path}') from error
 
-    def _swap(self):
+    def _swap(self) -> None:
         """Give the folder its final name. An older complete one is moved first; a kill in between loses only that."""
         KIND.remove(self._old)
         KIND.check(self.final_path)
@@ -123,7 +124,7 @@ class TrialFolder:
         KIND.remove(self._old)
 
 
-def write_files(folder, result):
+def write_files(folder: Path, result: TrialResult) -> None:
     """Write the files of a TrialResult: first what cannot be computed again, last the file that makes it complete."""
     digest = _write_tables(folder, result)
     for name in ARRAYS:
@@ -135,7 +136,7 @@ def write_files(folder, result):
         json.dump(_plain(describe(result, digest)), stream, indent=1, allow_nan=False)
 
 
-def describe(result, events_sha256):
+def describe(result: TrialResult, events_sha256: str) -> Dict[str, Any]:
     """Return the content of trial.json for a TrialResult."""
     return {
         'format': FORMAT, 'config': result.config, 'seed': result.seed, 'engine': result.engine,
@@ -146,7 +147,7 @@ def describe(result, events_sha256):
     }
 
 
-def read_trial(path, prefix=''):
+def read_trial(path: Any, prefix: str = '') -> Any:
     """Return the TrialResult of a complete folder; ``prefix``: what the names of its files begin with.
 
     :raises ValueError: if it is not complete, or has another format.
@@ -154,10 +155,11 @@ def read_trial(path, prefix=''):
     path = Path(path)
     if not is_complete(path, prefix):
         raise ValueError(f'{path}: not a complete trial (no {prefix}trial.json)')
-    about = read_about(path, prefix)
+    about: Any = read_about(path, prefix)
     tables = {name: _read_table(path / f'{prefix}{file}', record) for name, file, record, _ in TABLES}
     arrays = {name: np.load(path / f'{prefix}{name}.npy', allow_pickle=False) for name in ARRAYS}
-    metrics = Metrics(**{name: math.nan if value is None else value for name, value in about['metrics'].items()})
+    values: Any = {name: math.nan if value is None else value for name, value in about['metrics'].items()}
+    metrics = Metrics(**values)
     moving = about['moving_wall_s']
     return TrialResult(config=about['config'], seed=about['seed'], engine=about['engine'], metrics=metrics,
                        simulated_s=about['simulated_s'], cell_m=about['cell_m'], about_field=about.get('field', {}),
@@ -165,7 +167,7 @@ def read_trial(path, prefix=''):
                        moving_wall_s=math.nan if moving is None else moving, **tables, **arrays)
 
 
-def read_about(path, prefix=''):
+def read_about(path: Any, prefix: str = '') -> Dict[str, Any]:
     """Return the content of trial.json of a complete folder; NaNs are None in it."""
     file = Path(path) / f'{prefix}trial.json'
     with open(file, encoding='utf-8') as stream:
@@ -175,12 +177,12 @@ def read_about(path, prefix=''):
     return about
 
 
-def events_text(events):
+def events_text(events: Sequence[Event]) -> str:
     """Return the event log as it is written. Two runs are the same if these texts are equal."""
     return _csv_text(Event._fields, events)
 
 
-def _write_tables(folder, result):
+def _write_tables(folder: Path, result: TrialResult) -> str:
     """Write the tables; return the SHA-256 of events.csv."""
     for name, file, _, header in TABLES:
         with whole_file(folder / file, 'w', encoding='utf-8', newline='') as stream:
@@ -188,13 +190,13 @@ def _write_tables(folder, result):
     return hashlib.sha256(events_text(result.events).encode()).hexdigest()
 
 
-def _csv_text(header, rows):
+def _csv_text(header: Sequence[str], rows: Sequence[Any]) -> str:
     lines = [','.join(header)]
     lines += [','.join('' if value != value else str(value) for value in row) for row in rows]  # NaN is empty
     return '\n'.join(lines) + '\n'
 
 
-def _read_table(path, record):
+def _read_table(path: str, record: Any) -> Any:
     kinds = [record.__annotations__[name] for name in record._fields]
     with open(path, newline='', encoding='utf-8') as stream:
         rows = list(csv.reader(stream))[1:]
@@ -204,7 +206,7 @@ def _read_table(path, record):
     return [record(*(math.nan if cell == '' else kind(cell) for kind, cell in zip(kinds, row))) for row in rows]
 
 
-def _plain(value):
+def _plain(value: Union[Mapping[str, Union[Dict[str, Union[float, str]], float, str]], float, str]) -> Any:
     """Return a value that JSON can represent; NaN and infinities become None."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
@@ -215,7 +217,7 @@ def _plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _sync_folder(path):
+def _sync_folder(path: Path) -> None:
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -3,11 +3,13 @@
 It works with any robots that have an action server <robot>/move_base, and <robot>/<task> for the sampling. The
 parameters of the mission are those of soil_mapping.config.TrialConfig, with the same names; see docs/soil_study_ros.md.
 """
+from __future__ import annotations
 
 import contextlib
 import queue
 import sys
 import time
+from typing import Any
 
 import rospy
 
@@ -37,7 +39,7 @@ OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pict
                   'stay', 'lockstep_rank', 'lockstep_charge')
 
 
-def main():
+def main() -> None:
     """Run one mission. Exit with 0 when it is over, or with 1 if it could not be carried out."""
     began = time.perf_counter()
     parse_no_arguments('soil_coordinator', __doc__)
@@ -56,7 +58,7 @@ def main():
         sys.exit(tell_error('soil_coordinator', error))
 
 
-def _run(began):
+def _run(began: Any) -> None:
     """Run the mission that the parameters describe."""
     raw = rospy.get_param('~', {})
     config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
@@ -72,7 +74,7 @@ def _run(began):
         rospy.spin()  # so that its maps can still be seen
 
 
-def _names(raw, count):
+def _names(raw: Any, count: int) -> Any:
     """Return the robots' namespaces. :raises ConfigurationError: if names are not allowed, or not ``count`` of them."""
     names = raw or [f'robot_{index}' for index in range(count)]
     if not isinstance(names, list) or not all(is_namespace(name) for name in names) or len(
@@ -84,7 +86,7 @@ def _names(raw, count):
     return names
 
 
-def _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder):
+def _carry_out(coordinator: Any, stopwatch: Any, names: Any, raw: Any, began: Any, inputs: Any, folder: Any) -> None:
     """Run the mission and write its TrialFolder, if there is one."""
     ready = time.perf_counter()
     run = run_mission(coordinator, names, raw.get('task', 'take_sample'),
@@ -97,7 +99,8 @@ def _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder):
         folder.finish(result, raw.get('pictures', True))
 
 
-def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None, before=lambda: None):
+def run_mission(coordinator: Any, names: Any, task: Any, pose_topic: Any, stopwatch: Any, check: Any = lambda: None,
+                before: Any = lambda: None) -> Any:
     """Run a mission to its end in this process, whose node is initialised; return the MissionRun.
 
     names: the robots' namespaces. task: name of the sampling action below each. pose_topic: topic of nav_msgs/Odometry
@@ -107,11 +110,11 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     participant = lockstep.join()
     if participant is None:
         watch_clock()
-    events = queue.Queue()  # made after joining, so that lockstep handles its locks
+    events: Any = queue.Queue()  # made after joining, so that lockstep handles its locks
     robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
     views = Views(coordinator, rospy.get_param('~variance_frame', 'map'))
 
-    def show():
+    def show() -> None:
         with stopwatch.phase('maps'):
             views.refresh()
     run = MissionRun(coordinator, robots, events, computing(participant), show)
@@ -127,7 +130,7 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
 HOLD_TIMEOUT_S = 60.0  # wall; no computation takes that long
 
 
-def computing(participant):
+def computing(participant: Any) -> Any:
     """Return a function that makes a context manager for the time during which the mission computes.
 
     ``participant`` is the value that lockstep.join has returned.

@@ -5,11 +5,13 @@ environment: the one of SOIL_MAPPING_PYTHON (the path of its python), .ws/venv i
 makes, or the one that `study setup` makes for a user. If the Python of a program lacks an import, the program starts
 itself again with the first of these that exists. This module imports only the standard library.
 """
+from __future__ import annotations
 
 import importlib.util
 import os
 import sys
 from pathlib import Path
+from typing import List, Sequence
 
 from soil_mapping import environment
 
@@ -21,7 +23,7 @@ STARTED_AGAIN = 'SOIL_MAPPING_STARTED_AGAIN'
 ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 
-def find_python(words, program):
+def find_python(words: Sequence[str], program: str) -> None:
     """Start ``program``, by this command line, again with another Python, unless this one has all that is needed.
 
     If there is no such Python, the program exits with an error. Call this before numpy is imported, because it sets
@@ -44,7 +46,7 @@ def find_python(words, program):
     os.execv(python, [python, *words])
 
 
-def _candidates():
+def _candidates() -> List[str]:
     """Return the paths at which a suitable Python may be, in the order of preference."""
     if os.environ.get(VARIABLE):
         return [os.environ[VARIABLE]]

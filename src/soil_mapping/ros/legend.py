@@ -1,4 +1,7 @@
 """The legend of the maps in RViz: titles with units, colour bars with values, and a key to the markers."""
+from __future__ import annotations
+
+from typing import Any
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -11,7 +14,7 @@ INK = ColorRGBA(0.05, 0.05, 0.05, 1.0)
 HEIGHT_Z = 0.4  # m, above the maps
 
 
-def make_legend(grid, unit, span, variance_span):
+def make_legend(grid: Any, unit: str, span: Any, variance_span: Any) -> Any:
     """Return the markers around the maps of a Grid, in the map frame.
 
     unit: that of the values. span, variance_span: (low, high), the values of the first and the last colour.
@@ -33,12 +36,12 @@ def make_legend(grid, unit, span, variance_span):
     return MarkerArray(markers)
 
 
-def variance_offset_m(grid):
+def variance_offset_m(grid: Any) -> Any:
     """Return the distance by which the map of the variance is shown east of the map frame's origin [m]."""
     return (1.0 + GAP) * grid.width_m
 
 
-def _marker(kind):
+def _marker(kind: str) -> Any:
     marker = Marker(type=kind, action=Marker.ADD)
     marker.header.frame_id = 'map'
     marker.pose.orientation.w = 1.0
@@ -46,7 +49,7 @@ def _marker(kind):
     return marker
 
 
-def _text(text, x, y, size_m):
+def _text(text: str, x: float, y: float, size_m: Any) -> Any:
     marker = _marker(Marker.TEXT_VIEW_FACING)
     marker.text = text
     marker.scale.z = size_m
@@ -54,7 +57,7 @@ def _text(text, x, y, size_m):
     return marker
 
 
-def _bar(west, length_m, y, height_m):
+def _bar(west: Any, length_m: Any, y: float, height_m: Any) -> Any:
     """Return a bar of RViz's costmap colours, from the colour of 1 to that of 98."""
     marker = _marker(Marker.CUBE_LIST)
     step = length_m / BAR_STEPS

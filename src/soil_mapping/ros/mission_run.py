@@ -3,11 +3,13 @@
 All events of robots come over one queue and are handled in the main thread. Events that wait there are handled
 together, in the order of the robots' indices, which is the mission's stated order for equal times.
 """
+from __future__ import annotations
 
 import contextlib
 import queue
 import threading
 import time
+from typing import Any, Optional
 
 import rospy
 
@@ -35,20 +37,22 @@ class MissionRun:
     mission computes. show: called after each change.
     """
 
-    def __init__(self, coordinator, robots, events, computing=contextlib.nullcontext, show=lambda: None):
+    def __init__(self, coordinator: Any, robots: Any, events: Any, computing: Any = contextlib.nullcontext,
+                 show: Any = lambda: None) -> None:
         self._coordinator = coordinator
         self._robots = robots
         self._events = events
         self._computing = computing
         self._show = show
-        self.began = self.ended = None  # wall s (perf_counter) of the mission's begin and end
+        self.began: Any = None
+        self.ended: Any = None  # wall s (perf_counter) of the mission's begin and end
 
     @property
-    def wall_s(self):
+    def wall_s(self) -> Any:
         """The duration of the mission [wall s], when it is over."""
         return self.ended - self.began
 
-    def wait_until_ready(self, participant=None, check=lambda: None):
+    def wait_until_ready(self, participant: Any = None, check: Any = lambda: None) -> None:
         """Wait for all robots.
 
         participant: the participant of lockstep, whose wait takes no simulated time, or None. check: called repeatedly
@@ -69,7 +73,7 @@ class MissionRun:
                 raise MissionFailed(f'after {READY_TIMEOUT_S:g} s there is no {lacks}')
             time.sleep(POLL_S)
 
-    def go_to_start(self):
+    def go_to_start(self) -> None:
         """Send robots that are elsewhere to their starts, and wait for them.
 
         A robot that gives up is sent again after a pause.
@@ -94,7 +98,7 @@ class MissionRun:
             robot.place()
 
     @staticmethod
-    def _go_to_start_again(robot, place, handle, tries):
+    def _go_to_start_again(robot: Any, place: Any, handle: Any, tries: Any) -> None:
         told = f"{robot.namespace} did not get to its start at ({place[0]:.2f}, {place[1]:.2f}) m: " \
                f"'{handle.get_goal_status_text()}'"
         if tries >= START_TRIES:
@@ -103,7 +107,7 @@ class MissionRun:
         rospy.sleep(to_ros_duration(START_PAUSE_NS))
         robot.drive(*place)
 
-    def run(self):
+    def run(self) -> None:
         """Carry out the mission to its end. :raises MissionFailed: if a robot cannot sample, or ROS is shut down."""
         self.began = time.perf_counter()
         start_ns = now_ns()
@@ -115,24 +119,24 @@ class MissionRun:
         self._finish()
         self.ended = time.perf_counter()
 
-    def shut_down(self):
+    def shut_down(self) -> None:
         """End all waits for robots, because ROS ends. From any thread."""
         self._events.put(SHUTDOWN)
 
-    def _tell_end(self):
+    def _tell_end(self) -> None:
         try:
             rospy.sleep(to_ros_duration(self._coordinator.end_ns - now_ns()))
         except rospy.ROSInterruptException:
             return
         self._events.put(END)
 
-    def _next(self):
+    def _next(self) -> Any:
         event = self._events.get()
         if event is SHUTDOWN:
             raise MissionFailed('ROS was shut down during the mission')
         return event
 
-    def _take_events(self):
+    def _take_events(self) -> bool:
         """Wait for an event and handle all that are there; return whether the budget is over."""
         events = [self._next()]
         with contextlib.suppress(queue.Empty):
@@ -145,7 +149,7 @@ class MissionRun:
         self._show()
         return END in events
 
-    def _tell(self, index, handle, at_ns=None):
+    def _tell(self, index: int, handle: Any, at_ns: Optional[int] = None) -> Any:
         """Report the end of a goal to the mission; return the commands that follow."""
         robot = self._robots[index]
         is_drive = robot.is_driving
@@ -163,7 +167,7 @@ class MissionRun:
             value = self._coordinator.truth.value_at(place.x, place.y)
             return self._coordinator.sampled(index, at_ns, place, value)
 
-    def _carry_out(self, commands):
+    def _carry_out(self, commands: Any) -> None:
         for command in commands:
             robot = self._robots[command.robot]
             if isinstance(command, Drive):
@@ -171,7 +175,7 @@ class MissionRun:
             elif isinstance(command, TakeSample):
                 robot.take_sample(command.dwell_ns)
 
-    def _finish(self):
+    def _finish(self) -> None:
         """End the mission. Robots are stopped first, so that their places are known; goals reached by then count."""
         end_ns = now_ns()
         for robot in self._robots:

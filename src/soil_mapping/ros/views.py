@@ -3,6 +3,9 @@
 Messages are made only for topics with a subscriber, so they cost nothing without RViz. A late subscriber gets the
 latest message at once.
 """
+from __future__ import annotations
+
+from typing import Any, Optional
 
 import numpy as np
 import rospy
@@ -22,19 +25,19 @@ SAMPLE_Z, TASK_Z, WAY_Z = 0.3, 0.2, 0.1  # heights: more important markers lie o
 class LatchedView(rospy.SubscribeListener):
     """A topic whose message make() makes if there is a subscriber; if it returns None, there is nothing to show yet."""
 
-    def __init__(self, topic, kind, make):
+    def __init__(self, topic: Optional[str], kind: str, make: Any) -> None:
         super().__init__()
         self._make = make
         self._publisher = rospy.Publisher(topic, kind, subscriber_listener=self, queue_size=2)
 
-    def refresh(self):
+    def refresh(self) -> None:
         """Publish again, if there is a subscriber."""
         if self._publisher.impl.connections:  # counts onlookers, which lockstep does not count
             message = self._make()
             if message is not None:
                 self._publisher.publish(message)
 
-    def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
+    def peer_subscribe(self, _topic_name: Any, _topic_publish: Any, peer_publish: Any) -> None:
         """Send the present state to a new subscriber."""
         message = self._make()
         if message is not None:
@@ -47,7 +50,7 @@ class Views:
     variance_frame: frame of the variance's map. If it is not map, a static transform puts it beside the prediction.
     """
 
-    def __init__(self, coordinator, variance_frame='map'):
+    def __init__(self, coordinator: Any, variance_frame: str = 'map') -> None:
         self._coordinator = coordinator
         grid, truth = coordinator.truth.grid, coordinator.truth.values
         self._cell_m = grid.cell_m
@@ -65,7 +68,7 @@ class Views:
         self._rmse = rospy.Publisher('~rmse', Float64, queue_size=10, latch=True)
         self._mean_variance = rospy.Publisher('~mean_variance', Float64, queue_size=10, latch=True)
 
-    def refresh(self):
+    def refresh(self) -> None:
         """Publish all that has changed."""
         markers, estimate = self._latched[-1], self._coordinator.estimate
         markers.refresh()
@@ -77,11 +80,11 @@ class Views:
         for view in self._latched[:2]:
             view.refresh()
 
-    def _map(self, name, frame, span):
+    def _map(self, name: str, frame: str, span: Any) -> Any:
         estimate = self._coordinator.estimate
         return None if estimate is None else to_grid(getattr(estimate, name), self._cell_m, frame, span)
 
-    def _markers(self):
+    def _markers(self) -> Any:
         log = self._coordinator.log
         markers = [to_points('samples', 0, Marker.SPHERE_LIST, SAMPLE_M, SAMPLE_Z, (0.1, 0.1, 0.1),
                              [(sample.x, sample.y) for sample in log.samples])]
@@ -97,7 +100,7 @@ class Views:
         return MarkerArray(markers)
 
 
-def _beside(frame, x):
+def _beside(frame: str, x: float) -> Any:
     """Return the transform of a frame that lies x east of the frame map [m]."""
     transform = TransformStamped()
     transform.header.frame_id, transform.child_frame_id = 'map', frame
@@ -107,7 +110,7 @@ def _beside(frame, x):
     return transform
 
 
-def to_grid(values, cell_m, frame, span):
+def to_grid(values: Any, cell_m: Any, frame: str, span: Any) -> Any:
     """Return values (rows from the south) as an OccupancyGrid; span: (low, high), the values that become 1 and 98.
 
     0, 99 and 100 are not used, because RViz's colours of them have other meanings.
@@ -124,7 +127,7 @@ def to_grid(values, cell_m, frame, span):
     return grid
 
 
-def to_points(namespace, number, kind, size_m, height_m, colour, places):
+def to_points(namespace: str, number: int, kind: str, size_m: Any, height_m: Any, colour: Any, places: Any) -> Any:
     """Return a marker of many places (x, y) [m, map frame]; without places it deletes the marker shown before."""
     marker = Marker(ns=namespace, id=number, type=kind, action=Marker.ADD if places else Marker.DELETE)
     marker.header.frame_id = 'map'

@@ -1,10 +1,12 @@
 """A rosbag of one trial. The recorder takes no part in lockstep, so it must be connected before the mission begins."""
+from __future__ import annotations
 
 import signal
 import subprocess
 import sys
 import time
 import xmlrpc.client
+from typing import Any
 
 import rosgraph
 
@@ -26,17 +28,17 @@ class BagRecorder:
     the name of its node.
     """
 
-    def __init__(self, ros, path, names, actions, poses, coordinator):
+    def __init__(self, ros: Any, path: str, names: Any, actions: Any, poses: Any, coordinator: Any) -> None:
         self._ros = ros
         topics = [*COMMON, *(f'/{coordinator}/{view}' for view in VIEWS)]
         for name in names:
             topics += [f'/{name}/{poses}', *(f'/{name}/{action}/{topic}' for action in actions for topic in ACTION)]
         self._topics = topics
-        self._path = path
+        self._path: Any = path
         command = ['rosbag', 'record', '--lz4', '-O', str(path), *topics, f'__name:={NODE[1:]}']
         self._child = ros.spawn(NODE, command)
 
-    def wait_until_connected(self):
+    def wait_until_connected(self) -> None:
         """Wait until all topics that have a publisher reach the recorder. :raises LoopbackError: after 20 s."""
         deadline = time.monotonic() + TIMEOUT_S
         while True:
@@ -49,7 +51,7 @@ class BagRecorder:
                                     f'its last lines:\n{self._child.last_lines()}')
             time.sleep(POLL_S)
 
-    def _missing(self):
+    def _missing(self) -> Any:
         """Return the topics with a publisher that does not send to the recorder yet.
 
         This asks the publishers, because the recorder reports a link as connected when it has only begun to connect.
@@ -65,15 +67,15 @@ class BagRecorder:
         return missing if links else {NODE}
 
     @staticmethod
-    def _links(master, node):
+    def _links(master: Any, node: Any) -> Any:
         """Return the topics that a node sends to the recorder."""
         try:
-            rows = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo('/study')[2]
+            rows: Any = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo('/study')[2]  # type: ignore[index]
         except (rosgraph.MasterError, OSError):
             return set()
         return {row[4] for row in rows if row[1] == NODE and row[2] == 'o'}
 
-    def close(self):
+    def close(self) -> None:
         """Let the recorder write what it has and close its file; print an error if the bag is not complete."""
         time.sleep(LAST_WORDS_S)
         self._child.signal(signal.SIGINT)

@@ -2,6 +2,7 @@
 
 Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arguments; 130 interrupted.
 """
+from __future__ import annotations
 
 import argparse
 import math
@@ -9,6 +10,7 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -27,7 +29,7 @@ ENGINE_OPTIONS = {  # options of one engine or clock only: default, and the argu
     'motion': ('euclidean', '--engine mesa'), 'bag': (False, '--engine ros')}
 
 
-def main(words=None):
+def main(words: Any = None) -> Any:
     """Run the command of these words, by default those of the shell; return the exit code."""
     words = sys.argv[1:] if words is None else words
     if words[:1] in (['status'], ['rerun']):
@@ -36,7 +38,7 @@ def main(words=None):
     return _code_of(arguments.run, arguments)
 
 
-def _code_of(run, arguments):
+def _code_of(run: Any, arguments: Any) -> Any:
     """Run a command and return its exit code; errors are printed."""
     try:
         return run(arguments)
@@ -51,7 +53,7 @@ def _code_of(run, arguments):
         return 130
 
 
-def _trial(arguments):
+def _trial(arguments: Any) -> Any:
     """Run one trial, in a process forked from this one, and print its metrics."""
     from soil_mapping.results.trial_folder import TrialFolder
 
@@ -65,7 +67,7 @@ def _trial(arguments):
     processes.keep_memory()
     trials.check(spec, ahead=True, with_imports=False)  # imports are done while nodes start
 
-    def run(_):
+    def run(_: Any) -> int:
         try:
             trials.run_one(spec, path, arguments.pictures, bag)
         except RuntimeError as error:  # on ROS: a node has ended, or the mission cannot be carried out
@@ -80,7 +82,7 @@ def _trial(arguments):
     return 1 if code < 0 else code
 
 
-def _engine_options(arguments):
+def _engine_options(arguments: Any) -> Any:
     """Return the values of ENGINE_OPTIONS. :raises ConfigurationError: if an option is given that does not apply."""
     words = f'--engine {arguments.engine} --clock {arguments.clock or "lockstep"}'.split()
     found = {}
@@ -92,17 +94,17 @@ def _engine_options(arguments):
     return found
 
 
-def _folder(arguments):
+def _folder(arguments: Any) -> Any:
     """Return the absolute path of the folder to which the command writes."""
     if not arguments.output:
         raise ConfigurationError("--output: must be the name of a folder, got ''")
     return Path(os.path.abspath(arguments.output))
 
 
-def _print_trial(path, total_s):
+def _print_trial(path: str, total_s: Any) -> None:
     """Print the results of a trial."""
     from soil_mapping.results.trial_folder import read_about
-    about = read_about(path)
+    about: Any = read_about(path)
     for name, value in about['metrics'].items():
         print(f'{name:<20} {"none" if value is None else f"{value:.6g}"}')
     phases = ', '.join(f'{name} {seconds:.2f}' for name, seconds in about['wall_s'].items())
@@ -113,7 +115,7 @@ def _print_trial(path, total_s):
     print(path)
 
 
-def _run(arguments):
+def _run(arguments: Any) -> Any:
     """Run the missing trials of the study's experiment, then write the report."""
     from yaml import safe_dump
 
@@ -139,7 +141,7 @@ def _run(arguments):
     return 1 if bad else 0
 
 
-def _report(arguments):
+def _report(arguments: Any) -> int:
     """Write the report on the trials that exist."""
     from move_base_abstract_experiments.report import command
     path, problems = command.write(_folder(arguments))
@@ -149,19 +151,19 @@ def _report(arguments):
     return 0
 
 
-def _experiment(words):
+def _experiment(words: Any) -> Any:
     """Run the command of `experiment`, with the Python that has all that the study needs."""
     from move_base_abstract_experiments.command import main as command
     return command(words)
 
 
-def _config(arguments):
+def _config(arguments: Any) -> Any:
     names = ('field', 'crs', 'size', 'robots', 'allocation', 'sampling', 'budget_s', 'dwell_s', 'dwell_spread_s',
              'speed', 'cell_m')
     return TrialConfig(**{name: getattr(arguments, name) for name in names if hasattr(arguments, name)})
 
 
-def _parser():
+def _parser() -> Any:
     parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
                                      'on Mesa, and their comparison. Each ROS trial has a ROS master of its own.')
     commands = parser.add_subparsers(required=True, metavar='trial|run|report|status|rerun|setup')
@@ -177,7 +179,7 @@ def _parser():
     return parser
 
 
-def _add_trial(parser):
+def _add_trial(parser: Any) -> None:
     parser.set_defaults(run=_trial)
     parser.add_argument('--engine', choices=ENGINES, default='ros', help='default: %(default)s')
     parser.add_argument('--clock', choices=CLOCKS, help='clock of ROS (default: lockstep)')
@@ -200,7 +202,7 @@ def _add_trial(parser):
     _add_mission(parser, pictures=True)
 
 
-def _add_run(parser):
+def _add_run(parser: Any) -> None:
     parser.set_defaults(run=_run)
     parser.add_argument('--seeds', type=_count, default=10, metavar='N',
                         help='seeds 0..N-1 of each configuration on Mesa and in lockstep (default: %(default)s)')
@@ -219,7 +221,7 @@ def _add_run(parser):
     _add_mission(parser, pictures=False)
 
 
-def _add_mission(parser, pictures):
+def _add_mission(parser: Any, pictures: Any) -> None:
     parser.add_argument('--field', default='synthetic', help="'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse' "
                         '(default: %(default)s)')
     parser.add_argument('--crs', choices=[each.value for each in Crs], default='degrees',
@@ -239,31 +241,31 @@ def _add_mission(parser, pictures):
     parser.add_argument('--cell', dest='cell_m', type=_positive, default=1, metavar='M',
                         help='edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2 '
                         '(default: %(default)s)')
-    parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,
+    parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,  # type: ignore[attr-defined]
                         help='draw the maps of the trial')
 
 
-def _positive(text):
+def _positive(text: str) -> Any:
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {shown_text(text)}')
     return value
 
 
-def _share(text):
+def _share(text: str) -> Any:
     value = float(text)
     if not 0.0 <= value <= 1.0:
         raise argparse.ArgumentTypeError(f'must be a number in 0..1, got {shown_text(text)}')
     return value
 
 
-def _whole(text):
+def _whole(text: str) -> Any:
     if not text.lstrip('-').isdecimal() or len(text) > 100:
         raise argparse.ArgumentTypeError(f'must be a whole number, got {shown_text(text)}')
     return int(text)
 
 
-def _count(text):
+def _count(text: str) -> Any:
     value = _whole(text)
     if not 1 <= value <= MAX_COUNT:
         raise argparse.ArgumentTypeError(f'must be a whole number in 1..{MAX_COUNT}, got {shown_text(text)}')

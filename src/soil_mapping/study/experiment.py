@@ -1,11 +1,16 @@
 """The study as an experiment: makes the file that `study run` writes."""
+from __future__ import annotations
 
 import os
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Union
 
 from soil_mapping.config import PUBLISHED_CONFIGURATIONS
 from soil_mapping.ground_truth.readings import MEUSE_FILE
 
 from .groups import FACTORS
+
+if TYPE_CHECKING:
+    from ..config import TrialConfig
 
 CHOSEN = ('allocation', 'sampling', 'coarse_cells')  # these are factors, or follow from them
 GUARD_S = 300.0  # wall, in addition to the time that the clock needs; ends a trial that would never end
@@ -20,14 +25,15 @@ COLUMNS = {
 }
 
 
-def document(config, groups, seeds, scaled_seeds, verify=0.0, pictures=False):
+def document(config: TrialConfig, groups: Sequence[str], seeds: int, scaled_seeds: int, verify: float = 0.0,
+             pictures: bool = False) -> Dict[str, Union[List[str], Dict[str, Any], str]]:
     """Return the experiment's file as a mapping.
 
     config: a TrialConfig, whose allocation and sampling are not used: they are factors. groups: names of groups.py.
     seeds: number of seeds, from 0 on. scaled_seeds: the same for the scaled clock, which is slower. verify: share of
     the trials that run twice. pictures: whether trials draw pictures.
     """
-    values = config.to_dict()
+    values: Any = config.to_dict()
     kind, _, path = values['field'].partition(':')
     if kind == 'csv':
         values['field'] = f'csv:{os.path.abspath(path)}'
@@ -36,7 +42,7 @@ def document(config, groups, seeds, scaled_seeds, verify=0.0, pictures=False):
     counts = {group: scaled_seeds if group in FACTORS else seeds for group in groups}
     most = max(counts.values())
     fewer = {group: count for group, count in counts.items() if count < most}
-    factors = {'engine': list(groups)}
+    factors: Dict[str, Any] = {'engine': list(groups)}
     for place, name in enumerate(('allocation', 'sampling')):
         factors[name] = list(dict.fromkeys(each[place] for each in PUBLISHED_CONFIGURATIONS))
     return {
@@ -45,4 +51,4 @@ def document(config, groups, seeds, scaled_seeds, verify=0.0, pictures=False):
         'args': {**{name: value for name, value in values.items() if name not in CHOSEN}, 'pictures': pictures},
         'factors': factors, 'replications': {'all': most, **({'engine': fewer} if fewer else {})},
         'record': {'files': ['*']}, 'metrics': {'columns': COLUMNS},
-        'report': 'soil_mapping.study.sections:sections', 'verify': verify, 'time_limit': GUARD_S + 2.0 * slowest}
+        'report': 'soil_mapping.study.sections:sections', 'verify': verify, 'time_limit': GUARD_S + 2.0 * slowest}  # type: ignore[dict-item]

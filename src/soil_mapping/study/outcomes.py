@@ -1,8 +1,10 @@
 """The complete trials of a study, in the form that the report's sections need."""
+from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Dict
 
 import numpy as np
 
@@ -34,9 +36,10 @@ class Trial:
     about: dict  # the trial's own trial.json
 
 
-def collect_trials(experiment):
+def collect_trials(experiment: Any) -> Any:
     """Return {group: [Trial, ...]} of the complete trials of a report's Experiment, groups in a stated order."""
-    groups, engines = {}, {one['id']: one['configuration'].get('engine') for one in experiment.plan['trials']}
+    groups: Dict[Any, Any] = {}
+    engines = {one['id']: one['configuration'].get('engine') for one in experiment.plan['trials']}
     for one in experiment.complete:
         path = experiment.folder / 'trials' / one.id
         if is_complete(path, FILES):
@@ -44,7 +47,7 @@ def collect_trials(experiment):
     return {name: groups[name] for name in ALL if name in groups}
 
 
-def read(path, group):
+def read(path: Any, group: Any) -> Any:
     """Return the Trial of a complete folder."""
     about, result = read_about(path, FILES), read_trial(path, FILES)
     errors_ns, errors = leg_errors(result)
@@ -54,7 +57,7 @@ def read(path, group):
                  about=about)
 
 
-def leg_errors(result):
+def leg_errors(result: Any) -> Any:
     """Return the errors of all finished legs of a TrialResult: (in simulated ns, as shares of the leg's own time)."""
     places = {way.robot: (way.x, way.y) for way in reversed(result.waypoints)}  # the first of each robot
     departed, errors_ns, errors = {}, [], []
@@ -72,27 +75,27 @@ def leg_errors(result):
     return tuple(errors_ns), tuple(errors)
 
 
-def as_study(trials, seeds=None):
+def as_study(trials: Any, seeds: Any = None) -> Any:
     """Return {configuration: array (trials, metrics)} for comparison.py; only trials of these seeds, if given."""
-    rows = {}
+    rows: Dict[Any, Any] = {}
     for trial in trials:
         if seeds is None or (trial.configuration, trial.seed) in seeds:
             rows.setdefault(trial.configuration, []).append(trial.row)
     return {name: np.array(rows[name]) for name in sorted(rows, key=configuration_order)}
 
 
-def common_seeds(first, second):
+def common_seeds(first: Any, second: Any) -> Any:
     """Return the (configuration, seed) pairs that both lists of trials have."""
     return {(trial.configuration, trial.seed) for trial in first} & {(each.configuration, each.seed) for each in second}
 
 
-def configuration_order(name):
+def configuration_order(name: str) -> Any:
     """Return a sorting key: the published order, then by name."""
     known = list(CONFIGURATION_NAMES)
     return (known.index(name) if name in known else len(known), name)
 
 
-def mean(values):
+def mean(values: Any) -> Any:
     """Return the mean of the values that are not NaN; NaN if there are none."""
     known = [value for value in values if not math.isnan(value)]
     return sum(known) / len(known) if known else math.nan

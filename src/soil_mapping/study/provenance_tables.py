@@ -1,4 +1,7 @@
 """Tables on the origin of the report's figures: field, parameters of the mission, programs and machines."""
+from __future__ import annotations
+
+from typing import Any, Dict
 
 from move_base_abstract_experiments.report.parts import Table
 
@@ -9,12 +12,12 @@ CHOSEN = ('allocation', 'sampling')  # they differ between configurations, and t
 HIDDEN = ('field', *CHOSEN)
 
 
-def provenance(groups):
+def provenance(groups: Any) -> Any:
     """Return the tables on the origin of the trials of all groups."""
     return [_parameters(groups), _groups(groups), _programs(groups)]
 
 
-def _parameters(groups):
+def _parameters(groups: Any) -> Any:
     """Return the table of field and mission. If trials differ in a value, each value has the groups that have it."""
     rows = []
     fields = _by_value(groups, _field)
@@ -29,18 +32,18 @@ def _parameters(groups):
                  'docs/soil_study.md has their units.')
 
 
-def _field(about):
+def _field(about: Any) -> str:
     field = about.get('field') or {}
     size = f', {field["width_m"]:g} x {field["height_m"]:g} m' if 'width_m' in field else ''
     extent = f'; {field["extent"]}' if field.get('extent') else ''
     return f'{about["config"]["field"]}{size}{extent}'
 
 
-def _groups(groups):
+def _groups(groups: Any) -> Any:
     rows = []
     for name, trials in groups.items():
         engines = sorted({_listed(trial.about['engine']) for trial in trials})
-        configurations = {}
+        configurations: Dict[Any, Any] = {}
         for trial in trials:
             configurations.setdefault(trial.configuration, []).append(trial.seed)
         seeds = '; '.join(f'{CONFIGURATION_NAMES.get(key, key)}: {_ranges(own)}' for key, own in configurations.items())
@@ -48,7 +51,7 @@ def _groups(groups):
     return Table('Trials', ('trials of', 'engine', 'seeds'), tuple(rows))
 
 
-def _programs(groups):
+def _programs(groups: Any) -> Any:
     rows = []
     for name in ('versions', 'machine'):
         rows += [(name, value, where) for value, where
@@ -56,13 +59,13 @@ def _programs(groups):
     return Table('Programs and machines', ('what', 'value', 'of'), tuple(rows))
 
 
-def _listed(mapping):
+def _listed(mapping: Any) -> str:
     return ', '.join(f'{key} {value}' for key, value in mapping.items())
 
 
-def _by_value(groups, value_of):
+def _by_value(groups: Any, value_of: Any) -> Any:
     """Return (value, groups that have it) pairs; 'all' if there is one value only. The most common value is last."""
-    found = {}
+    found: Dict[Any, Any] = {}
     for name, trials in groups.items():
         for trial in trials:
             found.setdefault(value_of(trial.about), {})[group_title(name)] = None
@@ -74,7 +77,7 @@ def _by_value(groups, value_of):
     return rows
 
 
-def _ranges(seeds):
+def _ranges(seeds: Any) -> str:
     """Return whole numbers as '0 to 9' or '0, 2, 5'."""
     seeds = sorted(seeds)
     if len(seeds) > 2 and seeds[-1] - seeds[0] == len(seeds) - 1:

@@ -1,4 +1,7 @@
 """The mission of a trial on ROS: this process becomes the coordinator's node."""
+from __future__ import annotations
+
+from typing import Any
 
 import rospy
 
@@ -11,7 +14,8 @@ from soil_mapping.ros.mission_run import MissionFailed
 from .field_cache import truth_of
 
 
-def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
+def carry_out(spec: Any, node: Any, names: Any, topics: Any, ros: Any, stopwatch: Any,
+              before: Any = lambda: None) -> Any:
     """Run the mission of a TrialSpec to its end; return its Coordinator and its MissionRun.
 
     node: the name of this node. names: those of the robots. topics: names of the sampling's action and of the pose
@@ -24,13 +28,13 @@ def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
     rospy_start.prepare()
     rospy.init_node(node, disable_signals=True)
     try:
-        return coordinator, run_mission(coordinator, names, *topics, stopwatch, ros.check, before)
+        return coordinator, run_mission(coordinator, names, *topics, stopwatch, ros.check, before)  # type: ignore[call-arg]
     except (rospy.ROSInterruptException, MissionFailed):
         ros.check()
         raise
 
 
-def leave():
+def leave() -> None:
     """Leave the run, if this process takes part."""
     if lockstep.participant() is not None:
         lockstep.participant().leave('the mission is over')

@@ -1,8 +1,10 @@
 """One trial on ROS: a ROS master of its own; time master, fleet and task server as children; the coordinator here."""
+from __future__ import annotations
 
 import math
 import signal
 import time
+from typing import Any
 
 from move_base_abstract.common import processes
 from move_base_abstract_experiments.carrying.warm_loopback import WarmLoopback
@@ -19,7 +21,7 @@ OWN_END_S = 10.0  # wall; time for the time master to end by itself
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
-def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
+def run_ros_trial(spec: Any, folder: str, event_log: Any, bag: bool = False, over: Any = lambda: None) -> Any:
     """Run the trial of a TrialSpec in this process, which cannot run another one, and return its TrialResult.
 
     folder: the Path for bag and measured charge. event_log: the Path of the event log to write, in lockstep. bag:
@@ -34,7 +36,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
         names = [f'robot_{index}' for index in range(spec.config.robots)]
         nodes = _start_nodes(ros, spec, names, folder, event_log)
         from . import ros_mission  # while the nodes start
-        recorder = _recorder(ros, folder, names) if bag else None
+        recorder: Any = _recorder(ros, folder, names) if bag else None
         coordinator, run = ros_mission.carry_out(spec, NODE, names, (TASK, POSE_TOPIC), ros, stopwatch,
                                                  recorder.wait_until_connected if bag else lambda: None)
         over()
@@ -46,7 +48,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
     return collect(coordinator, spec.about_engine, dict(seconds, messages=run.wall_s - inner), run.wall_s, spec.inputs)
 
 
-def _start_nodes(ros, spec, names, folder, event_log):
+def _start_nodes(ros: Any, spec: Any, names: Any, folder: Any, event_log: Any) -> Any:
     """Start the nodes of a trial, without waiting for them; return their Child objects, time master first."""
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, event_log))]
     with processes.importing():
@@ -68,12 +70,12 @@ def _start_nodes(ros, spec, names, folder, event_log):
     return nodes
 
 
-def _recorder(ros, folder, names):
+def _recorder(ros: Any, folder: Any, names: Any) -> Any:
     from .bag import BagRecorder
     return BagRecorder(ros, folder / 'trial.bag', names, ('move_base', TASK), POSE_TOPIC, NODE)
 
 
-def _clock(spec, event_log):
+def _clock(spec: Any, event_log: Any) -> Any:
     """Return the time master's parameters."""
     if spec.clock == 'scaled':
         return {'mode': 'scaled', 'factor': float(spec.factor)}
@@ -83,7 +85,7 @@ def _clock(spec, event_log):
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
-def end_nodes(nodes, recorder, event_log):
+def end_nodes(nodes: Any, recorder: Any, event_log: Any) -> None:
     """Wait until bag and event log are complete, then kill all nodes, which saves a second.
 
     The time master comes first in ``nodes``. It ends by itself when the coordinator has left. A signal could overtake

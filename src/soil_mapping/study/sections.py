@@ -1,8 +1,10 @@
 """The study's sections in the report on its experiment: comparisons with published figures, legs, speed, maps."""
+from __future__ import annotations
 
 import base64
 import html
 from pathlib import Path
+from typing import Any, Iterator
 
 from move_base_abstract_experiments.carrying import temporary
 from move_base_abstract_experiments.report.parts import Html, Section, figure_of
@@ -18,7 +20,7 @@ from .provenance_tables import provenance
 MAPS = ('truth', 'prediction', 'variance', 'trajectories')
 
 
-def sections(given):
+def sections(given: Any) -> Any:
     """Return the Sections of the study; given: the report's extension.Tables. Without complete trials: none."""
     groups = collect_trials(given.experiment)
     if not groups:
@@ -37,7 +39,7 @@ def sections(given):
                 tuple(_maps(shown)))]
 
 
-def _maps(trial):
+def _maps(trial: Any) -> Iterator[Any]:
     """Yield the pictures of a trial, as parts of the page that need no other file."""
     with temporary.folder('move_base_abstract_study_maps_') as folder:
         write_pictures(Path(folder), read_trial(trial.path, FILES))

@@ -1,6 +1,8 @@
 """One trial to run: its mission, seed and engine, and the options of the engine."""
+from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any, Dict, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
@@ -28,7 +30,7 @@ class TrialSpec:
     charge: str = 'none'  # simulated time of computing, for lockstep: none, fixed:SECONDS, measured[:FILE], ...
     motion: str = 'euclidean'  # for Mesa
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
             if getattr(self, name) not in allowed:
                 raise ConfigurationError(f'{name} must be one of {", ".join(allowed)}, got {getattr(self, name)!r}')
@@ -43,7 +45,7 @@ class TrialSpec:
             motion_named(self.motion, self.config)
 
     @property
-    def about_engine(self):
+    def about_engine(self) -> Dict[str, Union[float, str]]:
         """The engine and its options, as in trial.json; options that do not apply are left out."""
         if self.engine == 'mesa':
             return {'name': 'mesa', 'motion': self.motion}
@@ -52,6 +54,6 @@ class TrialSpec:
         return {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
 
     @property
-    def inputs(self):
+    def inputs(self) -> Any:
         """The digests of the files that the trial reads, as in TrialResult; computed once in each process."""
         return digests(self.config.field, self.about_engine.get('charge', 'none'))

@@ -1,6 +1,8 @@
 """The tables of the report, with texts in their cells. Other modules decide how they look."""
+from __future__ import annotations
 
 import math
+from typing import Any, Dict, List
 
 import numpy as np
 
@@ -49,19 +51,19 @@ COSINE_NOTE = (
     'Standardised difference: that of the means, in standard deviations of the trials (sd); it depends on scale.')
 
 
-def group_title(name):
+def group_title(name: str) -> Any:
     """Return the title of a group, for people."""
     titles = {MESA: 'Mesa', EIGHT: 'Mesa, eight directions', LOCKSTEP: 'ROS, lockstep'}
     return titles.get(name) or f'ROS, {name.partition("-")[2]}'
 
 
-def published_pairs(groups):
+def published_pairs(groups: Any) -> Any:
     """Return the pairs of groups of the published Table 1; both kinds of Mesa stand for its Mesa (eight directions)."""
     mesa = [name for name in (MESA, EIGHT) if name in groups] or [MESA]
     return [*((name, 'ros-10x') for name in mesa), ('ros-1x', 'ros-10x'), ('ros-1x', 'ros-15x')]
 
 
-def pairs(groups):
+def pairs(groups: Any) -> Any:
     """Return the pairs of names of groups that are compared: those of the published Table 1 first, then all others."""
     scaled = [name for name in groups if name in FACTORS]
     wanted = published_pairs(groups)
@@ -71,7 +73,7 @@ def pairs(groups):
     return [pair for pair in dict.fromkeys(wanted) if all(name in groups for name in pair)]
 
 
-def overview(groups):
+def overview(groups: Any) -> Any:
     """Return the table of the groups that ran, with their speeds."""
     rows = []
     for name, trials in groups.items():
@@ -87,7 +89,7 @@ def overview(groups):
                  f'{NOT_MEASURED}: these trials have no such part.')
 
 
-def cosines(groups):
+def cosines(groups: Any) -> Any:
     """Return the published table, and below it, in the same form, its pairs of studies and then all others."""
     rows = [(first, second, f'{value:.9f}', '', '', '', 'published') for first, second, value in PUBLISHED_TABLE]
     wanted = list(dict.fromkeys([*published_pairs(groups), *pairs(groups)]))
@@ -107,7 +109,7 @@ def cosines(groups):
                  tuple(rows), COSINE_NOTE)
 
 
-def _compared(first, second, seeds):
+def _compared(first: Any, second: Any, seeds: Any) -> Any:
     """Return similarity, interval, noise floor, largest difference and source of two studies, for these seeds."""
     a, b = as_study(first, seeds), as_study(second, seeds)
     trials = max(1, len(seeds) // len(a))
@@ -124,7 +126,7 @@ def _compared(first, second, seeds):
     return similarity(cosine_similarity(a, b)), interval, floor, largest, f'{len(seeds)} pairs of trials'
 
 
-def cosines_per_metric(groups):
+def cosines_per_metric(groups: Any) -> Any:
     """Return the cosine of each metric for each pair of studies."""
     rows = []
     for first, second in pairs(groups):
@@ -136,15 +138,15 @@ def cosines_per_metric(groups):
     return Table('Cosine per metric', ('first', 'second', *(UNITS[name] for name in METRICS)), tuple(rows))
 
 
-def scale_errors(groups):
+def scale_errors(groups: Any) -> Any:
     """Return a table for each pair of studies: relative errors of means, intervals, standardised differences."""
-    tables = []
+    tables: List[Any] = []
     for first, second in pairs(groups):
         seeds = common_seeds(groups[first], groups[second])
         if seeds:
             a, b = as_study(groups[first], seeds), as_study(groups[second], seeds)
             found = differences(a, b)
-            cells = {}
+            cells: Dict[Any, Any] = {}
             for each in found:
                 cells.setdefault(each.configuration, []).append(_scale_cell(each, a, b, len(found)))
             tables.append(Table(f'{group_title(second)} against {group_title(first)}',
@@ -154,7 +156,7 @@ def scale_errors(groups):
     return tables
 
 
-def _scale_cell(each, first, second, comparisons):
+def _scale_cell(each: Any, first: Any, second: Any, comparisons: Any) -> str:
     """Return relative error, interval of the difference and standardised difference of one Difference."""
     column = METRICS.index(each.metric)
     paired = second[each.configuration][:, column] - first[each.configuration][:, column]
@@ -166,7 +168,7 @@ def _scale_cell(each, first, second, comparisons):
     return f'{change(each)}; {span(low, high)}; {in_deviations(each)}{shown}'
 
 
-def legs(groups):
+def legs(groups: Any) -> Any:
     """Return the table of the times that legs took too long."""
     rows = []
     for name, trials in groups.items():
@@ -184,7 +186,7 @@ def legs(groups):
                  '60 to 196 % at 100x.')
 
 
-def identities(groups):
+def identities(groups: Any) -> Any:
     """Return the table that says whether runs that must be identical are identical."""
     reference = {(trial.configuration, trial.seed): trial for trial in groups.get(LOCKSTEP, [])}
     pairs_of_both = [(trial, reference[trial.configuration, trial.seed]) for trial in groups.get(MESA, [])

@@ -3,6 +3,7 @@
 Imports are done, and the field is made, before a process is forked for a trial, because both take longer than most
 other parts of it.
 """
+from __future__ import annotations
 
 import contextlib
 import importlib
@@ -12,6 +13,7 @@ import signal
 import sys
 import traceback
 from dataclasses import replace
+from typing import Any, Iterator
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -32,7 +34,7 @@ LOG = 'lockstep_events.jsonl'  # of a trial of `study trial`
 NOT_REPEATABLE = 'scaled clock: when messages arrive depends on the machine'
 
 
-def prepare(args, factors):
+def prepare(args: Any, factors: Any) -> None:
     """Import all that the experiment's trials need and make their fields; called once in each warm process."""
     for spec in specs_of(factors['engine'], _config(args)):
         check(spec)
@@ -41,7 +43,7 @@ def prepare(args, factors):
     machine()
 
 
-def check(spec, ahead=False, with_imports=True):
+def check(spec: Any, ahead: bool = False, with_imports: bool = True) -> None:
     """Check the trial of a TrialSpec: import all that it needs, and read its field, if that comes from a file.
 
     ahead: whether another process draws a random field meanwhile. with_imports: False: packages are only searched.
@@ -58,28 +60,28 @@ def check(spec, ahead=False, with_imports=True):
     Coordinator(spec.config, spec.seed, truth)
 
 
-def _import(engine, module):
+def _import(engine: Any, module: Any) -> None:
     try:
         importlib.import_module(module)
     except ModuleNotFoundError as error:
         raise _missing(engine, error.name) from None
 
 
-def _look_for(engine, package):
+def _look_for(engine: Any, package: str) -> None:
     if importlib.util.find_spec(package) is None:
         raise _missing(engine, package)
 
 
-def _missing(engine, package):
+def _missing(engine: Any, package: Any) -> Any:
     why = 'it needs Python 3.11; trials on ROS do not need it' if package == 'mesa' else 'see docs/soil_study_ros.md'
     return ConfigurationError(f"engine '{engine}': {package} is not installed for {sys.executable} ({why})")
 
 
-def _config(args):
+def _config(args: Any) -> Any:
     return TrialConfig.from_dict({name: value for name, value in args.items() if name != 'pictures'})
 
 
-def run(trial):
+def run(trial: Any) -> Any:
     """Run a trial, as the function of the experiment: write its files, return its metrics."""
     config = replace(_config(trial.args), **{name: trial.configuration[name] for name in ('allocation', 'sampling')})
     spec = replace(specs_of([trial.configuration['engine']], config)[0], seed=trial.seed)
@@ -94,7 +96,7 @@ def run(trial):
     return result.metrics._asdict()
 
 
-def run_one(spec, path, pictures=False, bag=False):
+def run_one(spec: Any, path: str, pictures: bool = False, bag: bool = False) -> None:
     """Run a trial in this process, which cannot run another one on ROS afterwards, and write its folder.
 
     An error is also written to error.txt in the unfinished folder.
@@ -104,7 +106,7 @@ def run_one(spec, path, pictures=False, bag=False):
         folder.finish(result, pictures, lambda: signal.signal(END, signal.SIG_DFL))
 
 
-def in_child(body):
+def in_child(body: Any) -> Any:
     """Call body(), which returns an exit code, in a forked process; return that code, or minus a signal's number.
 
     If this process is interrupted, the child ends: at once, or as soon as it no longer ignores END. The kernel ends its
@@ -112,7 +114,7 @@ def in_child(body):
 
     :raises KeyboardInterrupt: after an interruption, when the child has ended.
     """
-    def child():
+    def child() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent; in the child it could come anywhere
         code = body()
         sys.stdout.flush()
@@ -130,7 +132,7 @@ def in_child(body):
         processes.end([] if pid is None or pid in statuses else [pid], END, RECORD_S, statuses)
 
 
-def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
+def _carry_out(spec: Any, folder: Any, event_log: Any, bag: bool = False, over: Any = lambda: None) -> Any:
     """Run the mission of a TrialSpec; return its TrialResult. over: called when the mission is over."""
     if spec.engine == 'ros':
         from .ros_trial import run_ros_trial
@@ -142,7 +144,7 @@ def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
 
 
 @contextlib.contextmanager
-def _noted_errors(folder):
+def _noted_errors(folder: Any) -> Iterator[Any]:
     """Write an error that ends a trial into the trial's folder, if that is possible."""
     try:
         yield
