@@ -6,7 +6,7 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.options import words_of
 from move_base_abstract.properties import Gathering
-from move_base_abstract_experiments.chaos import command, failures, replay_file, runs, shrinking
+from move_base_abstract_experiments.chaos import command, failures, replay_file, runs
 from move_base_abstract_experiments.records import COMPLETE, Result
 
 NAMES = [f'{number:012x}' for number in range(40)]
@@ -20,14 +20,14 @@ def test_shrinking_leaves_what_is_needed_and_nothing_else(needed):
         tried.extend(candidates)
         wanted = {NAMES[number] for number in needed}
         return next(((k, one) for k, one in enumerate(candidates) if wanted <= set(one)), None)
-    assert shrinking.ddmin(NAMES, first_failing) == [NAMES[number] for number in needed]
+    assert runs.ddmin(NAMES, first_failing) == [NAMES[number] for number in needed]
     assert len(tried) < 200
 
 
 def test_what_was_not_there_in_a_run_that_failed_is_left_out_at_once():
     def first_failing(candidates):
         return next(((k, [NAMES[5]]) for k, one in enumerate(candidates) if NAMES[5] in one), None)
-    assert shrinking.ddmin(NAMES, first_failing) == [NAMES[5]]
+    assert runs.ddmin(NAMES, first_failing) == [NAMES[5]]
 
 
 OPEN = [{'client': '/a', 'action': '/robot_1/move_base', 'count': 2}]

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import Any, Dict, Tuple, Union
 
 from ..common.bounded_yaml import REQUEST, load_yaml_text, yaml_line
-from ..common.errors import ConfigurationError
 from ..common.kinds import FLAG, Kind, error, list_of, map_of, number, one_of, pattern, short, text
 from ..common.options import option
 from ..runs import built_in
-from . import stored_topics
 
 OF_NODES = ('launch', 'command')  # the systems of an experiment that have nodes
 _OF_FILES = ('launch',)
@@ -34,15 +32,10 @@ NODE = pattern(_NAMES, 'names of nodes, such as /coordinator', _absolute)
 PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
 
 
-def _stored_topic(where: str, value: Any) -> str:
-    try:
-        return stored_topics.checked(value)
-    except ConfigurationError as problem:
-        raise ConfigurationError(f'{where}: {problem}'.lstrip(': ')) from None
-
-
-_STORED = Kind(_stored_topic, pattern('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*(=/?[A-Za-z][A-Za-z0-9_]*'
-                                      '(/[A-Za-z0-9_]+)*)?', '').schema)
+_TOPIC = '/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*'
+#: a topic that nodes, or one node, only store; the value has resolved names, so one without a slash is below the root
+STORED_TOPIC = pattern(f'{_TOPIC}(={_TOPIC})?', 'TOPIC or NODE=TOPIC, such as /positions or /robot_1/agent=/map',
+                       lambda entry: '='.join('/' + part.lstrip('/') for part in entry.split('=')))
 
 
 def _pose(where: str, value: Any) -> Tuple[float, float, float]:
@@ -147,7 +140,8 @@ class RunOptions:
         one_of('wall', 'simulated'), 'wall', 'which time `time.sleep` takes in [programs](lockstep_launcher.md): '
         '`wall`, while simulated time stands still, or `simulated`')
     stored_topics: Tuple[str, ...] = option(
-        list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: nodes [only store](lockstep.md#topics-that-nodes-only-store) '
+        list_of(STORED_TOPIC), [], '`TOPIC` or `NODE=TOPIC`: nodes '
+        '[only store](lockstep.md#topics-that-nodes-only-store) '
         'these messages, and get them together with the next thing that they '
         'do', systems=OF_NODES, is_part=True, parameter='stored_topics',
         flag='stored_topic', metavar='[NODE=]TOPIC')

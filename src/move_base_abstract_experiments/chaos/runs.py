@@ -7,7 +7,7 @@ import hashlib
 import json
 import queue
 from types import TracebackType
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.properties import Judgement
@@ -19,9 +19,11 @@ from ..description.job import Job
 from ..results import outputs
 from ..trials.run_folders import LOG
 from ..trials.run_plan import DECISIONS
-from . import failures, shrinking
+from . import failures
 
 _TIME_LIMIT_S = 120.0  # wall, of a run
+#: takes candidates; returns (the place of the first that fails, those of its names that occurred in its run), or None
+Try = Callable[[List[List[str]]], Optional[Tuple[int, List[str]]]]
 
 
 class RunRequest(NamedTuple):
@@ -118,7 +120,7 @@ class Runs:
                 if one.failure is not None and one.failure.name == failure.name:
                     return number, [decision['name'] for decision in one.decisions]
             return None
-        left = shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)
+        left = ddmin([decision['name'] for decision in found.decisions], first_failing)
         return self.one(RunRequest(found.chosen.seed, tuple(left)))
 
     def _run(self, chosen: RunRequest) -> RunResult:
@@ -161,3 +163,28 @@ class Runs:
                                          chaos_delay=self._delay if chosen.seed else 0.0,
                                          chaos_only=only if chosen.seed else ())
         return dataclasses.replace(self._job, trial=dataclasses.replace(trial, experiment=experiment))
+
+
+def ddmin(names: Sequence[str], first_failing: Try) -> List[str]:
+    """Return some of the names that still fail together, and of which none can be left out by itself.
+
+    first_failing: finds the first of several candidates that fails, in their order. It may try several at once.
+    """
+    left, parts = list(names), 2
+    while left:
+        parts = min(parts, len(left))
+        chunks = [left[k * len(left) // parts:(k + 1) * len(left) // parts] for k in range(parts)]
+        candidates = chunks if parts > 1 else []
+        others = [[name for name in left if name not in set(chunk)] for chunk in chunks]
+        candidates = candidates + (others if parts != 2 else [])
+        found = first_failing(candidates)
+        if found is not None:
+            number, there = found
+            kept = set(there)
+            left = [name for name in candidates[number] if name in kept]
+            parts = 2 if number < len(chunks) and parts > 1 else max(2, parts - 1)
+        elif parts >= len(left):
+            break
+        else:
+            parts *= 2
+    return left

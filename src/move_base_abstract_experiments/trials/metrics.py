@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import math
 import sys
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from move_base_abstract.motion.geometry import share_along
 from move_base_abstract.runs import ends, event_log
@@ -23,24 +23,26 @@ from move_base_abstract.runs.story import MISSED, REACHED, Story
 from move_base_abstract.runs.trace import TraceEntry
 
 from . import radio, termination
-from .validity import Validity
 
 Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
 Way = Tuple[Tuple[float, float], ...]
 Starts = Dict[str, Place]  # {robot: where it stands at the start}
 _NS_PER_S = 1e9  # dividing by it rounds once
 _NEAR = 1e-9  # m; a point must be nearer than another one by this much
-#: the kinds of rows about a robot's place; robot_trace explains them
+#: the kinds of rows about a robot's place, see trace.ROW_KINDS
 PLACES = ('motion', 'departed', 'route', 'stands')
 #: the keys of times that each robot has; those of other states are there if any robot was in them
 _COMMON = ('moving_s', 'idle_s', 'waiting_s')
 ROBOT_VALUES = ('goals', 'distance_m', *(state.key for state in STATES))
+#: the ways in which a goal can lie outside, see move_base_abstract.motion.recorded_range
+BEYOND = ('longer', 'shorter', 'turn', 'narrow')
+_GOAL_VALUES = ('goals_begun', 'goals_beyond', *(f'goals_beyond_{what}' for what in BEYOND))
 
 
 class Summary(NamedTuple):
     """The content of a log: the numbers that were counted, and the labels of the end record.
 
-    ``robots``: {name: {one of ROBOT_VALUES, or of validity.ROBOT_VALUES: number}}.
+    ``robots``: {name: {one of ROBOT_VALUES, or of the counts of :class:`Validity`: number}}.
     """
 
     metrics: Dict[str, Optional[float]]
@@ -185,3 +187,36 @@ def digest(path: str) -> str:
         for piece in iter(lambda: stream.read(1 << 20), b''):
             found.update(piece)
     return found.hexdigest()
+
+
+class Validity:
+    """The counts of goals, from the rows ``recorded``, ``beyond``, ``departed`` and ``ended`` of a log."""
+
+    def __init__(self) -> None:
+        self._counts: Dict[str, Dict[str, float]] = {}  # of robots whose log has a row `recorded`
+        self._under_way: Set[str] = set()  # the robots with a goal for which they have departed; never iterated
+
+    def take(self, robot: str, kind: str, values: List[Any]) -> None:
+        """Count a row; ``values`` is its list."""
+        if kind == 'recorded':
+            self._counts.setdefault(robot, dict.fromkeys(_GOAL_VALUES, 0))
+        elif kind == 'ended':
+            self._under_way.discard(robot)
+        elif robot in self._counts and kind == 'departed' and robot not in self._under_way:
+            self._under_way.add(robot)
+            self._counts[robot]['goals_begun'] += 1
+        elif robot in self._counts and kind == 'beyond':
+            self._counts[robot]['goals_beyond'] += 1
+            for what in BEYOND:
+                self._counts[robot][f'goals_beyond_{what}'] += what in values
+
+    def of_robot(self, robot: str) -> Dict[str, float]:
+        """Return {one of _GOAL_VALUES: number}; {} for a robot without a row `recorded`."""
+        return self._counts.get(robot, {})
+
+    def goals(self) -> Optional[Tuple[float, float]]:
+        """Return the number of goals, and of those outside; None if no robot has a row `recorded`."""
+        if not self._counts:
+            return None
+        begun = sum(counts['goals_begun'] for counts in self._counts.values())
+        return begun, sum(counts['goals_beyond'] for counts in self._counts.values())
