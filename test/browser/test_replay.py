@@ -80,6 +80,8 @@ def test_it_plays_pauses_and_goes_where_the_slider_the_events_and_the_keys_say(b
     browser.run('window.replay.seek(0); window.replay.seek(60e9)')
     assert '60.000' in browser.run(CURRENT) and 'departs for (4.00, 4.00) m' in browser.run(CURRENT)
     browser.press(',')
+    assert browser.run(CURRENT).endswith('gets the goal robot_0-2')
+    browser.press(',')
     before = browser.run(TIME)
     assert before < 60 * S and browser.run(CURRENT).endswith('robot_1-2')
     browser.press('.', Keys.END)

@@ -280,6 +280,19 @@ def test_a_robot_that_is_held_when_its_goal_comes_waits(tmp_path):
     assert {state: one for state, one in story.figures['a'].items() if one} == {'idle': 10.0, 'waiting': 90.0}
 
 
+def test_in_a_log_of_an_earlier_release_a_goal_begins_with_its_departure(tmp_path):
+    rows = charging_on_the_way(tmp_path / 'run.jsonl')
+    figures = []
+    for without in ((), ('goal',)):
+        story = Story(S)
+        for row in rows:
+            if row[2] not in without:
+                story.take(*row)
+        story.close(122 * S)
+        figures.append(story.figures)
+    assert figures[0] == figures[1]
+
+
 @pytest.mark.parametrize('names', [('x', 'y'), ('', '')])
 def test_of_two_tasks_at_once_the_first_end_ends_one(names):
     def values(name):
