@@ -99,7 +99,7 @@ void CoreBinding::add(pid_t process) {
   }
   for (const pid_t thread : threadsOf(process)) {
     if (const auto cores = coresOf(thread)) {
-      added.threads[thread].own = *cores;
+      added.threads[thread] = *cores;
     }
   }
 }
@@ -231,19 +231,14 @@ bool CoreBinding::applyTo(pid_t id, Process& process, bool to_one) {
   if (!now) {
     return true;  // it has just ended
   }
-  const auto [entry, is_new] = process.threads.try_emplace(id);
-  Thread& thread = entry->second;
-  if (is_new) {  // it has the cores of the thread that made it
-    thread.is_bound = isOnly(process.core, *now);
-    thread.own = thread.is_bound ? process.own : *now;
-  }
-  const bool is_own = CPU_EQUAL(&*now, &thread.own) != 0;
-  if (!is_own && !(thread.is_bound && isOnly(process.core, *now))) {
+  const bool has_one = isOnly(process.core, *now);
+  // A new thread has the cores of the thread that made it.
+  const auto entry = process.threads.try_emplace(id, has_one ? process.own : *now).first;
+  cpu_set_t wanted = entry->second;
+  if (!has_one && CPU_EQUAL(&*now, &wanted) == 0) {
     return false;
   }
-  thread.is_bound = to_one && CPU_ISSET(process.core, &thread.own) != 0;
-  cpu_set_t wanted = thread.own;
-  if (thread.is_bound) {
+  if (to_one && CPU_ISSET(process.core, &wanted) != 0) {
     CPU_ZERO(&wanted);
     CPU_SET(process.core, &wanted);
   }
@@ -255,9 +250,8 @@ void CoreBinding::leaveAlone(pid_t id, Process& process) {
   for (const pid_t thread : threadsOf(id)) {
     const auto now = coresOf(thread);
     const auto found = process.threads.find(thread);
-    const bool is_bound = found != process.threads.end() && found->second.is_bound;
-    if (now && is_bound && isOnly(process.core, *now)) {
-      setCores(thread, found->second.own);
+    if (now && found != process.threads.end() && isOnly(process.core, *now)) {
+      setCores(thread, found->second);
     }
   }
 }

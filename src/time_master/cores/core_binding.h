@@ -54,10 +54,6 @@ class CoreBinding {
   const ClaimedCores& claimed() const { return claimed_; }
 
  private:
-  struct Thread {
-    cpu_set_t own;  // the cores that it had
-    bool is_bound = false;
-  };
   struct Process {
     std::string began;       // as /proc says, since another process may get its number
     cpu_set_t own;           // of its first thread
@@ -65,7 +61,7 @@ class CoreBinding {
     Nanoseconds worked = 0;  // CPU time, when it was added
     int uses = 0;
     bool is_left_alone = false;
-    std::map<pid_t, Thread> threads;
+    std::map<pid_t, cpu_set_t> threads;  // the cores that each had
   };
   bool isThere(pid_t id, const Process& process) const;
   void apply(pid_t id, Process& process, bool to_one);
