@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import FLAG, SCALAR, Kind, either, list_of, map_of, number, one_of, text
+from move_base_abstract.common.kinds import FLAG, SCALAR, Kind, list_of, map_of, number, one_of, one_of_types, text
 from move_base_abstract.common.options import option, read
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.run_options import ADDED, LAST_INSTANT_S, PARAMETERS, ROS_VALUE, RunOptions
@@ -40,9 +40,9 @@ class Settings(RunOptions):
     properties: Tuple[str, ...] = option(list_of(built_in.KIND), [built_in.ALL], 'the [properties](properties.md) that '
                                          'the run must keep')
     until: Union[str, float] = option(
-        either(one_of(DEPARTURE, IDLE), (float, float, _INSTANT), (int, float, _INSTANT)), DEPARTURE, '`test`: the run '
-        'ends with the test; `idle`: when no participant has anything left to do; a number: at this instant [s, '
-        'simulated]; `lockstep.log`, `lockstep.finish()` and the end of the test wait for that')
+        one_of_types(one_of(DEPARTURE, IDLE), (float, float, _INSTANT), (int, float, _INSTANT)), DEPARTURE, '`test`: '
+        'the run ends with the test; `idle`: when no participant has anything left to do; a number: at this instant '
+        '[s, simulated]; `lockstep.log`, `lockstep.finish()` and the end of the test wait for that')
 
     @property
     def end(self) -> Dict[str, Any]:

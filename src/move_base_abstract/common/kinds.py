@@ -267,7 +267,7 @@ def _pair(names: Kind, kind: Kind) -> Kind:
     return Kind(check, {}, of_word, lambda pair: f'{names.to_word(pair[0])}={kind.to_word(pair[1])}')
 
 
-def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kind:
+def one_of_types(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kind:
     """Return the kind of values of several types.
 
     ``kinds``: (type, made, kind), ...: a value of that type is checked by ``kind``, and the code gets ``made(value)``.
@@ -283,4 +283,4 @@ def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kin
 
 def or_null(kind: Kind) -> Kind:
     """Return the kind of values of ``kind``, or null."""
-    return either(kind, (type(None), lambda _: None, Kind(lambda _where, _value: None, {'type': 'null'})))
+    return one_of_types(kind, (type(None), lambda _: None, Kind(lambda _where, _value: None, {'type': 'null'})))

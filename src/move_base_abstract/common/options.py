@@ -24,9 +24,9 @@ class Option(NamedTuple):
 
     ``default``: the default as in a file; None: there is none. ``says``: its description, one sentence of Markdown.
     ``initial``: the default as the code has it. ``systems``: the kinds of systems for which an experiment may have it;
-    empty: all. ``is_part``: whether a change of it makes a trial another one. ``parameter``: the parameter of the time
-    master that gets the value, or ''. ``flag``: its name on a command line, if it is not the field's name; for a list
-    or a mapping, the flag is given once for each value. ``was``: the flag's name in earlier releases, or ''.
+    empty: all. ``in_digest``: whether a change of it makes a trial another one. ``parameter``: the parameter of the
+    time master that gets the value, or ''. ``flag``: its name on a command line, if it is not the field's name; for a
+    list or a mapping, the flag is given once for each value. ``was``: the flag's name in earlier releases, or ''.
     ``metavar``: the form of its word, for --help. ``key``: its name in a file, if it is not the field's name.
     ``field``: the name of the dataclass's field.
     """
@@ -36,7 +36,7 @@ class Option(NamedTuple):
     says: str
     initial: Any
     systems: Tuple[str, ...] = ()
-    is_part: bool = False
+    in_digest: bool = False
     parameter: str = ''
     flag: str = ''
     was: str = ''

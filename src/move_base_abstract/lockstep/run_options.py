@@ -100,10 +100,10 @@ class RunOptions:
 
     participant: Tuple[str, ...] = option(
         list_of(NODE, 'a list of names of nodes'), [], 'nodes that take part, whatever [they look '
-        'like](lockstep_launch.md#who-takes-part)', systems=_OF_FILES, is_part=True, metavar='NODE')
+        'like](lockstep_launch.md#who-takes-part)', systems=_OF_FILES, in_digest=True, metavar='NODE')
     onlooker: Tuple[str, ...] = option(
         list_of(NODE, 'a list of names of nodes'), [], 'nodes that look on, whatever they look like',
-        systems=_OF_FILES, is_part=True, metavar='NODE')
+        systems=_OF_FILES, in_digest=True, metavar='NODE')
     leave_out: Tuple[str, ...] = option(
         list_of(NODE, 'a list of names of nodes'), [], 'nodes that are not started', systems=_OF_FILES, metavar='NODE')
     replace: Dict[str, str] = option(
@@ -111,25 +111,25 @@ class RunOptions:
         '`move_base/move_base=move_base_abstract/move_base`', systems=_OF_FILES, metavar='PACKAGE/TYPE=PACKAGE/TYPE')
     adopt: bool = option(
         FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, leaves out simulators, '
-        'takes start poses from the file', systems=_OF_FILES, is_part=True)
+        'takes start poses from the file', systems=_OF_FILES, in_digest=True)
     tolerant: bool = option(
         FLAG, False, 'leaves out what the file names and is not installed (files that it includes or loads, parameters '
         'from a program, environment variables), uses packages that lie beside the file, and runs the nodes of all '
-        'machines here', systems=_OF_FILES, is_part=True)
+        'machines here', systems=_OF_FILES, in_digest=True)
     start: Dict[str, Tuple[float, float, float]] = option(
         map_of(POSE, NODE), {}, "where a robot's node starts [m, m, rad, map frame]: its `start_x`, `start_y`, "
-        '`start_yaw`', systems=_OF_FILES, is_part=True, metavar='NODE=X,Y,YAW')
+        '`start_yaw`', systems=_OF_FILES, in_digest=True, metavar='NODE=X,Y,YAW')
     param: Dict[str, Any] = option(
         PARAMETERS, {}, "parameters by their full names, which take precedence over the file's; on "
-        'a command line the value is YAML', systems=OF_NODES, is_part=True, metavar='NAME=VALUE')
+        'a command line the value is YAML', systems=OF_NODES, in_digest=True, metavar='NAME=VALUE')
     add: Dict[str, str] = option(
         map_of(ADDED, NODE), {}, 'nodes that are started too: `PACKAGE/TYPE [ARGUMENTS]`',
-        systems=_OF_FILES, is_part=True, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'")
+        systems=_OF_FILES, in_digest=True, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'")
     node_args: Dict[str, str] = option(
         map_of(Kind(_arguments, {'type': 'string'}), NODE), {}, "arguments of nodes, in the place of the file's",
-        systems=_OF_FILES, is_part=True, was='args', metavar="'NODE=ARGUMENTS'")
+        systems=_OF_FILES, in_digest=True, was='args', metavar="'NODE=ARGUMENTS'")
     no_respawn: bool = option(
-        FLAG, False, 'nodes with `respawn` are started once, and take part', systems=_OF_FILES, is_part=True)
+        FLAG, False, 'nodes with `respawn` are started once, and take part', systems=_OF_FILES, in_digest=True)
     until: Any = option(  # a float [s]; in an experiment all that ends a trial, in a test also the test itself
         number(1e-9, LAST_INSTANT_S, or_zero=True, unit='s, simulated'), 0, 'the run ends at this instant of simulated '
         'time [s], which begins at 1; 0: no such end', systems=OF_NODES, parameter='end_at', metavar='S')
@@ -143,27 +143,27 @@ class RunOptions:
         list_of(STORED_TOPIC), [], '`TOPIC` or `NODE=TOPIC`: nodes '
         '[only store](lockstep.md#topics-that-nodes-only-store) '
         'these messages, and get them together with the next thing that they '
-        'do', systems=OF_NODES, is_part=True, parameter='stored_topics',
+        'do', systems=OF_NODES, in_digest=True, parameter='stored_topics',
         flag='stored_topic', metavar='[NODE=]TOPIC')
     lookahead: Union[float, str] = option(
         number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: messages '
         'between nodes take this time, and the nodes work at once ([windows](lockstep_windows.md)); `network`: the '
-        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead',
-        metavar='S')
+        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, in_digest=True,
+        parameter='lookahead', metavar='S')
     network: str = option(
         text(), None, "`'FILE [NAME:=VALUE ...]'`: messages between nodes of different hosts go over the "
         "[radio](radio.md) that this file describes; the values replace its `$(arg NAME)`", systems=OF_NODES,
-        is_part=True, parameter='network', metavar="'FILE [NAME:=VALUE ...]'")
+        in_digest=True, parameter='network', metavar="'FILE [NAME:=VALUE ...]'")
     chaos_seed: int = option(
         number(0, 2147483647, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal events; 0: the '
-        'stated order', systems=OF_NODES, is_part=True, parameter='chaos_seed', metavar='N')
+        'stated order', systems=OF_NODES, in_digest=True, parameter='chaos_seed', metavar='N')
     chaos_delay: float = option(
         number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages '
-        'take up to this time; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay', metavar='S')
+        'take up to this time; 0: no time', systems=OF_NODES, in_digest=True, parameter='chaos_delay', metavar='S')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
         'the names, as `chaos` prints them, of the decisions of `chaos_seed` that apply; `none`: none, `[]`: all',
-        systems=OF_NODES, is_part=True, parameter='chaos_only', metavar='NAME')
+        systems=OF_NODES, in_digest=True, parameter='chaos_only', metavar='NAME')
     cores: str = option(
         one_of('one', 'all', 'auto'), None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
         'default if the launch file sets nothing), with a lookahead one for each node, or `all`; `auto` is an old word '

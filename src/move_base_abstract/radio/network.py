@@ -11,7 +11,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from ..common.bounded_yaml import load_yaml_file, load_yaml_text
 from ..common.errors import ConfigurationError
-from ..common.kinds import Kind, either, error, list_of, map_of, number, one_of, pattern, text
+from ..common.kinds import Kind, error, list_of, map_of, number, one_of, one_of_types, pattern, text
 from ..common.options import mapping_of, option, read
 from ..common.units import seconds_to_ns
 
@@ -102,9 +102,9 @@ class Link:
 
     between: Tuple[str, ...] = option(list_of(_HOST, 'two names of hosts, or patterns', 2, most=2), None,
                                       'two hosts, or patterns of hosts', is_required=True)
-    delay: Any = option(either(_SECONDS, (dict, lambda one: one, mapping_of(Uniform))), 0, 's after the message has '
-                        'been sent; or `{uniform: [least, most]}`')
-    loss: Any = option(either(_PROBABILITY, (dict, lambda one: one, mapping_of(ByPlace))), 0, 'a probability; or '
+    delay: Any = option(one_of_types(_SECONDS, (dict, lambda one: one, mapping_of(Uniform))), 0, 's after the message '
+                        'has been sent; or `{uniform: [least, most]}`')
+    loss: Any = option(one_of_types(_PROBABILITY, (dict, lambda one: one, mapping_of(ByPlace))), 0, 'a probability; or '
                        '`{distance: {M: PROBABILITY, ...}}`; or `{path_loss: {...}}`')
     rate: int = option(number(1, 10**12, whole=True, or_zero=True, unit='bit/s'), 0, 'bit/s, in each direction; '
                        '0: unlimited')

@@ -14,11 +14,11 @@ from move_base_abstract.common.kinds import (
     NAME,
     SCALAR,
     Kind,
-    either,
     list_of,
     map_of,
     number,
     one_of,
+    one_of_types,
     or_null,
     pattern,
     text,
@@ -59,7 +59,7 @@ class Until:
                             'simulated]',
                             absent=0.0)
     at: float = option(_INSTANT, None, 'the trial ends at this instant [s, simulated], as with `--until`; `until: 60` '
-                       'is short for `until: {at: 60}`', absent=0.0, is_part=True)
+                       'is short for `until: {at: 60}`', absent=0.0, in_digest=True)
     topic: str = option(_TOPIC, None, 'the trial ends with the first message on this topic')
     idle: bool = option(FLAG, False, 'the trial ends when no participant has anything left to do',
                         parameter='end_when_idle')
@@ -148,15 +148,15 @@ class Experiment(RunOptions):
     inputs: Tuple[str, ...] = option(list_of(text()), [], 'files on whose content a trial depends; paths are relative '
                                      'to the folder of this file')
     participants: Optional[Tuple[str, ...]] = option(
-        either(list_of(NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
+        one_of_types(list_of(NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
         '`all`: every rospy and roscpp node, [by these rules](lockstep_launch.md#who-takes-part); or a list of '
         'nodes, and the others look on', systems=OF_NODES)
     start: Dict[str, Any] = option(
         map_of(replace(POSE, check=_start), NODE), {}, "`{NODE: [X, Y, YAW]}`: where a robot's node starts [m, m, rad, "
-        'map frame]; `{NAME}` stands for a factor, as in `args`', systems=_LAUNCH, is_part=True)
+        'map frame]; `{NAME}` stands for a factor, as in `args`', systems=_LAUNCH, in_digest=True)
     param: Dict[str, Any] = option(
         PARAMETERS, {}, "`{NAME: VALUE}`: parameters by their full names, which take precedence over the file's; "
-        '`{NAME}` stands for a factor, as in `args`', systems=OF_NODES, is_part=True)
+        '`{NAME}` stands for a factor, as in `args`', systems=OF_NODES, in_digest=True)
     args: Dict[str, Any] = option(
         map_of(SCALAR), {}, 'arguments of the launch file or the function; `{NAME}` stands for a factor, for `seed` '
         'or `replication`', systems=('launch', 'function'))
@@ -171,13 +171,13 @@ class Experiment(RunOptions):
     seed: int = option(number(0, LARGEST_SEED, whole=True), 0, 'replication k (from 0 on) has the seed `seed` + k in '
                        'every configuration: common random numbers')
     until: Until = option(
-        either(mapping_of(Until), (float, lambda at: Until(at=at), _INSTANT), (int, lambda at: Until(at=at), _INSTANT)),
+        one_of_types(mapping_of(Until), *((type_, lambda at: Until(at=at), _INSTANT) for type_ in (int, float))),
         {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it too',
         systems=OF_NODES)
     record: Record = option(
         mapping_of(Record), {}, 'what is kept of a trial besides its event log')
     metrics: Metrics = option(
-        either(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {},
+        one_of_types(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {},
         '`module:function` that returns a number for each metric, [below](#metrics); or a mapping')
     primary: str = option(NAME, None, 'the metric that the experiment is about: the report shows it first, tests it '
                           'separately, and folds the others')
@@ -193,15 +193,16 @@ class Experiment(RunOptions):
         '`until: seconds` ended, if it might have gone on; '
         '[otherwise](experiment_report.md#trials-that-the-limit-of-time-ended) the metric is not compared')
     report: Tuple[str, ...] = option(
-        either(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)), [],
-        '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
+        one_of_types(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)),
+        [], '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the '
+        'report')
     verify: float = option(number(0, 1), 0, 'the share of trials that [run twice](#a-trial), to compare them')
     time_limit: float = option(number(1, 1e7, unit='s, wall'), 600, 'the time that a run may take [s, wall]')
 
     @functools.cached_property
-    def later_parts(self) -> List[Dict[str, Any]]:
+    def digest_options(self) -> List[Dict[str, Any]]:
         """The options that plan.made_of() takes besides its fixed list, one {field: value} each; not the defaults."""
-        return [{one.field: value} for one, value in collected(self, lambda one: one.is_part)]
+        return [{one.field: value} for one, value in collected(self, lambda one: one.in_digest)]
 
     @property
     def system(self) -> str:

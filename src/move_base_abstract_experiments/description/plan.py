@@ -117,7 +117,7 @@ def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
                platform.python_version(),
                [experiment.function, trial.function_arguments] if experiment.function else '', experiment.prepare,
                ingredients.by_content(made),
-               *experiment.later_parts]
+               *experiment.digest_options]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 
 

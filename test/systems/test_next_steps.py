@@ -1,0 +1,64 @@
+"""What programs print as the next step is a command that works as it stands: each is taken and run."""
+import os
+import re
+import shlex
+import shutil
+import unittest
+
+import warm
+from own_folder import OwnFolder
+
+from move_base_abstract_ros.loopback import find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+GUARD = 300.0  # s, wall; only ends a run that would never end
+PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+HEARS = """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import Int32
+rospy.init_node('hears')
+assert rospy.get_param('/of_test') == [1, "it's"] and rospy.get_param('/robot/move_base/start_x') == 1.0
+rospy.Subscriber('ticks', Int32, lambda tick: None)
+rospy.spin()
+"""
+SYSTEM = """<launch><arg name="what"/>
+  <node pkg="study_of_others" type="ticks.py" name="ticks"/>
+  <node pkg="study_of_others" type="$(arg what)" name="hears"/>
+  <node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot"/>
+  <node pkg="of_nobody" type="gone" name="gone"/></launch>
+"""
+OPTIONS = ('--leave-out', '/gone', '--start', '/robot/move_base=1,2,0.5', '--param', "/of_test=[1, it's]",
+           '--until', '4')
+
+
+class NextStepsTest(OwnFolder, unittest.TestCase):
+
+    def setUp(self):
+        super().setUp()
+        self.write('package.xml', PACKAGE)
+        self.write('hears.py', HEARS, 0o755)
+        shutil.copy(os.path.join(HERE, 'unmodified', 'ticks.py'), self.folder)
+        os.chmod(self.path('ticks.py'), 0o755)
+        os.mkdir(self.path('a folder'))
+        self.file = self.write(os.path.join('a folder', 'a system.launch'), SYSTEM)
+
+    def run_it(self, program, *words):
+        """Run a program; return what it says to type next, as (program, words)."""
+        environment = dict(os.environ, ROS_PACKAGE_PATH=os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']]))
+        done = warm.run([find_executable(program), *words], environment, self.path('a folder'), GUARD)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        command = re.search(r'next: [^\n]*?: (rosrun move_base_abstract [^\n]*)', done.stdout)
+        self.assertIsNotNone(command, done.stdout)
+        return shlex.split(command.group(1))[2:]
+
+    def test_from_a_look_at_the_nodes_to_the_search_for_another_order(self):
+        program, *words = self.run_it('lockstep_launch', '--list', *OPTIONS, 'a system.launch', 'what:=hears.py')
+        self.assertEqual(program, 'lockstep_launch')
+        program, *words = self.run_it(program, *words)
+        self.assertEqual(program, 'verify')
+        program, *words = self.run_it(program, '--conditions', 'plain,again', *words)
+        self.assertEqual(program, 'chaos')
+        program, *words = self.run_it(program, '--seeds', '1:1', '--workers', '1', *words)
+        self.assertEqual((program, words[:2]), ('chaos', ['--seeds', '2:2']))
+        self.run_it(program, *words)

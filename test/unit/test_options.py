@@ -1,0 +1,72 @@
+"""Options that are written once: as words of a command line, as keys of a file, and where they are refused."""
+import argparse
+
+import pytest
+from hypothesis import given as drawn, strategies as st
+
+from move_base_abstract.common import options
+from move_base_abstract.common.bounded_yaml import load_yaml_text, yaml_line
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.lockstep.run_options import RunOptions
+
+RUN = RunOptions(
+    participant=('/a',), onlooker=('/b', '/c/d'), leave_out=('/rviz',), replace={'a/b': 'c/d'}, adopt=True,
+    tolerant=True, start={'/r/move_base': (1.0, -2.5, 1e-7)},
+    param={'/a': [1, 2.5, 'x y'], '/b/c': '', '/d': {'e': '5', 'f': False}},
+    add={'/map': "map_server/map_server 'a b.yaml'"}, node_args={'/n': '--x=3 y'}, no_respawn=True, until=60.0, seed=-4,
+    sleep='simulated', stored_topics=('/x=/y', '/z'), lookahead=0.25, network='n.yaml loss:=1', chaos_seed=7,
+    chaos_delay=0.001, chaos_only=('0123456789ab',), cores='all', crashes='allow', properties=('all', 'no_crash'))
+
+
+def parser(**others):
+    made = argparse.ArgumentParser(prog='program')
+    options.add_arguments(made, RunOptions, **others)
+    return made
+
+
+def test_each_option_of_a_run_can_be_typed_and_is_read_as_it_was():
+    assert all(getattr(RUN, one.field) != one.initial for one in options.options_of(RunOptions).values())
+    assert options.of_words(RunOptions, options.words_of(RUN)) == RUN
+    assert options.words_of(RunOptions()) == []
+
+
+def test_what_is_given_on_a_command_line_is_as_in_a_file():
+    found = options.given(RunOptions, parser().parse_args(['--param', '/a=[1, x]', '--start', 'r=1,2,0', '--adopt']))
+    assert found == {'param': {'/a': [1, 'x']}, 'start': {'r': '1,2,0'}, 'adopt': True}
+    assert options.read(RunOptions, '', found).start == {'/r': (1.0, 2.0, 0.0)}
+
+
+@drawn(st.recursive(st.booleans() | st.integers(-2**31, 2**31 - 1) | st.floats(allow_nan=False, allow_infinity=False)
+                    | st.text(st.characters(min_codepoint=32, max_codepoint=0x17f, blacklist_characters='\x7f')),
+                    lambda inner: st.lists(inner, max_size=3), max_leaves=5))
+def test_a_parameter_keeps_its_type_as_yaml(value):
+    assert load_yaml_text(yaml_line(value), 'x') == value or value == ''
+    words = options.words_of(RunOptions(param={'/a': value}))
+    assert options.of_words(RunOptions, words).param == {'/a': value}
+
+
+@pytest.mark.parametrize(('words', 'says'), [
+    (['--chaos-seed', '3'], 'program: error: --chaos-seed: not here; seeds say it'),
+    (['--adopt'], 'program: error: --adopt: not here; nothing to adopt'),
+    (['--start', '/a=1,2'], "must be NODE=X,Y,YAW; /a: got '1,2'; allowed: X,Y,YAW"),
+    (['--param', '/a'], "must be NAME=VALUE; got '/a'"), (['--param', '/a=[1'], 'must be NAME=VALUE; the value: '),
+    (['--param', '/a=99999999999'], 'whole ones of 32 bits'), (['--param', '/a=~'], 'got None'),
+    (['--until', 'x'], "got 'x'; allowed: a number in 1e-9..2147483647"),
+    (['--add', '/a=b'], 'PACKAGE/TYPE [ARGUMENTS]')])
+def test_what_cannot_be_used_here_is_refused_with_the_reason(words, says, capsys):
+    with pytest.raises(SystemExit):
+        parser(refused={'chaos_seed': 'seeds say it', 'adopt': 'nothing to adopt'}).parse_args(words)
+    assert says in capsys.readouterr().err
+
+
+def test_a_name_of_earlier_releases_says_the_new_one(capsys):
+    found = options.of_arguments(RunOptions, parser().parse_args(
+        ['--args', '/n=x', '--node-args', '/m=y', '--properties', 'all']))
+    assert (found.node_args, found.properties) == ({'/n': 'x', '/m': 'y'}, ('all',))
+    assert capsys.readouterr().err == ('program: --args is called --node-args now\n'
+                                       'program: --properties is called --property now\n')
+
+
+def test_an_unknown_key_names_the_most_similar_one():
+    with pytest.raises(ConfigurationError, match="the key 'leave_outs' is unknown; did you mean 'leave_out'?"):
+        options.read(RunOptions, '', {'leave_outs': []})
