@@ -18,7 +18,7 @@ from move_base_abstract.radio.motion_pieces import pieces_of
 from move_base_abstract.radio.network import resolve
 from move_base_abstract.runs import metrics
 from move_base_abstract.runs.story import Story
-from move_base_abstract_experiments.trials.radio import Radio
+from move_base_abstract_experiments.trials.metrics import Radio
 from move_base_abstract_replay.timelines import find_links
 
 HOSTS = """

@@ -16,13 +16,13 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 from move_base_abstract.motion.geometry import share_along
 from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import EventLogError
-from move_base_abstract.runs.metrics import Figures, metrics_of
+from move_base_abstract.runs.metrics import Figures, RadioSums, metrics_of
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import STATES
 from move_base_abstract.runs.story import MISSED, REACHED, Story
 from move_base_abstract.runs.trace import TraceEntry
 
-from . import radio, termination
+from . import termination
 
 Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
 Way = Tuple[Tuple[float, float], ...]
@@ -34,6 +34,9 @@ PLACES = ('motion', 'departed', 'route', 'stands')
 #: the keys of times that each robot has; those of other states are there if any robot was in them
 _COMMON = ('moving_s', 'idle_s', 'waiting_s')
 ROBOT_VALUES = ('goals', 'distance_m', *(state.key for state in STATES))
+#: src/lockstep/radio_traffic.h and docs/radio.md explain these rows
+_RADIO_KINDS = ('radio', 'radio_lost', 'link')
+_SENT, _AT = 5, 6  # the places of the instants [ns] in a row `radio`: sent, arrived
 #: the ways in which a goal can lie outside, see move_base_abstract.motion.recorded_range
 BEYOND = ('longer', 'shorter', 'turn', 'narrow')
 _GOAL_VALUES = ('goals_begun', 'goals_beyond', *(f'goals_beyond_{what}' for what in BEYOND))
@@ -134,7 +137,7 @@ class _Tally:
         self._last_ns = start_ns  # when the last goal ended
         self._odometers: Dict[str, _Odometer] = {}
         self._validity = Validity()
-        self._radio = radio.Radio()
+        self._radio = Radio()
         self._reached = self._failed = self._encounters = 0
         self._stood: Optional[float] = None  # s; None: robots do not meet
 
@@ -146,7 +149,7 @@ class _Tally:
             if name not in self._odometers:
                 self._odometers[name] = _Odometer(self._starts.get(name))
             self._odometers[name].take(kind, values)
-        elif kind in radio.KINDS:
+        elif kind in _RADIO_KINDS:
             self._radio.take(kind, values, time_ns)
         elif kind == 'meets':
             self._stood = self._stood or 0.0
@@ -220,3 +223,36 @@ class Validity:
             return None
         begun = sum(counts['goals_begun'] for counts in self._counts.values())
         return begun, sum(counts['goals_beyond'] for counts in self._counts.values())
+
+
+class Radio:
+    """The sums of a run's messages and links. Without a radio there are none."""
+
+    def __init__(self) -> None:
+        self._arrived = self._lost = self._age_ns = 0
+        self._links: Dict[Tuple[str, str], Tuple[bool, int]] = {}  # whether it is up, since when [ns]
+        self._down_ns = 0
+
+    def take(self, kind: str, values: List[Any], now_ns: int) -> None:
+        """Count a row of one of _RADIO_KINDS. Any program may write such a row; rows of another form are ignored."""
+        if kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
+            self._turn((values[0], values[1]), values[2] == 'up', now_ns)
+        elif kind == 'radio' and len(values) == _AT + 1 and all(type(one) is int for one in values[_SENT:]):
+            self._arrived += 1
+            self._age_ns += values[_AT] - values[_SENT]
+        elif kind == 'radio_lost' and len(values) == _AT + 1:
+            self._lost += 1
+
+    def _turn(self, link: Tuple[str, str], is_up: bool, now_ns: int) -> None:
+        was_up, since_ns = self._links.get(link, (True, now_ns))
+        self._down_ns += 0 if was_up else now_ns - since_ns
+        self._links[link] = is_up, now_ns
+
+    def sums(self, end_ns: int) -> Optional[RadioSums]:
+        """Return the sums of the run, which ended at ``end_ns``; None if it had no radio."""
+        for link, (is_up, _) in list(self._links.items()):
+            self._turn(link, is_up, end_ns)
+        sent = self._arrived + self._lost
+        if not sent and not self._links:
+            return None
+        return RadioSums(sent, self._arrived, self._age_ns, len(self._links), self._down_ns)
