@@ -1,14 +1,19 @@
-// Calls that no preloaded library follows: they start processes that take no part, or show how busy
-// the machine is. The one source that includes this has `policy`, a namespace with Real<Function>,
+// Calls that no preloaded library follows: they start processes that take no part, have the kernel
+// wake the program by the wall clock, or show how busy the machine is. The one source that includes
+// this has `policy`, a namespace with Real<Function>,
 //   void tellUse(What, const void* caller);       // the What: kTimes, kUsage, kLoad, kSystem
+//   void tellTimer(const char* name, const void* caller);
 //   class Start { Start(const char* name, const void* caller); void goOnIn(pid_t process); };
 // which lives as long as a process is being started. No ROS.
+#include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/sysinfo.h>
+#include <sys/time.h>
 #include <sys/times.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "looked_up.h"
@@ -59,6 +64,32 @@ int posix_spawnp(pid_t* process, const char* file, const posix_spawn_file_action
   static policy::Real<move_base_abstract::shim::Spawn> function("posix_spawnp");
   const policy::Start start("posix_spawnp()", MOVE_BASE_ABSTRACT_CALLER);
   return function(process, file, actions, attributes, arguments, environment);
+}
+
+// ---- timers of the kernel --------------------------------------------------------------------
+
+int timer_create(clockid_t clock, sigevent* event, timer_t* timer) {
+  static policy::Real<int(clockid_t, sigevent*, timer_t*)> function("timer_create");
+  policy::tellTimer("timer_create()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(clock, event, timer);
+}
+
+int setitimer(__itimer_which_t which, const itimerval* value, itimerval* old) {
+  static policy::Real<int(__itimer_which_t, const itimerval*, itimerval*)> function("setitimer");
+  policy::tellTimer("setitimer()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(which, value, old);
+}
+
+unsigned alarm(unsigned seconds) {
+  static policy::Real<unsigned(unsigned)> function("alarm");
+  policy::tellTimer("alarm()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(seconds);
+}
+
+useconds_t ualarm(useconds_t value, useconds_t interval) {
+  static policy::Real<useconds_t(useconds_t, useconds_t)> function("ualarm");
+  policy::tellTimer("ualarm()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(value, interval);
 }
 
 // ---- the processor and the machine -----------------------------------------------------------

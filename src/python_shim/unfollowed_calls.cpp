@@ -1,8 +1,5 @@
 // Calls of libraries that cannot be followed, of which each is noted. No ROS.
-#include <signal.h>
-#include <sys/time.h>
 #include <sys/timerfd.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "notices.h"
@@ -22,6 +19,8 @@ void tellUse(What what, const void* caller) {
     notice(what, caller);
   }
 }
+
+void tellTimer(const char* /*name*/, const void* caller) { tellUse(What::kWakes, caller); }
 
 /** @brief The start of a process. */
 class Start {
@@ -46,36 +45,10 @@ pid_t getpid() {
   return function();
 }
 
-// ---- timers of the kernel --------------------------------------------------------------------
-
 int timerfd_create(int clock, int flags) {
   static native::Real<int(int, int)> function("timerfd_create");
   native::tellUse(native::What::kWakes, MOVE_BASE_ABSTRACT_CALLER);
   return function(clock, flags);
-}
-
-int timer_create(clockid_t clock, sigevent* event, timer_t* timer) {
-  static native::Real<int(clockid_t, sigevent*, timer_t*)> function("timer_create");
-  native::tellUse(native::What::kWakes, MOVE_BASE_ABSTRACT_CALLER);
-  return function(clock, event, timer);
-}
-
-int setitimer(__itimer_which_t which, const itimerval* value, itimerval* old) {
-  static native::Real<int(__itimer_which_t, const itimerval*, itimerval*)> function("setitimer");
-  native::tellUse(native::What::kWakes, MOVE_BASE_ABSTRACT_CALLER);
-  return function(which, value, old);
-}
-
-unsigned alarm(unsigned seconds) {
-  static native::Real<unsigned(unsigned)> function("alarm");
-  native::tellUse(native::What::kWakes, MOVE_BASE_ABSTRACT_CALLER);
-  return function(seconds);
-}
-
-useconds_t ualarm(useconds_t value, useconds_t interval) {
-  static native::Real<useconds_t(useconds_t, useconds_t)> function("ualarm");
-  native::tellUse(native::What::kWakes, MOVE_BASE_ABSTRACT_CALLER);
-  return function(value, interval);
 }
 
 }  // extern "C"

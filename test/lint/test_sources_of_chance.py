@@ -91,7 +91,7 @@ def test_each_function_that_libraries_of_python_programs_are_kept_from_has_its_r
         assert re.search(r'\b{}\('.format(symbol), code) and '("{}")'.format(behind) in re.sub(r'\s+', '', code), symbol
     told = {name for name, kind in native_kinds().items() if kind == 'labelled'}
     assert told == {name for name, symbol in names if re.search(
-        r'\b{}\([^;{{}}]*\) \{{[^}}]*\b(?:tellUse|Start start)\('.format(symbol), code)}
+        r'\b{}\([^;{{}}]*\) \{{[^}}]*\b(?:tellUse|tellTimer|Start start)\('.format(symbol), code)}
 
 
 def native_kinds():

@@ -1,5 +1,5 @@
 // Waits for descriptors. If only the program makes the descriptors ready, a wait goes by simulated
-// time. Otherwise it goes by the wall clock and labels the run. So do kernel timers with signals.
+// time. Otherwise it goes by the wall clock and labels the run.
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
@@ -108,13 +108,6 @@ Nanoseconds of(const timespec* timeout) { return timeout == nullptr ? kNever : t
 
 Nanoseconds of(const timeval* timeout) {
   return timeout == nullptr ? kNever : timeout->tv_sec * kSecond + timeout->tv_usec * 1000;
-}
-
-/** @brief Label the run, because the kernel wakes the program by the wall clock. */
-void tellTimer(const char* name, const void* caller) {
-  if (!isRoscpps(caller) && sees() != Sees::kMachine) {
-    tell(std::string(name) + " has the kernel wake the program by the wall clock", caller);
-  }
 }
 
 }  // namespace
@@ -268,31 +261,6 @@ int epoll_pwait(int set, epoll_event* events, int count, int timeout, const sigs
   const DescriptorWait wait = shim::waitOnSet("epoll_pwait()", set, shim::ofMilliseconds(timeout),
                                               MOVE_BASE_ABSTRACT_CALLER);
   return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout, mask));
-}
-
-int timer_create(clockid_t clock, sigevent* event, timer_t* timer) {
-  static auto* const function = shim::real<int(clockid_t, sigevent*, timer_t*)>("timer_create");
-  shim::tellTimer("timer_create()", MOVE_BASE_ABSTRACT_CALLER);
-  return function(clock, event, timer);
-}
-
-int setitimer(__itimer_which_t which, const itimerval* value, itimerval* before) {
-  static auto* const function =
-      shim::real<int(__itimer_which_t, const itimerval*, itimerval*)>("setitimer");
-  shim::tellTimer("setitimer()", MOVE_BASE_ABSTRACT_CALLER);
-  return function(which, value, before);
-}
-
-unsigned alarm(unsigned seconds) {
-  static auto* const function = shim::real<unsigned(unsigned)>("alarm");
-  shim::tellTimer("alarm()", MOVE_BASE_ABSTRACT_CALLER);
-  return function(seconds);
-}
-
-useconds_t ualarm(useconds_t first, useconds_t period) {
-  static auto* const function = shim::real<useconds_t(useconds_t, useconds_t)>("ualarm");
-  shim::tellTimer("ualarm()", MOVE_BASE_ABSTRACT_CALLER);
-  return function(first, period);
 }
 
 }  // extern "C"

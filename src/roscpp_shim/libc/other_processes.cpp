@@ -36,6 +36,13 @@ constexpr const char* kUsage = "getrusage() says how long the processor has work
 constexpr const char* kLoad = "getloadavg() says how busy the machine is";
 constexpr const char* kSystem = "sysinfo() says how busy the machine is";
 
+/** @brief Label the run, because the kernel wakes the program by the wall clock. */
+void tellTimer(const std::string& name, const void* caller) {
+  if (!isRoscpps(caller) && sees() != Sees::kMachine) {
+    tell(name + " has the kernel wake the program by the wall clock", caller);
+  }
+}
+
 /** @brief The start of a process that takes no part, by the function @p name: it labels the run. */
 class Start {
  public:
