@@ -1,11 +1,11 @@
 """The keywords of ``@pytest.mark.lockstep`` and of ``lockstep.start``, by which a test says what to start."""
 import os
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import FLAG, SCALAR, Kind, list_of, map_of, number, one_of, one_of_types, text
+from move_base_abstract.common.old_names import warn_of_old
 from move_base_abstract.common.options import option, read
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.run_options import ADDED, LAST_INSTANT_S, PARAMETERS, ROS_VALUE, RunOptions
@@ -75,7 +75,7 @@ def settings_of(given: Dict[str, Any], folder: str) -> Settings:
     found = read(Settings, 'lockstep', {key: value for key, value in given.items() if key not in OF_TESTS},
                  folder=folder)
     if found.parameters:
-        warnings.warn('lockstep: parameters is called param now', DeprecationWarning, stacklevel=2)
+        warn_of_old('lockstep: parameters', 'lockstep: param')
         found = replace(found, param={**found.parameters, **found.param}, parameters={})
     for key in ('scenario', 'launch'):
         if getattr(found, key):
