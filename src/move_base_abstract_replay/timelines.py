@@ -12,7 +12,8 @@ from move_base_abstract.runs.story import owner
 from .recording import is_number
 
 if TYPE_CHECKING:
-    from move_base_abstract.runs.story import Robot, Story
+    from move_base_abstract.runs.robot_story import Robot
+    from move_base_abstract.runs.story import Story
 
     from .recording import Recording
 

@@ -30,21 +30,27 @@ class RadioSums(NamedTuple):
 class Figures:
     """What the log of a run says.
 
-    ``robots``: {name: {'distance_m', 'moving_s' and so on: number}}; ``reached``, ``failed``: numbers of goals;
-    ``last_ns``: when the last goal ended. ``recorded``: (goals of robots whose calibration says what was recorded,
-    those outside of that). ``encounters``: how many; ``stood``: for how long robots stood for others [s]. Of these and
-    of ``radio`` None means that there is no such thing in the run.
+    ``robots``: {name: {'distance_m', 'moving_s' and so on: number}}. ``recorded``: (goals of robots whose calibration
+    says what was recorded, those outside of that). ``encounters``: how many; ``stood``: for how long robots stood for
+    others [s]. Of these and of ``radio`` None means that there is no such thing in the run.
     """
 
     story: Story
     robots: Dict[str, Dict[str, float]] = field(default_factory=dict)
-    reached: int = 0
-    failed: int = 0
-    last_ns: int = 0
     recorded: Optional[Tuple[float, float]] = None
     encounters: int = 0
     stood: Optional[float] = None
     radio: Optional[RadioSums] = None
+
+    @property
+    def reached(self) -> int:
+        """The number of goals that were reached."""
+        return sum(robot.goals for robot in self.story.robots.values())
+
+    @property
+    def missed(self) -> int:
+        """The number of goals that were not reached."""
+        return sum(robot.goals_missed for robot in self.story.robots.values())
 
     def sum(self, key: str) -> float:
         """Return the sum of a value over the robots."""
@@ -117,10 +123,10 @@ CHECKED = When('the experiment names [properties](properties.md#many-runs)', lam
 #: {name: Metric}
 METRICS = {
     'goals': Metric('Goals reached', 'goals', 'higher', 'lower_bound', ALWAYS, lambda run: run.reached),
-    'goals_failed': Metric('Goals not reached', 'goals', 'lower', 'lower_bound', ALWAYS, lambda run: run.failed,
+    'goals_failed': Metric('Goals not reached', 'goals', 'lower', 'lower_bound', ALWAYS, lambda run: run.missed,
                            'aborted, rejected or lost'),
     'makespan': Metric('Makespan', 's', 'lower', 'to_last_goal', ALWAYS, lambda run: (
-        run.last_ns - run.story.start_ns) / _NS_PER_S if run.reached + run.failed else None,
+        run.story.last_end_ns - run.story.start_ns) / _NS_PER_S if run.reached + run.missed else None,
         'until the last goal ended'),
     'distance': Metric('Distance travelled', 'm', 'lower', 'lower_bound', ALWAYS, lambda run: run.sum('distance_m'),
                        'along the corners of [routes](routes.md); a leg that the end of the run cuts off adds nothing'),

@@ -46,17 +46,17 @@ class State(NamedTuple):
 
 #: in the order in which they are shown
 STATES = (
-    State('driving', 1, 'from its departure until it stands', ('#2f74c0', '#6ba8ec', '#2f74c0'),
+    State('driving', 10, 'from its departure until it stands', ('#2f74c0', '#6ba8ec', '#2f74c0'),
           (Cause('leg', ('departed',), ('stands',)),)),
-    State('working', 2, 'while it does a task', ('#23906a', '#55bd94', '#23906a'),
+    State('working', 20, 'while it does a task', ('#23906a', '#55bd94', '#23906a'),
           (Cause('task', ('task_began',), ('task_ended',), True),)),
-    State('waiting', 3, 'while it stands with a goal, in the queue of a place, or for a charger',
+    State('waiting', 30, 'while it stands with a goal, in the queue of a place, or for a charger',
           ('#d0921a', '#e3b34c', '#d0921a'),
           (Cause('goal', ('goal',), ('ended',), True), Cause('task', ('waiting_began',), ('waiting_ended',), True),
            Cause('charger', ('charge_awaited',), ('charge_assigned',))), 'lower', True),
-    State('charging', 4, 'while a charger charges it', ('#8a5fb8', '#b795dd', '#8a5fb8'),
+    State('charging', 40, 'while a charger charges it', ('#8a5fb8', '#b795dd', '#8a5fb8'),
           (Cause('charge', ('charging_began',), ('charging_ended',)),)),
-    State('idle', 5, 'otherwise', ('#c3c9c7', '#4b555a', '#b0b0b0')),
+    State('idle', 50, 'otherwise', ('#c3c9c7', '#4b555a', '#b0b0b0')),
     State('failed', 0, 'until it is repaired', ('#c43d33', '#ef7b6f', '#c43d33'),
           (Cause('failure', ('failed', 'failed_began'), ('repaired', 'failed_ended')),), 'lower', True),
 )

@@ -19,7 +19,7 @@ from move_base_abstract.runs.event_log import EventLogError
 from move_base_abstract.runs.metrics import Figures, RadioSums, metrics_of
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import STATES
-from move_base_abstract.runs.story import MISSED, REACHED, Story
+from move_base_abstract.runs.story import Story
 from move_base_abstract.runs.trace import TraceEntry
 
 from . import termination
@@ -134,11 +134,10 @@ class _Tally:
     def __init__(self, starts: Starts, start_ns: int) -> None:
         self._starts = starts
         self.story = Story(start_ns)
-        self._last_ns = start_ns  # when the last goal ended
         self._odometers: Dict[str, _Odometer] = {}
         self._validity = Validity()
         self._radio = Radio()
-        self._reached = self._failed = self._encounters = 0
+        self._encounters = 0
         self._stood: Optional[float] = None  # s; None: robots do not meet
 
     def take(self, row: TraceEntry) -> None:
@@ -156,10 +155,6 @@ class _Tally:
         elif kind == 'encounter' and len(values) == 4 and _is_number(values[3]):
             self._encounters += 1
             self._stood = (self._stood or 0.0) + values[3]
-        elif kind == 'ended' and len(values) >= 2:
-            self._reached += values[1] == REACHED
-            self._failed += values[1] in MISSED
-            self._last_ns = time_ns
 
     def by_robot(self) -> Dict[str, Dict[str, float]]:
         """Return the values of each robot. A state in which no robot was is left out, unless it is common."""
@@ -174,8 +169,8 @@ class _Tally:
 
     def figures(self, robots: Dict[str, Dict[str, float]]) -> Figures:
         """Return all that metrics are computed of. ``robots``: the result of by_robot()."""
-        return Figures(self.story, robots, self._reached, self._failed, self._last_ns, self._validity.goals(),
-                       self._encounters // 2, self._stood, self._radio.sums(self.story.end_ns))
+        return Figures(self.story, robots, self._validity.goals(), self._encounters // 2, self._stood,
+                       self._radio.sums(self.story.end_ns))
 
 
 def _is_number(value: Any) -> bool:
