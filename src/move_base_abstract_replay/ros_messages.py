@@ -5,7 +5,7 @@ import heapq
 import io
 import json
 import math
-from typing import Any, Dict, Iterator, NamedTuple
+from typing import Any, Dict, Iterator, List, NamedTuple
 
 from actionlib_msgs.msg import GoalStatus
 from genpy import Time
@@ -110,14 +110,25 @@ def _events(recording: Any, motions: Any, frame: str) -> Iterator[Any]:
 
 
 def _goal_ids(recording: Any, motions: Any) -> Any:
-    """Return {place of a departure among the events: ID of its goal}. The log has the ID only when the goal ends."""
+    """Return {place of a departure among the events: ID of its goal}, the last one that the robot has taken in.
+
+    A log without rows `goal` has the ID only when the goal ends.
+    """
     found: Dict[Any, Any] = {}
     open_departures: Dict[Any, Any] = {}
+    taken: Dict[Any, List[Any]] = {}
     for number, (_, name, kind, values) in enumerate(recording):
-        if kind == 'departed':
+        if name not in motions.tracks or kind not in ('goal', 'departed', 'ended'):
+            continue
+        goal_id, own = (json.loads(values) or [''])[0], taken.setdefault(name, [])
+        if kind == 'departed' and own:
+            found[number] = own[-1]
+        elif kind == 'departed':
             open_departures.setdefault(name, []).append(number)
-        elif kind == 'ended' and name in motions.tracks:
-            goal_id = (json.loads(values) or [''])[0]
+        elif kind == 'goal' and type(goal_id) is str:
+            own.append(goal_id)
+        elif kind == 'ended':
+            own[:] = [one for one in own if one != goal_id]
             found.update((departure, goal_id) for departure in open_departures.pop(name, ()) if type(goal_id) is str)
     return found
 

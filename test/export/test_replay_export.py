@@ -128,6 +128,15 @@ def test_goals_results_and_events_are_told_with_the_ids_of_the_log(fleet, log, t
     assert {'/tf', '/a/odom'} <= {topic for topic, _, _ in found}
 
 
+def test_a_goal_that_is_open_at_the_end_of_the_log_has_its_id(tmp_path):
+    fleet = Fleet(make_scenario({'robots': [{'name': 'a', 'log_motion': True}]}))
+    fleet.robot('a').send(50.0, 0.0, goal_id='open')
+    fleet.run(until=5.0)
+    fleet.write_log(tmp_path / 'run.jsonl')
+    write_bag(tmp_path / 'run.jsonl', tmp_path / 'run.bag')
+    assert [message.goal_id.id for topic, _, message in read_bag(tmp_path / 'run.bag') if '/goal' in topic] == ['open']
+
+
 def test_an_mcap_file_holds_what_the_bag_holds(log, tmp_path):
     write_bag(log, tmp_path / 'run.bag', rate=50.0)
     write_mcap(log, tmp_path / 'run.mcap', rate=50.0)
