@@ -289,8 +289,8 @@ def check_frame(spec: RobotSpec, frames: Dict[str, str], where: str) -> None:
     other = frames.setdefault(frame, spec.name)
     if other != spec.name:
         raise ConfigurationError(
-            "{}: '{}' and '{}' would both publish the tf frame '{}'; allowed: a tf_prefix, or a robot_base_frame, of "
-            'its own for each robot'.format(where, other, spec.name, shown_text(frame)))
+            "{}: '{}' and '{}' would both publish the tf frame '{}'; each robot needs a tf_prefix, or a "
+            'robot_base_frame, of its own'.format(where, other, spec.name, shown_text(frame)))
 
 
 def _check_type(value: object, kind: type, allowed: str, where: str) -> None:

@@ -46,7 +46,7 @@ def examine(legs: Sequence[RecordedLeg]) -> Tuple[List[RecordedLeg], List[str]]:
     counts = Counter(filter(None, doubts))
     for doubt, count in counts.items():
         if count > _MOST_DOUBTS * len(legs):
-            raise ConfigurationError('{} of {} legs {}; allowed: at most half of them, which would be left out'.format(
+            raise ConfigurationError('{} of {} legs {}, more than half of them: so many are not left out'.format(
                 count, len(legs), DOUBTS[doubt]))
     notes = ['{} legs {}, and are left out'.format(counts[doubt], words)
              for doubt, words in DOUBTS.items() if counts[doubt]]

@@ -97,7 +97,7 @@ def _predict(options: argparse.Namespace) -> None:
     values = load_yaml_file(calibration_file(name, 'calibrate'))
     pairs, _ = _pairs(options)
     if not succeeded(pairs):
-        raise ConfigurationError('got no legs that succeeded and count; allowed: at least one')
+        raise ConfigurationError('no leg succeeded and counts; at least one must')
     nominal_speed = options.nominal_speed or values['max_speed']
     _say([check.score(options.predict, check.predict(values, pairs, nominal_speed),
                       check.success_rates(values, pairs))])

@@ -112,7 +112,7 @@ def _check_goals(plan: Any, path: str) -> None:
     from .movingai import read_problems
     for number, (one, problem) in enumerate(zip(plan.paths, read_problems(path))):
         if one[-1] != problem.goal:
-            raise ConfigurationError('agent {}: its path ends at column {}, row {}; allowed: its goal, column {}, row '
+            raise ConfigurationError('agent {}: its path ends at column {}, row {}, but its goal is column {}, row '
                                      '{}'.format(number, *one[-1], *problem.goal))
 
 

@@ -47,13 +47,13 @@ def check_starts(plan: Plan, site: Site) -> None:
     """
     robots = site.scenario.robots
     if len(robots) != len(plan.paths):
-        raise ConfigurationError('the plan has {} agents, the scenario {} robots; allowed: equal numbers'.format(
+        raise ConfigurationError('the plan has {} agents, but the scenario has {} robots'.format(
             len(plan.paths), len(robots)))
     for spec, path in zip(robots, plan.paths):
         start, (x, y) = spec.settings.start, site.grid.place(path[0])
         if math.hypot(start.x - x, start.y - y) > 1e-6 * site.grid.size:
-            raise ConfigurationError('{}: the plan begins at ({:g}, {:g}), the robot stands at ({:g}, {:g}) [m]; '
-                                     'allowed: the same place'.format(spec.name, x, y, start.x, start.y))
+            raise ConfigurationError('{}: the plan begins at ({:g}, {:g}), the robot stands at ({:g}, {:g}) [m]'.format(
+                spec.name, x, y, start.x, start.y))
 
 
 class Drive:

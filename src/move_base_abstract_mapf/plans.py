@@ -126,7 +126,7 @@ def _of_yaml(path: str, text: str) -> List[List[Cell]]:
     names = ['agent{}'.format(number) for number in range(len(schedule))]
     missing = next((name for name in names if name not in schedule), None)
     if missing is not None:
-        raise ConfigurationError('{}: schedule: {} is missing; allowed: agent0, agent1, ...'.format(path, missing))
+        raise ConfigurationError('{}: schedule: {} is missing: agents are agent0, agent1, ...'.format(path, missing))
     return [_timed(schedule[name], '{}: schedule: {}'.format(path, name)) for name in names]
 
 

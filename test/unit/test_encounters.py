@@ -258,7 +258,7 @@ def test_robots_of_two_laws_do_not_meet(tmp_path):
     with pytest.raises(ConfigurationError, match='different laws'):
         make_scenario({'encounters': 'calibrated', 'robots': robots})
     fleet = Fleet(make_scenario({'encounters': 'calibrated', 'robots': robots[:1]}))
-    with pytest.raises(ConfigurationError, match='same law for all robots'):
+    with pytest.raises(ConfigurationError, match='all robots need the same law'):
         fleet.add('b', calibration=other)
 
 

@@ -110,7 +110,7 @@ def test_two_entries_of_one_name_are_refused():
 
 @pytest.mark.parametrize('text, said', [
     ('time,stops\n1,moon\n', "place: got 'moon'; allowed: dock"),
-    ('time,stops\n,dock\n', 'time: not given'),
+    ('time,stops\n,dock\n', 'the time, a number in 0..2147483647 [s, simulated], is not given'),
     ('time,stops\n1,\n', 'stops: got'),
     ('time,stops\n-1,dock\n', 'time: got -1.0; allowed'),
     ('time,stops\n', 'got no orders; allowed: at least one'),

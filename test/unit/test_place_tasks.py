@@ -171,7 +171,7 @@ def test_removed_and_reset_robots_leave_the_room():
 
 def test_without_places_nobody_works_and_nothing_else_is_told():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a'}]}))
-    with pytest.raises(ConfigurationError, match='the scenario has no places'):
+    with pytest.raises(ConfigurationError, match='the scenario has no list of places'):
         fleet.robot('a').send_task(at_dock('ta'))
     traces = []
     for scenario in ({'robots': [{'name': 'a'}]}, {'robots': [{'name': 'a'}], 'places': []}):

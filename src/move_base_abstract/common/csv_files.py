@@ -41,7 +41,7 @@ def open_csv(path: StrPath, error_type: Type[ConfigurationError] = Configuration
 def _unpacked(stream: IO[bytes], path: StrPath, error_type: Type[ConfigurationError]) -> IO[bytes]:
     data = gzip.GzipFile(fileobj=stream).read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
-        raise error_type(f'{path}: unpacks to more than {MAX_BYTES} bytes; allowed: at most that')
+        raise error_type(f'{path}: unpacks to more than {MAX_BYTES} bytes, the most that are read')
     return io.BytesIO(data)
 
 

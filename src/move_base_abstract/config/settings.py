@@ -168,7 +168,7 @@ def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) ->
                 *(parameter.name for parameter in DURATIONS)):
         if key in raw and (key, raw[key]) != ('routes', 'none'):
             raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has no such parameter; '
-                                     'allowed: one of the two'.format(where.rstrip('/'), key, shown(raw[key]), profile))
+                                     'take one of the two out'.format(where.rstrip('/'), key, shown(raw[key]), profile))
     if 'pose_update_freq' not in raw:
         settings.values['pose_update_freq'] = POSE_RATES[profile]
     return replace(settings, tolerances=Tolerances(),
@@ -221,7 +221,7 @@ def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> 
         values['odom_frame'] = values['global_frame'] if is_mapless else _ODOM
     if values['robot_base_frame'] in (values['global_frame'], values['odom_frame']):
         raise ConfigurationError('parameter {}/robot_base_frame: got {}, which is the global or the odom frame too; '
-                                 'allowed: a name of its own'.format(
+                                 'it needs a name of its own'.format(
                                      where.rstrip('/'), shown(values['robot_base_frame'])))
     return used
 

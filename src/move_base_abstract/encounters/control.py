@@ -60,7 +60,7 @@ class Encounters:
         """
         if law != self.law:
             raise ConfigurationError("robot '{}': encounters: its calibration has a different law for them, or none; "
-                                     'allowed: the same law for all robots'.format(navigator.robot.name))
+                                     'all robots need the same law'.format(navigator.robot.name))
         participant = Participant(self, navigator, stream)
         self._robots[navigator.robot.index] = participant
         stream.tell(Meets(self.simulation.now_ns, participant.name, self.law.radius))

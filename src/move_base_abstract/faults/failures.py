@@ -122,7 +122,7 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     by_clearance = values['stuck_by_clearance']
     if by_clearance and not (kind == STUCK and values['use_map']):
         raise ConfigurationError('parameter {}/stuck_by_clearance: got {} with failure_kind: {} and use_map: {}; '
-                                 'allowed: with stuck and true only'.format(
+                                 'it is for stuck and true only'.format(
                                      where, shown(by_clearance), kind, str(values['use_map']).lower()))
     distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):

@@ -234,8 +234,8 @@ class Member:
 
     def _worker(self) -> PlaceTaskRunner:
         if self._tasks is None:
-            raise ConfigurationError('{} cannot work: the scenario has no places; allowed: a list, also an '
-                                     'empty one'.format(self._words()))
+            raise ConfigurationError('{} cannot work: the scenario has no list of places, which may '
+                                     'be empty'.format(self._words()))
         return self._tasks
 
     def _failing(self) -> Failing:

@@ -26,7 +26,7 @@ def run_secret(text: Any, path: Any) -> bytes:
             raise ConfigurationError('parameter /time_master/{}: got {!r}; allowed: a text'.format(key, value))
     if text and path:
         raise ConfigurationError('parameters /time_master/lockstep_secret and lockstep_secret_file: both are set; '
-                                 'allowed: one of them')
+                                 'set one of them')
     secret: bytes = _read(path) if path else text.encode('utf-8').strip()
     if len(secret) > LONGEST or (path or text) and not secret:
         raise ConfigurationError('parameter /time_master/lockstep_secret{}: got {}; allowed: 1 to {} bytes'.format(

@@ -195,7 +195,7 @@ def _check_mapping(raw: Mapping[str, Any], known: Tuple[str, ...], needed: Tuple
     check_keys(raw, known, where, '')
     missing = [key for key in needed if key not in raw]
     if missing:
-        raise ConfigurationError('{}: {} is missing; allowed: a mapping with {}'.format(
+        raise ConfigurationError('{}: {} is missing; needed are {}'.format(
             where, missing[0], ', '.join(needed)))
 
 
@@ -209,5 +209,5 @@ def _check_different(edges: List[Edge], where: str) -> None:
         for pair in [(edge.begin, edge.end)] + [(edge.end, edge.begin)] * (not edge.one_way):
             first = indices.setdefault(pair, index)
             if first != index:
-                raise ConfigurationError('{}: edges[{}]: edges[{}] leads from {} to {}, too; allowed: one edge for '
-                                         'each direction'.format(where, index, first, *map(shown, pair)))
+                raise ConfigurationError('{}: edges[{}]: edges[{}] leads from {} to {}, too; each direction has '
+                                         'one edge'.format(where, index, first, *map(shown, pair)))

@@ -131,7 +131,7 @@ def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
                     where, shown(dict(row)))) from None
             for name, place in ((row['from'], tuple(numbers[:2])), (row['to'], tuple(numbers[2:4]))):
                 if places.setdefault(name, place) != place:
-                    raise ConfigurationError('{}: {} is at {} and at {}; allowed: one place for each name'.format(
+                    raise ConfigurationError('{}: {} is at {} and at {}; a name has one place'.format(
                         where, shown(name), places[name], place))
             times.append({'from': row['from'], 'to': row['to'], 'seconds': numbers[4]})
     return {'places': [{'name': name, 'x': x, 'y': y} for name, (x, y) in places.items()], 'times': times}

@@ -113,7 +113,7 @@ class Dispatcher:
         """Take in an order at ``now_ns`` [ns]. An order that cannot be done is refused: a row says why."""
         fault = fault_of(order, self._places)
         if fault is None and order.order_id in self._seen:
-            fault = 'id: {} was given to an order before; allowed: an id of its own for each order'.format(
+            fault = 'id: {} was given to an order before; each order needs an id of its own'.format(
                 shown(order.order_id))
         if fault is not None:
             order_id = order.order_id if isinstance(order.order_id, str) else shown(order.order_id)

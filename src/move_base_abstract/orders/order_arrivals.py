@@ -207,7 +207,7 @@ def _read_file(name: str, path: str, places: Dict[str, Place], where: str) -> Li
     for index, (here, row) in enumerate(rows_in(path, 'orders', where, _cell)):
         values = read_entry(row, _ROW, here)
         if values['time'] is None:
-            raise ConfigurationError('{}: time: not given; allowed: {}'.format(here, TIME.allowed))
+            raise ConfigurationError('{}: the time, {}, is not given'.format(here, TIME.allowed))
         stops = tuple(read_stop(one, places, '{}: stops[{}]'.format(here, number_))
                       for number_, one in enumerate(read_stops(values['stops'], here)))
         rows.append((index + 1, Order('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), (),

@@ -171,7 +171,7 @@ def _filled(value: Any, arguments: Dict[str, str], used: Dict[str, str]) -> Any:
         return value
     name = found.group(1)
     if name not in arguments:
-        raise ConfigurationError(f'$(arg {name}) is not given; allowed: {name}:=VALUE after the name of the file')
+        raise ConfigurationError(f'$(arg {name}) is not given; {name}:=VALUE after the name of the file gives it')
     used[name] = arguments[name]
     return load_yaml_text(arguments[name], f'{name}:=')
 

@@ -220,8 +220,8 @@ def read_sources(raw: Any, key: str, table: Tuple[Parameter, ...], where: str,
         here = '{}: {}[{}]'.format(where, key, index)
         one: Any = read_one(read_entry(entry, table, here), here)
         if one.name in sources:
-            raise ConfigurationError("{}: name: '{}' is given to more than one entry; allowed: a name of its own "
-                                     '(if none is given, it is the name of the place)'.format(here, one.name))
+            raise ConfigurationError("{}: name: '{}' is given to more than one entry; each needs a name of its "
+                                     'own (if none is given, it is the name of the place)'.format(here, one.name))
         sources[one.name] = one
     return tuple(sources.values())
 
@@ -242,7 +242,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
     area = values['area'] or (0.0,) * 4
     work = read_work(values, where, place.work if place else Work())
     if work.seconds is None:
-        raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
+        raise ConfigurationError('{}: the duration, {}, is given neither here nor at a place'.format(
             where, _DURATION.allowed))
     until_ns = LAST_NS if values['until'] is None else seconds_to_ns(values['until'])
     return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns, values['priority'])
@@ -321,12 +321,12 @@ def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place
     """Return (the :class:`Task` of a row without its duration, the distribution of the duration)."""
     values = read_entry(row, _ROW, where)
     if values['time'] is None:
-        raise ConfigurationError('{}: time: not given; allowed: {}'.format(where, TIME.allowed))
+        raise ConfigurationError('{}: the time, {}, is not given'.format(where, TIME.allowed))
     place, pose = place_or_pose(row, values, places, where)
     work = place.work if place else Work()
     seconds = work.seconds if values['duration'] is None else Constant(values['duration'])
     if seconds is None:
-        raise ConfigurationError('{}: duration: not given, neither here nor at a place; allowed: {}'.format(
+        raise ConfigurationError('{}: the duration, {}, is given neither here nor at a place'.format(
             where, _DURATION.allowed))
     return Task('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), place.name if place else '', pose, 0,
                 values['power'] or work.power, values['energy'] or work.energy, values['priority']), seconds

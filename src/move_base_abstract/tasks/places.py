@@ -113,7 +113,7 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
         if name in places:
             raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
         if values['capacity'] is None and (values['queue'] is not None or values['preemption']):
-            raise ConfigurationError('{}: capacity: not given, but {} is; allowed: >= 1 with it'.format(
+            raise ConfigurationError('{}: capacity is not given, but {} is, which needs it'.format(
                 here, 'preemption' if values['queue'] is None else 'queue'))
         places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
                              values['reach'], read_work(values, here), values['queue'], values['preemption'])

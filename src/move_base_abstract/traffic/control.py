@@ -246,7 +246,7 @@ class Traffic:
 def _check_law(navigator: Navigator) -> None:
     if not navigator.robot.keeps_piece_limits:
         raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, allows no speed "
-                                 'limits of zones; allowed: zones without max_speed'.format(navigator.robot.name))
+                                 'limits of zones; leave max_speed out'.format(navigator.robot.name))
 
 
 def limited(start: Pose2D, corners: Any, goal: Pose2D, zones: Sequence[Tuple[Outline, float]]) -> Any:

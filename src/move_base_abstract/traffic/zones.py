@@ -80,8 +80,8 @@ def read_zones(raw: Any, where: str) -> Tuple[Zone, ...]:
     for index, zone in enumerate(zones):
         first = names.setdefault(zone.name, index)
         if first != index:
-            raise ConfigurationError("{}: zones[{}]: the name '{}' is that of zones[{}] too; allowed: a name of its "
-                                     'own for each zone'.format(where, index, zone.name, first))
+            raise ConfigurationError("{}: zones[{}]: the name '{}' is that of zones[{}] too; each zone needs a "
+                                     'name of its own'.format(where, index, zone.name, first))
     return zones
 
 

@@ -170,7 +170,7 @@ def _check_replications(experiment: Experiment) -> None:
                                   f"at most 'all', which is {experiment.replications.all}")
     count = experiment.replications.all * math.prod(len(values) for values in experiment.factors.values())
     if count > MOST_TRIALS:
-        raise ConfigurationError(f'{count} trials; allowed: at most {MOST_TRIALS}')
+        raise ConfigurationError(f'the experiment has {count} trials, more than {MOST_TRIALS}')
 
 
 def _check_compared(experiment: Experiment) -> None:

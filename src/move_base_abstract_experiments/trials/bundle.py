@@ -64,7 +64,7 @@ def pack(path: str, folders: Optional[Folders], patterns: Sequence[str], result:
     """
     members = [] if folders is None else _recorded(folders, patterns, result)
     if sum(os.lstat(source).st_size for source, _ in members) > MOST_BYTES:
-        result.fail(f'its outputs are more than {MOST_BYTES} bytes; allowed: at most that')
+        result.fail(f'its outputs are more than {MOST_BYTES} bytes, the most that are kept')
         members, has_all_logs = [], True
     members += _prints(path, folders, has_all_logs)
     told = json.dumps(result.written, allow_nan=False).encode()

@@ -82,7 +82,7 @@ def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
 def _check_version(job: Job) -> None:
     if job.common.version != plan.package_version():
         raise ConfigurationError(f'move_base_abstract is {plan.package_version()} on this worker, and '
-                                 f'{job.common.version} where the experiment was started; allowed: the same')
+                                 f'{job.common.version} where the experiment was started')
 
 
 def _check_files(job: Job) -> List[str]:

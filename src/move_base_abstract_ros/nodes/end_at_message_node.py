@@ -24,6 +24,6 @@ def main():
         lockstep.join()
         rospy.wait_for_message(topic, rospy.AnyMsg)
     except KeyError:
-        sys.exit('{}: the parameter topic is missing; allowed: the name of a topic'.format(rospy.get_name()))
+        sys.exit('{}: the parameter topic, the name of a topic, is missing'.format(rospy.get_name()))
     except (SimulatorError, rospy.ROSException) as error:
         sys.exit('{}: {}'.format(rospy.get_name(), error))

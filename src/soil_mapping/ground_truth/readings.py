@@ -61,7 +61,7 @@ def _read_rows(path: Union[str, Path], names: Tuple[str, str, Optional[str]]) ->
                 _check_place(row, header, columns, seen, where, lines.line_num)
                 rows.append(row)
                 if len(rows) > MAX_READINGS:
-                    raise ConfigurationError(f'{where}: more than {MAX_READINGS} readings; allowed: at most that')
+                    raise ConfigurationError(f'{where}: more than {MAX_READINGS} readings, the most that are read')
     return rows
 
 
