@@ -1,6 +1,7 @@
 """Reference pages from the sources: public Python names from the lists of the packages, messages from their files."""
 import ast
 import importlib
+from importlib.util import resolve_name
 from pathlib import Path
 
 from move_base_abstract.common.lazy_exports import exports_of
@@ -52,11 +53,27 @@ def _entry(kind, name):
     return ['```{eval-rst}', '.. {}:: {}{}'.format(kind, name, options), '```', '']
 
 
+def _text_of(home):
+    """Return (the text of a module's source, the package in which it lies or that it is)."""
+    path = (ROOT / 'src').joinpath(*home.split('.'))
+    if path.is_dir():
+        return (path / '__init__.py').read_text(encoding='utf-8'), home
+    return path.with_suffix('.py').read_text(encoding='utf-8'), home.rpartition('.')[0]
+
+
+def _home(home, name):
+    """Return the module that makes a name: ``home``, or the one from which that has it."""
+    text, package = _text_of(home)
+    imports = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)
+               and name in [alias.name for alias in node.names]]
+    if not imports:
+        return home
+    return _home(resolve_name('.' * imports[0].level + (imports[0].module or ''), package), name)
+
+
 def _kind(home, name):
     """Return Sphinx's directive for a name of a module, from its source, as not all modules can be imported."""
-    path = (ROOT / 'src').joinpath(*home.split('.'))
-    text = (path / '__init__.py' if path.is_dir() else path.with_suffix('.py')).read_text(encoding='utf-8')
-    found = {getattr(node, 'name', ''): node for node in ast.parse(text).body}.get(name)
+    found = {getattr(node, 'name', ''): node for node in ast.parse(_text_of(home)[0]).body}.get(name)
     return {ast.ClassDef: 'autoclass', ast.FunctionDef: 'autofunction'}.get(type(found), 'autodata')
 
 
@@ -66,6 +83,7 @@ def _rooms(package):
     for path in [folder / '__init__.py', *sorted(folder.glob('*/__init__.py'))]:
         room = '' if path.parent == folder else path.parent.name
         here = '.'.join(part for part in (package, room) if part)
-        names = [(name, here + module) for name, module in exports_of(path.read_text(encoding='utf-8')).items()]
+        exports = exports_of(path.read_text(encoding='utf-8'))
+        names = [(name, _home(resolve_name(module, here), name)) for name, module in exports.items()]
         if names:
             yield room, names
