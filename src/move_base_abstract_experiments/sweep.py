@@ -132,7 +132,8 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     """Check a trial's launch file. Add a note for the user to ``notes`` for each kind of node, '' if there is none."""
     from roslaunch.arg_dump import get_args
 
-    from move_base_abstract_ros.launching import given, plan, roles
+    from move_base_abstract_ros.launching import given, roles
+    from move_base_abstract_ros.launching.plan import launch_options
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
     # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
@@ -143,7 +144,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
             raise unknown('args: the argument', name, declared)
     try:
         config = launch_files.read([(path, arguments)], is_tolerant)
-        options = plan.launch_options(trial.run_options)
+        options = launch_options(trial.run_options)
         given.add_to(config, launch_files.adopted(config, options) if experiment.adopt else options)
     except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None

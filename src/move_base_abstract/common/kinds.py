@@ -120,7 +120,7 @@ def number(low: float = -math.inf, high: float = math.inf, whole: bool = False, 
     def made(value: Any) -> Any:
         if or_word and value == or_word:
             return value
-        if whole and isinstance(value, float) and value.is_integer():
+        if whole and isinstance(value, float) and float.is_integer(value):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not (
                 low <= value <= high and (above is None or value > above) or or_zero and value == 0) or not (
@@ -153,8 +153,8 @@ def _end(value: float) -> str:
 
 def short(value: Any) -> str:
     """Return a number as a word: 4.0 as '4'; a text as it is."""
-    return str(int(value)) if isinstance(value, float) and value.is_integer() and abs(value) < _LARGEST_WHOLE else (
-        str(value))
+    is_whole = isinstance(value, float) and float.is_integer(value) and abs(value) < _LARGEST_WHOLE
+    return str(int(value) if is_whole else value)
 
 
 def integer(low: float, high: float = math.inf, **others: Any) -> Kind:

@@ -5,6 +5,7 @@ is active, the newest goal wins, and a cancel names an id, a time or all goals. 
 """
 from __future__ import annotations
 
+import typing
 from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Callable, List, Optional
@@ -55,7 +56,7 @@ class GoalLedger:
         self._last_cancel_ns = 0
         # A cancel may overtake its goal on another socket. actionlib forgets such a cancel after some seconds of ROS
         # time, which is very short at a high speed. Here the last 1000 are remembered, whatever their age.
-        self._early_cancels: OrderedDict[str, None] = OrderedDict()
+        self._early_cancels: typing.OrderedDict[str, None] = OrderedDict()
         #: whether nothing is published for now
         self.is_silent = False
         self._untold: List[GoalRecord] = []
