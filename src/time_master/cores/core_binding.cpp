@@ -155,8 +155,8 @@ void CoreBinding::bind() {
 }
 
 /**
- * @brief Share the cores out: from the process that has worked most, each gets the core with the
- * least work so far. One that is bound already stays where it is.
+ * @brief Share the cores out: from the process that has worked most since the last time, each gets
+ * the core with the least work so far. One that is bound already stays where it is.
  */
 void CoreBinding::share() {
   std::map<int, Nanoseconds> loads;
@@ -165,14 +165,16 @@ void CoreBinding::share() {
     loads[core] = 0;
   }
   for (auto& [id, process] : processes_) {
-    const Nanoseconds worked = workOf(id) - process.worked;
     if (process.is_left_alone) {
       continue;
     }
+    const Nanoseconds now = workOf(id);
+    const Nanoseconds worked = now - process.worked;
     if (is_bound_ && process.core >= 0) {
       loads[process.core] += worked;
     } else {
       order.emplace_back(worked, &process);
+      process.worked = now;
     }
   }
   std::stable_sort(order.begin(), order.end(),

@@ -58,7 +58,7 @@ class CoreBinding {
     std::string began;       // as /proc says, since another process may get its number
     cpu_set_t own;           // of its first thread
     int core = -1;           // the one that it has when it is bound; -1: none yet
-    Nanoseconds worked = 0;  // CPU time, when it was added
+    Nanoseconds worked = 0;  // CPU time, when it was added, or when the cores were shared out
     int uses = 0;
     bool is_left_alone = false;
     std::map<pid_t, cpu_set_t> threads;  // the cores that each had

@@ -78,11 +78,16 @@ void CoreKeeper::finishRound(Nanoseconds wall) {
 Nanoseconds CoreKeeper::beginRound(Nanoseconds wall) {
   const bool looks = binding_.claimed().areShared() && wall >= free_core_due_;
   const bool is_early = layout_ == CoreLayout::kApart && round_ < kRoundsBefore;
-  if (is_early || (binding_.isBound() && !is_new_ && !looks)) {
+  const bool shares = layout_ == CoreLayout::kApart && round_ >= next_share_;
+  if (is_early || (binding_.isBound() && !is_new_ && !looks && !shares)) {
     return wall;
   }
   if (looks || !binding_.hasChoice()) {
     binding_.leaveCores();
+  }
+  if (shares) {
+    binding_.release();
+    next_share_ = 4 * round_;
   }
   if (binding_.hasChoice()) {
     binding_.bind();

@@ -59,6 +59,7 @@ class CoreKeeper {
   bool is_over_;         // or never begins
   bool is_new_ = false;  // a process was added that is not bound yet
   std::uint64_t round_ = 0;
+  std::uint64_t next_share_ = 0;    // the round in which the cores are shared out anew
   std::size_t grants_ = 0;          // of the round under way; 0: there is none
   Nanoseconds begun_ = 0;           // wall, of this round
   Nanoseconds in_rounds_ = 0;       // wall, while one core is kept
