@@ -10,13 +10,14 @@ arguments are wrong.
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.common.shown import shown
 from move_base_abstract.motion.calibration import calibration_file, read_calibration
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .legs import RecordedLeg, Way
 
 _YAML = 'calibration.yaml'
+_COUNT = word_of(number(0, 100_000, whole=True))
 _KEPT = '90 %, as the calibration said to which encounters were fitted'
 
 
@@ -61,16 +63,16 @@ def _parse(words: Any) -> argparse.Namespace:
                         'that ships)')
     parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '
                         'on this map, not the recorded ones')
-    parser.add_argument('--radius', type=_positive, metavar='M', default=0.46,
+    parser.add_argument('--radius', type=POSITIVE, metavar='M', default=0.46,
                         help='with --map or --encounters: distance of ways from occupied cells (default: '
                         '%(default)g m)')
-    parser.add_argument('--clear-of-robots', type=_positive, metavar='M', help='leave out legs that came nearer than '
+    parser.add_argument('--clear-of-robots', type=POSITIVE, metavar='M', help='leave out legs that came nearer than '
                         'this to another robot, if the recording says so')
     parser.add_argument('--pose-topic', metavar='NAME', help="for bags: the topic of the poses in a robot's "
                         'namespace (default: base_pose_ground_truth, then amcl_pose, then odom)')
-    parser.add_argument('--nominal-speed', type=_positive, metavar='M/S', help='speed of the straight-line prediction '
+    parser.add_argument('--nominal-speed', type=POSITIVE, metavar='M/S', help='speed of the straight-line prediction '
                         'that is shown for comparison (default: the fitted top speed)')
-    parser.add_argument('--bootstrap', type=_count, metavar='N', default=100, help='number of bootstrap samples for '
+    parser.add_argument('--bootstrap', type=_COUNT, metavar='N', default=100, help='number of bootstrap samples for '
                         'the '
                         'intervals of the parameters (default: %(default)d)')
     parser.add_argument('--source', metavar='TEXT', help='one line that says where the recordings come from')
@@ -194,17 +196,3 @@ def _map(options: argparse.Namespace, notes: Any) -> Any:
     description = read_description(options.map)
     notes += list(description.warnings)
     return load_map(description)
-
-
-def _positive(text: str) -> Any:
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
-    return value
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if not 0 <= value <= 100_000:
-        raise argparse.ArgumentTypeError('must be a whole number in 0..100000, got {}'.format(shown(text)))
-    return value

@@ -7,13 +7,16 @@ import sys
 from typing import Optional, Sequence
 
 from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract.common.options import add_arguments, given
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import add_arguments, given, word_of
 from move_base_abstract.lockstep.run_options import RunOptions
 
 from . import ending
 from .ending import CANNOT, INTERRUPTED
 
 GOOD, BAD = 0, 1
+_COUNT = word_of(number(1, 1024, whole=True))
+_AMOUNT = word_of(number(above=0.0, high=1e9))
 
 
 def main(words: Optional[Sequence[str]] = None) -> int:
@@ -34,7 +37,7 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     run.add_argument('-o', '--output', required=True, metavar='OUT', help='folder of the experiment: new, empty, or '
                      'made by this program')
     where = run.add_mutually_exclusive_group()
-    where.add_argument('--workers', type=_count, default=None, metavar='N', help='worker processes on this computer '
+    where.add_argument('--workers', type=_COUNT, default=None, metavar='N', help='worker processes on this computer '
                        '(default: one per core)')
     where.add_argument('--scheduler', metavar='ADDRESS', help='use a running Dask scheduler, tcp://HOST:PORT')
     run.add_argument('--dashboard', action='store_true', help="serve Dask's dashboard on 127.0.0.1")
@@ -51,8 +54,8 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     rerun.add_argument('output', metavar='OUT')
     rerun.add_argument('trial', metavar='TRIAL', help='the trial, by its id or the number that the id begins with')
     rerun.add_argument('--rviz', action='store_true', help='show the trial in RViz')
-    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='S', help='end at this simulated time [s]')
-    rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='run at most F times as fast as '
+    rerun.add_argument('--until', type=_AMOUNT, default=0.0, metavar='S', help='end at this simulated time [s]')
+    rerun.add_argument('--speed', type=_AMOUNT, default=0.0, metavar='F', help='run at most F times as fast as '
                        'real time')
     rerun.add_argument('--logs', metavar='FOLDER', help='keep the logs of this run in this new folder')
     rerun.set_defaults(act=_rerun)
@@ -62,20 +65,6 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
                         "experiment names under 'report'; for folders that somebody else made")
     report.set_defaults(act=_report)
     return parser.parse_args(words)
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 1024:
-        raise argparse.ArgumentTypeError(f'must be a whole number in 1..1024, got {text}')
-    return value
-
-
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value <= 1e9:
-        raise argparse.ArgumentTypeError(f'must be a number > 0, at most 1e9, got {text}')
-    return value
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 import sys
 from typing import Any, Optional, Sequence
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.options import POSITIVE
 
 _FORMAT = '{"format": "move_base_abstract mapf 1",\n'
 _NEAR = 0.7  # cells; two robots that follow each other around a corner come as near as 0.707
@@ -47,8 +46,8 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
                       help='number of problems that are used, one robot each')
     make.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
                       'command made; nothing else is replaced')
-    make.add_argument('--cell', type=_positive, default=1.0, metavar='M', help='side of a cell [m] (default: 1)')
-    make.add_argument('--step', type=_positive, default=1.0, metavar='S', help='duration of a step [s] (default: 1)')
+    make.add_argument('--cell', type=POSITIVE, default=1.0, metavar='M', help='side of a cell [m] (default: 1)')
+    make.add_argument('--step', type=POSITIVE, default=1.0, metavar='S', help='duration of a step [s] (default: 1)')
     make.set_defaults(run=_import)
     run = commands.add_parser('run', help='drive a plan, in plain Python', description=(
         "Drive a plan in plain Python, with the scenario's durations and failures, and print the result."))
@@ -57,20 +56,13 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
     run.add_argument('--policy', choices=('as_timed', 'order_kept', 'cell_left'), default='order_kept',
                      help='what must be true before a robot moves (default: %(default)s)')
     run.add_argument('--goals', metavar='FILE.scen', help='check that paths end at the goals of this file')
-    run.add_argument('--near', type=_positive, default=None, metavar='M',
+    run.add_argument('--near', type=POSITIVE, default=None, metavar='M',
                      help='count robots that come nearer than this [m] (default: {} of a cell)'.format(_NEAR))
     run.add_argument('--seed', type=int, default=None, help="replaces the scenario's seed")
     run.add_argument('--log', metavar='RUN.jsonl', help='write the run as an event log, for replay')
     run.add_argument('--json', metavar='OUT.json', help='write the figures as JSON')
     run.set_defaults(run=_run)
     return parser.parse_args(words)
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError('got {}; allowed: a finite number > 0'.format(shown(text)))
-    return value
 
 
 def _import(options: Any) -> int:

@@ -8,15 +8,15 @@ Exit codes: 0 the files are written; 2 a file cannot be read or written, or the 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from typing import Any, Iterator
 
 from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import word_of
 
 _PAGE = 'replay.html'
-_MOST_RATE = 1000.0  # Hz
+_RATE = word_of(number(above=0.0, high=1000.0, unit='Hz'))
 
 
 def main(words: Any = None) -> None:
@@ -48,7 +48,7 @@ def _parse(words: Any) -> Any:
                         'replaced, no other file is'.format(_PAGE))
     parser.add_argument('--mcap', metavar='FILE', help='write the run as ROS 1 messages into this new MCAP file')
     parser.add_argument('--bag', metavar='FILE', help='write the run as ROS messages into this new bag')
-    parser.add_argument('--rate', type=_rate, default=10.0, metavar='HZ', help='rate of the poses of moving robots in '
+    parser.add_argument('--rate', type=_RATE, default=10.0, metavar='HZ', help='rate of the poses of moving robots in '
                         '--mcap and --bag [Hz, simulated] (default: %(default)g)')
     parser.add_argument('--frame', default='map', help='frame of the poses in --mcap and --bag (default: %(default)s)')
     options = parser.parse_args(words)
@@ -74,10 +74,3 @@ def _write(options: Any) -> Iterator[Any]:
             if output:
                 write(options.logs[0], output, options.rate, options.frame)
                 yield output
-
-
-def _rate(text: str) -> Any:
-    value = float(text)
-    if not 0.0 < value <= _MOST_RATE or math.isnan(value):
-        raise argparse.ArgumentTypeError('must be > 0 and <= {:g} [Hz], got {}'.format(_MOST_RATE, shown(text)))
-    return value

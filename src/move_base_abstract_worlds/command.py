@@ -13,18 +13,18 @@ import json
 import os
 import sys
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import word_of
 
 from .findings import KINDS
 from .sites import KINDS as KINDS_OF_SITES, make_site
 
 if TYPE_CHECKING:
     from .findings import Finding
-    from .sites import Size
     from .world import World
 
 _FORMAT = '{"format": "move_base_abstract scenario check 1",\n'
@@ -74,19 +74,10 @@ def _add_make(commands: Any) -> None:
         one.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
                          'program made as a scenario; nothing else is replaced')
         for size in sizes:
-            one.add_argument('--' + size.name.replace('_', '-'), type=_whole(size), default=size.default, metavar='N',
+            one.add_argument('--' + size.name.replace('_', '-'), default=size.default, metavar='N',
+                             type=word_of(number(size.least, size.most, whole=True)),
                              help='{} (default: {})'.format(size.what, size.default))
         one.set_defaults(run=_make, kind=kind)
-
-
-def _whole(size: Size) -> Callable[..., Any]:
-    """Return the type of an argument for argparse: a whole number within the bounds of a Size."""
-    def convert(text: str) -> int:
-        if not text.isdecimal() or not size.least <= int(text[:20]) <= size.most:
-            raise argparse.ArgumentTypeError('got {}; allowed: a whole number in {}..{}'.format(
-                shown(text), size.least, size.most))
-        return int(text)
-    return convert
 
 
 def _make(options: argparse.Namespace) -> int:

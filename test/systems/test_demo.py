@@ -132,8 +132,8 @@ class Demo(unittest.TestCase):
         self.assert_all_gone(children)
 
     def test_wrong_arguments_and_files_are_refused_before_anything_starts(self):
-        for arguments, code, words in ((['--factor', 'nan'], 2, 'must be a number in 0.01..1e+06, got nan'),
-                                       (['--speed', '0'], 2, 'must be a finite number > 0, got 0'),
+        for arguments, code, words in ((['--factor', 'nan'], 2, 'got nan; allowed: a number in 0.01..1e6'),
+                                       (['--speed', '0'], 2, 'got 0.0; allowed: a finite number > 0'),
                                        (['--robots', '9'], 1, 'their number must be 1..2, got 9')):
             output, got = self.finish(self.start(80, *arguments))
             self.assertEqual(got, code, output)

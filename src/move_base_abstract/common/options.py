@@ -12,7 +12,7 @@ import sys
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, NoReturn, Optional, Sequence, Tuple, Type, TypeVar
 
 from .errors import ConfigurationError
-from .kinds import Kind, Schema, error, unknown
+from .kinds import Kind, Schema, error, number, unknown
 from .shown import shown
 
 T = TypeVar('T')
@@ -164,7 +164,8 @@ def add_arguments(parser: argparse._ActionsContainer, cls: Type[Any],
         elif 'enum' in one.kind.schema:
             how['choices'] = one.kind.schema['enum']
         else:
-            how.update(type=_of_word(one), metavar=one.metavar, action='append' if one.kind.each else 'store')
+            how.update(type=word_of(one.word_kind, one.metavar if isinstance(one.initial, dict) else ''),
+                       metavar=one.metavar, action='append' if one.kind.each else 'store')
         parser.add_argument(one.word, help=one.plain.replace('%', '%%') + (
             '' if not one.default else f' (default: {one.default})'), **how)
         if one.was:
@@ -203,24 +204,30 @@ def _flag(name: str) -> str:
     return '--' + name.replace('_', '-')
 
 
-def _of_word(one: Option) -> Callable[[str], Any]:
-    """Return the function that converts a word of a command line to the value that a file would have."""
+def word_of(kind: Kind, metavar: str = '') -> Callable[[str], Any]:
+    """Return the function that converts a word of a command line to the value of ``kind`` that a file would have.
+
+    ``metavar``: the form NAME=VALUE of the word, for errors; '': it has no such form.
+    """
     def convert(word: str) -> Any:
-        is_pair = isinstance(one.initial, dict)
         try:
-            if is_pair and '=' not in word:
+            if metavar and '=' not in word:
                 raise ConfigurationError(f'got {shown(word)}')
-            value = one.word_kind.of_word(word)
+            try:
+                value = kind.of_word(word)
+            except ConfigurationError:
+                raise
+            except ValueError:
+                value = word  # the check refuses it with an error that says what is allowed
+            kind.check('', value)
         except ConfigurationError as problem:
-            raise argparse.ArgumentTypeError(f'must be {one.metavar}; {problem}') from None
-        except ValueError:
-            value = word  # the check refuses it with an error that says what is allowed
-        try:
-            one.word_kind.check('', value)
-        except ConfigurationError as problem:
-            raise argparse.ArgumentTypeError(f'must be {one.metavar}; {problem}' if is_pair else str(problem)) from None
+            raise argparse.ArgumentTypeError(f'must be {metavar}; {problem}' if metavar else str(problem)) from None
         return value
     return convert
+
+
+#: converts words that are finite numbers > 0
+POSITIVE = word_of(number(above=0.0))
 
 
 class _Refused(argparse.Action):

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import list_of, text
-from move_base_abstract.common.options import given, of_arguments, option, words_of
+from move_base_abstract.common.kinds import list_of, number, text
+from move_base_abstract.common.options import given, of_arguments, option, word_of, words_of
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
@@ -23,6 +23,7 @@ from .runs import RunRequest, RunResult, Runs, document_of
 GOOD, FAILED, OTHER = 0, 1, 3
 _LARGEST_SEED = 2147483647
 _OUTPUT = 'chaos.json'
+_COUNT = word_of(number(1, 1024, whole=True))
 #: RunOptions that mean nothing here
 _REFUSED = {**dict.fromkeys(('chaos_seed', 'chaos_delay', 'chaos_only'), '--seeds and --delay say what is tried'),
             'lookahead': 'with a lookahead no events are equal'}
@@ -56,9 +57,9 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
         'run like this, 3 (with --replay) it does not fail any more, 130 interrupted')
     parser.add_argument('--seeds', type=_seeds, default=(1, 100), metavar='FIRST:LAST', help='seeds to try '
                         '(default: 1:100)')
-    parser.add_argument('--delay', type=_delay, default=0.0, metavar='S',
+    parser.add_argument('--delay', type=word_of(number(0.0, 1000.0, unit='s, simulated')), default=0.0, metavar='S',
                         help='messages take up to S simulated seconds; 0: only the order of equal events changes')
-    parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
+    parser.add_argument('--workers', type=_COUNT, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one per core)')
     parser.add_argument('--output', default=_OUTPUT, metavar='FILE', help='file that replays the failure '
                         '(default: %(default)s)')
@@ -77,20 +78,6 @@ def _seeds(text: str) -> Tuple[int, int]:
     if not 1 <= low <= high <= _LARGEST_SEED:
         raise argparse.ArgumentTypeError(f'must be FIRST:LAST in 1..{_LARGEST_SEED}, got {text}')
     return low, high
-
-
-def _delay(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value <= 1000.0:
-        raise argparse.ArgumentTypeError(f'must be a number of simulated s in 0..1000, got {text}')
-    return value
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 1024:
-        raise argparse.ArgumentTypeError(f'must be a whole number in 1..1024, got {text}')
-    return value
 
 
 def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:

@@ -10,7 +10,6 @@ Exit codes: 0 the mission is done; 1 it failed (the reason is printed); 2 wrong 
 
 import argparse
 import contextlib
-import math
 import signal
 import sys
 import time
@@ -19,7 +18,8 @@ import rospy
 
 from move_base_abstract import mission
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.orders.policies import POLICIES
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
@@ -29,8 +29,8 @@ from move_base_abstract_ros.nodes.demo_run.run_log import RunLog
 from move_base_abstract_ros.replacing import rospy_start
 
 LAST_LOOK_SECONDS = 1.0  # wall
-FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # the limits of the time master
-MAX_COUNT = 10000  # the limit for the number of robots, of goals of each robot, and of orders
+_FACTOR = word_of(number(0.01, 1e6))  # the limits of the time master
+_COUNT = word_of(number(1, 10000, whole=True))  # of robots, of goals of each robot, and of orders
 
 
 def main():
@@ -174,7 +174,7 @@ def _parse(words):
                                      'on a ROS master of its own (127.0.0.1, free port).')
     parser.add_argument('--clock', choices=('lockstep', 'scaled'), default='lockstep',
                         help='leap from event to event, or run at a factor (default: %(default)s)')
-    parser.add_argument('--factor', type=_factor, metavar='F',
+    parser.add_argument('--factor', type=_FACTOR, metavar='F',
                         help='simulated seconds per wall second, 0.01..1e6; in lockstep an upper limit '
                         '(default: no limit; scaled: 20; with --rviz 20)')
     source = parser.add_mutually_exclusive_group()
@@ -182,12 +182,12 @@ def _parse(words):
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
     source.add_argument('--world', choices=(warehouse.KIND,), help='drive in a warehouse that is made by sizes, with '
                         'orders that arrive and a dispatcher')
-    parser.add_argument('--orders', type=_count, metavar='N', help='number of orders within an hour; only with --world '
+    parser.add_argument('--orders', type=_COUNT, metavar='N', help='number of orders within an hour; only with --world '
                         f'(default: {warehouse.ORDERS})')
     parser.add_argument('--policy', choices=POLICIES, help="the dispatcher's policy; only with --world")
-    parser.add_argument('--robots', type=_count, metavar='N',
+    parser.add_argument('--robots', type=_COUNT, metavar='N',
                         help='number of robots (default: 5, or all of the mission; with --world 50)')
-    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')
+    parser.add_argument('--goals', type=_COUNT, metavar='K', help='goals of each robot, only with --csv (default: 6)')
     parser.add_argument('--seed', type=int, metavar='S',
                         help='seed of the choice of points or of the orders, only with --csv or --world (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
@@ -195,7 +195,7 @@ def _parse(words):
     parser.add_argument('--rviz', action='store_true', help='show the run in RViz, which must be installed')
     parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
                         'only in lockstep')
-    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
+    parser.add_argument('--speed', type=POSITIVE, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     parser.add_argument('--replay', metavar='FILE', help='the page that is made at the end (default: '
                         'demo_replay.html in the folder move_base_abstract of ROS_HOME)')
     arguments = parser.parse_args(words)
@@ -216,24 +216,3 @@ def _check_world(parser, arguments):
     for name in ('orders', 'policy'):
         if getattr(arguments, name) is not None and not arguments.world:
             parser.error(f'--{name} needs --world')
-
-
-def _positive(text):
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
-    return value
-
-
-def _factor(text):
-    value = float(text)
-    if not FACTOR_MIN <= value <= FACTOR_MAX:
-        raise argparse.ArgumentTypeError(f'must be a number in {FACTOR_MIN:g}..{FACTOR_MAX:g}, got {text}')
-    return value
-
-
-def _count(text):
-    value = int(text) if text.isdecimal() and len(text) < 10 else 0
-    if not 1 <= value <= MAX_COUNT:
-        raise argparse.ArgumentTypeError(f'must be a whole number in 1..{MAX_COUNT}, got {shown_text(text)}')
-    return value

@@ -13,7 +13,6 @@ its end; 4 identical, but labelled (not called repeatable, or degraded), or noth
 identical, but a property is broken (--property).
 """
 import argparse
-import math
 import os
 import shutil
 import sys
@@ -21,8 +20,9 @@ import tempfile
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.kinds import number
 from move_base_abstract.common.lasting_output import outlive_readers
-from move_base_abstract.common.options import words_of
+from move_base_abstract.common.options import POSITIVE, word_of, words_of
 from move_base_abstract.common.own_files import FolderKind
 from move_base_abstract.common.shown import shown
 
@@ -115,12 +115,13 @@ def _parse(words):
         'end, 4 identical but labelled (or nothing to compare), 5 a node crashed, 6 a property is broken')
     command_line.add_run(parser)
     which = parser.add_mutually_exclusive_group()
-    which.add_argument('--runs', type=_count, metavar='N', help='run only the first N conditions, 2 to {} (default: '
+    count = word_of(number(2, len(conditions.NAMES), whole=True))
+    which.add_argument('--runs', type=count, metavar='N', help='run only the first N conditions, 2 to {} (default: '
                        'all)'
                        .format(len(conditions.NAMES)))
     which.add_argument('--conditions', type=_conditions, metavar='A,B', help='run only these conditions: {}'.format(
         ', '.join(conditions.NAMES)))
-    parser.add_argument('--time-limit', type=_seconds, default=600.0, metavar='S',
+    parser.add_argument('--time-limit', type=POSITIVE, default=600.0, metavar='S',
                         help='time that a run may take [s, wall] (default: %(default)g)')
     parser.add_argument('--output', metavar='FOLDER', help='new or empty folder for logs and outputs '
                         '(default: a temporary one, which is kept if something is wrong)')
@@ -163,13 +164,6 @@ def _next_steps(options):
     return steps
 
 
-def _count(text):
-    value = int(text)
-    if not 2 <= value <= len(conditions.NAMES):
-        raise argparse.ArgumentTypeError('must be 2 to {}, got {}'.format(len(conditions.NAMES), shown(text)))
-    return value
-
-
 def _conditions(text):
     names = text.split(',')
     for name in names:
@@ -178,10 +172,3 @@ def _conditions(text):
     if len(set(names)) < 2:
         raise argparse.ArgumentTypeError('must be two conditions at least, got {}'.format(shown(text)))
     return names
-
-
-def _seconds(text):
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
-    return value

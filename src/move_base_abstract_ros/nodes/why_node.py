@@ -10,7 +10,6 @@ Exit codes: 0 the time master has answered; 1 it has not; 2 wrong arguments.
 
 import argparse
 import json
-import math
 import os
 import re
 import shutil
@@ -21,6 +20,7 @@ import genpy
 import rosgraph
 import rospy
 
+from move_base_abstract.common.options import POSITIVE
 from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.replacing import rospy_start
 
@@ -77,18 +77,11 @@ def _parse(words):
     parser = argparse.ArgumentParser(prog='why', description='Say why simulated time moves, or why it does not.',
                                      epilog='exit codes: 0 the time master has answered, 1 it has not')
     parser.add_argument('--json', action='store_true', help="the time master's whole state as one JSON object")
-    parser.add_argument('--timeout', type=_seconds, default=5.0, metavar='S', help='time to wait for an answer [s, '
+    parser.add_argument('--timeout', type=POSITIVE, default=5.0, metavar='S', help='time to wait for an answer [s, '
                         'wall] (default: %(default)g)')
     parser.add_argument('--ns', default='/time_master', metavar='NAME', help='name of the time master (default: '
                         '%(default)s)')
     return parser.parse_args(words)
-
-
-def _seconds(text):
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
-    return value
 
 
 def _ask(topic, timeout):

@@ -5,7 +5,6 @@ Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arg
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 import time
@@ -14,7 +13,8 @@ from typing import Any
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.options import POSITIVE, word_of
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
@@ -22,7 +22,8 @@ from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
-MAX_COUNT = 10000  # of seeds, and of trials at a time
+_COUNT = word_of(number(1, 10000, whole=True))  # of seeds, and of trials at a time
+_SEED = word_of(number(-1e99, 1e99, whole=True))  # the configuration says which are allowed
 ENGINE_OPTIONS = {  # options of one engine or clock only: default, and the arguments with which the option applies
     'clock': ('lockstep', '--engine ros'), 'factor': (10.0, '--engine ros --clock scaled'),
     'limit': (0.0, '--engine ros --clock lockstep'), 'charge': ('none', '--engine ros --clock lockstep'),
@@ -192,7 +193,7 @@ def _add_trial(parser: Any) -> None:
     parser.add_argument('--motion', choices=('euclidean', 'eight'),
                         help='motion on Mesa: euclidean = straight; eight = one 2 m cell a second in eight directions, '
                         'with --cell 2 (default: euclidean)')
-    parser.add_argument('--seed', type=_whole, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
+    parser.add_argument('--seed', type=_SEED, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
     parser.add_argument('--allocation', default='ssi', metavar='NAME', help='rr (round robin), ssi (auction), or a '
                         'class of your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--sampling', default='dynamic', metavar='NAME', help='random, dynamic, grid, or a class of '
@@ -204,17 +205,17 @@ def _add_trial(parser: Any) -> None:
 
 def _add_run(parser: Any) -> None:
     parser.set_defaults(run=_run)
-    parser.add_argument('--seeds', type=_count, default=10, metavar='N',
+    parser.add_argument('--seeds', type=_COUNT, default=10, metavar='N',
                         help='seeds 0..N-1 of each configuration on Mesa and in lockstep (default: %(default)s)')
-    parser.add_argument('--scaled-seeds', type=_count, default=3, metavar='N',
+    parser.add_argument('--scaled-seeds', type=_COUNT, default=3, metavar='N',
                         help='seeds 0..N-1 of each configuration and factor on the scaled clock (default: %(default)s)')
     parser.add_argument('--groups', nargs='+', metavar='GROUP',
                         help='only these groups of trials, such as mesa or ros-lockstep')
-    parser.add_argument('--jobs', type=_count, default=len(os.sched_getaffinity(0)), metavar='N',
+    parser.add_argument('--jobs', type=_COUNT, default=len(os.sched_getaffinity(0)), metavar='N',
                         help='number of trials at a time (default: number of cores, %(default)s)')
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='a running Dask scheduler that runs the trials instead, tcp://HOST:PORT')
-    parser.add_argument('--verify', type=_share, default=0.05, metavar='SHARE',
+    parser.add_argument('--verify', type=word_of(number(0.0, 1.0)), default=0.05, metavar='SHARE',
                         help='chance that a trial runs twice, 0..1; the first trial always does (default: %(default)s)')
     parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
                         help='folder of the study; complete trials in it are kept (default: %(default)s)')
@@ -229,44 +230,17 @@ def _add_mission(parser: Any, pictures: Any) -> None:
                         '%(default)s)')
     parser.add_argument('--size', default='', metavar='WxH', help="for csv:PATH: stretch the readings' bounding box to "
                         'this size in m, such as 324x220 (default: their own size)')
-    parser.add_argument('--robots', type=_count, default=3, metavar='N', help='number of robots (default: %(default)s)')
-    parser.add_argument('--budget', dest='budget_s', type=_positive, default=240.0, metavar='S',
+    parser.add_argument('--robots', type=_COUNT, default=3, metavar='N', help='number of robots (default: %(default)s)')
+    parser.add_argument('--budget', dest='budget_s', type=POSITIVE, default=240.0, metavar='S',
                         help='simulated s that a trial lasts (default: %(default)g)')
     parser.add_argument('--dwell', dest='dwell_s', type=float, default=1.0, metavar='S',
                         help='simulated s that a sample takes (default: %(default)g)')
     parser.add_argument('--dwell-spread', dest='dwell_spread_s', type=float, default=0.0, metavar='S',
                         help='each dwell is drawn evenly from dwell - S to dwell + S (default: %(default)g)')
-    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='speed of the robots in m/s '
+    parser.add_argument('--speed', type=POSITIVE, default=2.0, metavar='V', help='speed of the robots in m/s '
                         '(default: %(default)g)')
-    parser.add_argument('--cell', dest='cell_m', type=_positive, default=1, metavar='M',
+    parser.add_argument('--cell', dest='cell_m', type=POSITIVE, default=1, metavar='M',
                         help='edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2 '
                         '(default: %(default)s)')
     parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,  # type: ignore[attr-defined]
                         help='draw the maps of the trial')
-
-
-def _positive(text: str) -> Any:
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {shown_text(text)}')
-    return value
-
-
-def _share(text: str) -> Any:
-    value = float(text)
-    if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f'must be a number in 0..1, got {shown_text(text)}')
-    return value
-
-
-def _whole(text: str) -> Any:
-    if not text.lstrip('-').isdecimal() or len(text) > 100:
-        raise argparse.ArgumentTypeError(f'must be a whole number, got {shown_text(text)}')
-    return int(text)
-
-
-def _count(text: str) -> Any:
-    value = _whole(text)
-    if not 1 <= value <= MAX_COUNT:
-        raise argparse.ArgumentTypeError(f'must be a whole number in 1..{MAX_COUNT}, got {shown_text(text)}')
-    return value
