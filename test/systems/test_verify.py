@@ -159,7 +159,8 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertIn('--until S', said)
 
     def test_what_cannot_be_run_is_refused(self):
-        for words, text in (((self.path('none.launch'),), 'none.launch'), (('--runs', '1', SYSTEM), 'a whole number in 2..'),
+        for words, text in (((self.path('none.launch'),), 'none.launch'),
+                            (('--runs', '1', SYSTEM), 'a whole number in 2..'),
                             (('--conditions', 'plain,fast', SYSTEM), "got 'fast'"),
                             (('--conditions', 'plain', SYSTEM), 'must be two conditions at least'),
                             ((self.launch_file(),), 'no node of this launch file')):
