@@ -2,6 +2,7 @@
 import ast
 import re
 from functools import lru_cache
+from importlib.util import resolve_name
 from pathlib import Path
 
 from move_base_abstract.common.lazy_exports import exports_of
@@ -12,9 +13,9 @@ NODES = 'move_base_abstract_ros.nodes'  # start(NAME) of its package runs the mo
 OURS = {path.parent.name for path in SRC.glob('*/__init__.py')}
 
 
-def of_program(name):
+def of_program(path):
     """Return {(module of ours, module of others that it imports)} of a program, also imports within functions."""
-    text = (SCRIPTS / name).read_text(encoding='utf-8')
+    text = path.read_text(encoding='utf-8')
     started = [f'{NODES}.{module}' for module in re.findall(r"^ *start\('([\w.]+)'\)", text, re.MULTILINE)]
     return of_modules([*started, *(one for one in of_text(text) if one.partition('.')[0] in OURS)])
 
@@ -73,4 +74,4 @@ def _ours(name):
     found = [module for module in ('.'.join(parts[:count]) for count in range(1, len(parts) + 1)) if _file(module)]
     package, handed = found[-1], name[len(found[-1]) + 1:]
     home = exports_of(_file(package).read_text(encoding='utf-8')).get(handed)
-    return [*found, package + home] if home else found
+    return [*found, resolve_name(home, package)] if home else found
