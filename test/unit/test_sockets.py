@@ -4,6 +4,7 @@ import socket
 import subprocess
 import sys
 import threading
+from multiprocessing.connection import Listener
 
 import pytest
 
@@ -26,8 +27,10 @@ def test_both_ends_wait_in_python_and_in_a_process_that_inherits_them(hasty):
             assert os.get_blocking(one.fileno())
 
 
-def test_the_link_of_a_script_waits_for_an_answer(hasty):
-    ours, its = (deputy_link.Link(one) for one in socket.socketpair())
+def test_the_link_of_a_script_waits_for_an_answer(hasty, tmp_path):
+    with Listener(str(tmp_path / 'link'), 'AF_UNIX') as listener:
+        ours = deputy_link.connect(listener.address)
+        its = deputy_link.Link(listener.accept())
     late = threading.Timer(0.1, its.send, [deputy_link.ANSWER, 5])
     late.start()
     assert ours.receive() == (deputy_link.ANSWER, 5)

@@ -25,7 +25,7 @@ import json
 import math
 import os
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Sequence, Union
+from typing import Any, Callable, Dict, Mapping, Sequence, Union, get_type_hints
 
 import numpy as np
 
@@ -197,7 +197,7 @@ def _csv_text(header: Sequence[str], rows: Sequence[Any]) -> str:
 
 
 def _read_table(path: str, record: Any) -> Any:
-    kinds = [record.__annotations__[name] for name in record._fields]
+    kinds = list(get_type_hints(record).values())
     with open(path, newline='', encoding='utf-8') as stream:
         rows = list(csv.reader(stream))[1:]
     for row in rows:
