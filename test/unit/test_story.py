@@ -369,3 +369,12 @@ def test_all_readers_tell_the_same_of_random_runs_as_the_fleet_itself(tmp_path, 
     assert open_goals == {one['action'].split('/')[0] for one in end.get('open_goals', [])}
     broken = {one.node for one in judge(Run(str(path))) if one.property == 'charged'}
     assert broken == {name for _, name in story.emptied}
+
+
+def test_a_clock_that_starts_anew_takes_no_time_back():
+    story = Story(0, keeps_spans=True)
+    for time, kind in ((1, 'departed'), (9, 'stands'), (2, 'departed'), (5, 'stands')):
+        story.take(time * S, 'r', kind, [0.0, 0.0, 0.0])
+    story.close()
+    assert story.figures['r']['driving'] == 8.0 + 3.0
+    assert all(span.begin_ns < span.end_ns for span in story.spans('r')) and min(story.figures['r'].values()) >= 0.0

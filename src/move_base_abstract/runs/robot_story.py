@@ -63,7 +63,7 @@ class Robot:
     def settle(self, now_ns: int, keeps_spans: bool) -> None:
         """Go on to ``now_ns`` [ns], in the state that holds from there on."""
         state = min((one[2] for one in self.open), key=lambda number: STATES[number].precedence, default=IDLE)
-        self.ns[self.state] += now_ns - self.since_ns
+        self.ns[self.state] += max(0, now_ns - self.since_ns)  # a clock that starts anew takes nothing back
         if keeps_spans and now_ns > self.since_ns:
             last = self.spans[-1] if self.spans else Span(0, self.since_ns - 1, IDLE)
             if last.state == self.state and last.end_ns == self.since_ns:
