@@ -31,6 +31,8 @@ import test_summary
 from test_steps import ROOT, WS
 
 from move_base_abstract.common import processes
+from move_base_abstract_ros.launching import warm_nodes
+from move_base_abstract_ros.lockstep.programs import address_layout
 
 TIMES = WS / 'test_times.json'  # CPU seconds of each step, in its last run
 # Wall seconds. It only ends a step that would never end: a busy machine may need 20 times the time of an idle one.
@@ -124,10 +126,13 @@ def _fork(step, results, log):
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
         os.chdir(ROOT)
+        if step.forks:
+            sys.modules['warm'].prepare()
+        os.environ.pop('PYTHONHASHSEED')  # tests, and what they start, have what any process has
+        address_layout.choose({address_layout.VARIABLE: address_layout.RANDOM})
         if not step.forks:
             words = step.words(results)
             os.execv(words[0], words)
-        sys.modules['warm'].prepare()
         sys.argv = ['pytest', *step.pytest_words(results)]
         code = int(importlib.import_module('pytest').main(sys.argv[1:]))
     except BaseException:
@@ -220,16 +225,10 @@ def _arguments():
     return arguments, parser
 
 
-def _begin_again():
-    """Start this program again, once, with room for the names of forks, and libraries that compute in one thread."""
-    if not sys.argv[-1].isspace():
-        os.execve(sys.executable, [sys.executable, *sys.argv, ' ' * 4000], {**processes.ONE_THREAD, **os.environ})
-    del sys.argv[-1]
-
-
 def main():
     """Run the chosen steps; exit with 1 if anything failed."""
-    _begin_again()
+    os.environ.update({**processes.ONE_THREAD, **os.environ})
+    warm_nodes.start_again()  # once, so that forks can be nodes
     signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))  # so that it ends what it started
     arguments, parser = _arguments()
     night = nightly.Night(arguments, parser) if arguments.night else None

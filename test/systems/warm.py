@@ -4,12 +4,12 @@
 
 This Loopback starts Python scripts and the launcher as such forks, if that makes no difference for them. A fork has the
 environment, files, signals and process group that it would have otherwise. A command that needs another Python, other
-options of Python or another environment of Python is started anew. There are two processes to fork from; each starts
-when it is first needed. Forks for the launcher have the order of sets, the layout of memory and the library with which
-the launcher would start again; all others have those of the test. `Loopback(is_warm=False)` starts everything anew.
+options of Python or another environment of Python is started anew. The process to fork from starts when it is first
+needed, with the order of sets, the layout of memory and the library with which programs that fork nodes would start
+again. `Loopback(is_warm=False)` starts everything anew.
 
-The runner of the tests calls import_all(), and prepare() in each of its forks: the other process to fork from is then a
-fork, too, which needs no imports.
+The runner of the tests has started like that. It calls import_all(), and prepare() in each of its forks: the process to
+fork from is then a fork, too, which needs no imports.
 """
 import functools
 import gc
@@ -29,13 +29,12 @@ from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.lockstep.programs import native_library
 
 GUARD = 60.0  # s, wall
-LAUNCHER, PLAIN = 'launcher', 'plain'
 _FORKING = ('lockstep', 'lockstep_launch', 'verify')  # these fork nodes, or are nodes
 _HERE = os.path.dirname(os.path.abspath(__file__))
 _ROOT = os.path.dirname(os.path.dirname(_HERE))
 _MASTER = 'a ROS master'
 _CODE = ('import sys; path = sys.path[1:]; sys.path[0] = {!r}; from warm import main; del sys.modules["warm"]; '
-         'become = main({!r}, {}, path); become and become()')
+         'become = main({}, path); become and become()')
 SPACE = ' ' * 4000  # room in the command line, in which each fork shows its own
 _standard_path = []  # of Python, without the folder of the program; empty before import_all()
 
@@ -60,7 +59,7 @@ class Loopback(loopback.Loopback):
         told, tell = os.pipe()
         log_path = self._log_path('rosmaster')
         with open(log_path, 'wb') as log:
-            forked = _parent(PLAIN).fork([_MASTER], self.environment, [tell, log.fileno()])
+            forked = _parent().fork([_MASTER], self.environment, [tell, log.fileno()])
         self._child('rosmaster', forked, log_path)
         os.close(tell)
         with os.fdopen(told) as stream:
@@ -69,10 +68,10 @@ class Loopback(loopback.Loopback):
         self.set_param('/use_sim_time', self._use_sim_time)
 
     def _start(self, command, log):
-        kind, words = kind_of(command) if self.is_warm else (None, command)
-        if kind is None:
+        words = words_of(command) if self.is_warm else None
+        if words is None:
             return super()._start(command, log)
-        return _parent(kind).fork(words, self.environment, [log.fileno()] * 2)
+        return _parent().fork(words, self.environment, [log.fileno()] * 2)
 
 
 def start(command, output, environment=None, cwd=None):
@@ -81,8 +80,8 @@ def start(command, output, environment=None, cwd=None):
     output: a file that is open for writing; environment, cwd: this process's own if None.
     """
     environment = dict(os.environ) if environment is None else environment
-    kind, words = kind_of(command)
-    return processes.Held(_parent(kind).fork(words, environment, [output.fileno()] * 2, cwd) if kind else
+    words = words_of(command)
+    return processes.Held(_parent().fork(words, environment, [output.fileno()] * 2, cwd) if words else
                           subprocess.Popen(command, env=environment, cwd=cwd, stdin=subprocess.DEVNULL, stdout=output,
                                            stderr=subprocess.STDOUT, start_new_session=True))
 
@@ -105,17 +104,13 @@ def run(command, environment=None, cwd=None, timeout=GUARD):
         return subprocess.CompletedProcess(command, code, output.read().decode(errors='replace'))
 
 
-def kind_of(command):
-    """Return (kind of the process to fork from, or None; words of the command line without Python's)."""
+def words_of(command):
+    """Return the words of a command line without Python's, if a fork may become it, or None."""
     if command[0] == sys.executable and os.path.isfile(command[1]):
-        words = command[1:]
-    elif processes.interpreter_of(command[0]) == sys.executable or (
-            os.path.dirname(command[0]) == os.path.dirname(launcher()) and processes.interpreter_of(command[0])):
-        words = command
-    else:
-        return None, command
-    is_own = os.path.dirname(words[0]) == os.path.dirname(launcher())
-    return LAUNCHER if is_own and os.path.basename(words[0]) in _FORKING else PLAIN, words
+        return command[1:]
+    own = processes.interpreter_of(command[0])
+    is_ours = own == sys.executable or own and os.path.dirname(command[0]) == os.path.dirname(launcher())
+    return command if is_ours else None
 
 
 @functools.lru_cache(maxsize=None)
@@ -125,8 +120,8 @@ def launcher():
 
 
 @functools.lru_cache(maxsize=None)
-def _parent(kind):
-    return _Parent(kind)
+def _parent():
+    return _Parent()
 
 
 def import_all(path):
@@ -136,37 +131,35 @@ def import_all(path):
 
 
 def prepare():
-    """Fork the process for all but the launcher. Call it after import_all(), before anything else happens."""
-    _parent(PLAIN)
+    """Fork the process to fork from. Call it after import_all(), before anything else happens."""
+    _parent()
 
 
 class _Parent:
     """A process to fork from. Make it in the main thread, since the kernel ends it with that thread."""
 
-    def __init__(self, kind):
+    def __init__(self):
         processes.adopt_orphans()
         self._socket, its = sockets.pair()
         self._socket.settimeout(GUARD)
-        if kind == PLAIN and _standard_path:
+        if _standard_path:
             processes.fork(lambda: self._be_forked(its), new_session=True)
         else:
-            self._start(kind, its)
+            self._start(its)
         its.close()
 
     def _be_forked(self, its):
         self._socket.close()
         for name in [name for name, module in sys.modules.items() if _is_of_tests(module)]:
             del sys.modules[name]
-        become = _serve(PLAIN, its.detach(), list(_standard_path))
+        become = _serve(its.detach(), list(_standard_path))
         if become:
             become()
 
-    def _start(self, kind, its):
-        environment = {**os.environ, **processes.ONE_THREAD}
-        if kind == LAUNCHER:
-            environment.setdefault('PYTHONHASHSEED', '0')
-            native_library.preload(environment)
-        code = _CODE.format(_HERE, kind, its.fileno())
+    def _start(self, its):
+        environment = {'PYTHONHASHSEED': '0', **os.environ, **processes.ONE_THREAD}
+        native_library.preload(environment)
+        code = _CODE.format(_HERE, its.fileno())
         self._process = subprocess.Popen([sys.executable, '-c', code, SPACE], env=environment,
                                          stdin=subprocess.DEVNULL, pass_fds=[its.fileno()])
 
@@ -177,24 +170,21 @@ class _Parent:
         return processes.Forked(int(self._socket.makefile().readline()))
 
 
-def main(kind, descriptor, path):
+def main(descriptor, path):
     """Serve until the test ends; in a fork, return the function that it must call. path: Python's own sys.path[1:]."""
     processes.die_with(os.getppid())
-    if kind == LAUNCHER and warm_nodes.wants_start(os.environ):
+    if warm_nodes.wants_start(os.environ):
         with open('/proc/self/cmdline', 'rb') as stream:
             os.execv(sys.executable, stream.read().split(b'\0')[:-1])
     os.setsid()
     _import()
-    if kind == LAUNCHER:
-        from move_base_abstract_ros.replacing import replaced
-        replaced.look_up()
-    return _serve(kind, descriptor, path)
+    return _serve(descriptor, path)
 
 
 def _import():
     for name in warm_nodes.MODULES:
         importlib.import_module(name)
-    warm_nodes.log_settings()
+    warm_nodes.be_ready()
     launcher()
 
 
@@ -203,13 +193,10 @@ def _is_of_tests(module):
     return os.path.dirname(path) in (_HERE, os.path.dirname(_HERE), os.path.join(_ROOT, 'tools'))
 
 
-def _serve(kind, descriptor, path):
+def _serve(descriptor, path):
+    sys.path[1:] = path  # without the entries that imports have added
     own_launcher = launcher()
-    if kind == PLAIN:
-        sys.path[1:] = path  # without the entries that imports have added
-    else:
-        sys.path[sys.path.index(_HERE)] = os.path.dirname(own_launcher)
-    return _fork_for_each(socket.socket(fileno=descriptor), lambda *asked: _become(kind, own_launcher, *asked))
+    return _fork_for_each(socket.socket(fileno=descriptor), lambda *asked: _become(own_launcher, *asked))
 
 
 def _fork_for_each(client, become):
@@ -218,7 +205,7 @@ def _fork_for_each(client, become):
     Only forks read requests, so that they all begin with the same memory, whatever was started before.
     """
     gc.collect()
-    gc.freeze()  # so that no garbage collection in a fork touches, and so copies, the present objects
+    gc.freeze()  # the objects that were made since the imports, too
     while True:
         select.select([client], [], [])
         taken, take = os.pipe()
@@ -266,14 +253,15 @@ def _fork(*not_for_fork):
     return False
 
 
-def _become(kind, own_launcher, words, environment):
+def _become(own_launcher, words, environment):
     """Become the program that was asked for; if a fork cannot be it, start it anew."""
     processes.die_with(os.getppid())
     if words == [_MASTER]:
         _be_master(environment)
         return
     given, environment = environment, warm_nodes.with_log_settings(environment)
-    if kind == LAUNCHER:
+    if os.path.dirname(words[0]) == os.path.dirname(own_launcher) and os.path.basename(words[0]) in _FORKING:
+        sys.path.insert(1, os.path.dirname(own_launcher))  # our packages put the sources before the program's folder
         environment = {'PYTHONHASHSEED': os.environ['PYTHONHASHSEED'], **environment}  # otherwise it would start again
     if warm_nodes.may_become(words, environment, own_launcher):
         warm_nodes.become(words, environment)
