@@ -78,15 +78,13 @@ class Runs:
         master, path = self.start_master(roles, log_messages=log_messages, **condition.clock, **settings)
         others = [self.start_node(module, role) for role in outsiders]
         nodes = {role: self.start_node(module, role, adverse) for role in roles}
-        command = [shutil.which('rostopic'), 'echo', '-n', '1', onlook]
-        onlooker = self.ros.spawn('/onlooker', command) if onlook else None
+        onlooker = look_on(self.ros, onlook) if onlook else None
         try:
             with condition.around():
                 for node in nodes.values():
                     wait_for_end(node, nodes)
             if onlooker is not None:
-                wait_for_end(onlooker)
-                assert '---' in read(onlooker), read(onlooker)
+                assert_heard(onlooker)
         finally:
             outputs, codes = {}, {}
             for role, node in nodes.items():
@@ -107,6 +105,17 @@ def wait_for_end(node, nodes=()):
             raise AssertionError(f'{node.name} has not ended within {GUARD} s. What the nodes printed:\n{told}')
         time.sleep(0.01)
     return node.process.returncode
+
+
+def look_on(ros, topic):
+    """Start an onlooker that listens for one message on a topic; return it."""
+    return ros.spawn('/onlooker', [shutil.which('rostopic'), 'echo', '-n', '1', topic])
+
+
+def assert_heard(onlooker):
+    """Wait for the end of an onlooker, and assert that it has heard its message."""
+    wait_for_end(onlooker)
+    assert '---' in read(onlooker), read(onlooker)
 
 
 def read(node):

@@ -6,17 +6,15 @@
 
 import json
 import os
-import shutil
 import signal
-import time
 
 import rosgraph
+from lockstep_library_run import GUARD, assert_heard, look_on, read, wait_for_end
 from scenarios import Condition, repeated
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 40.0  # s, wall
 # the tests read the programs' logs while they run
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
@@ -101,12 +99,10 @@ class Runs:
                 'log_messages': True, **condition.clock, **parameters})
             with condition.around():
                 children = [self.start(program) for program in programs]
-                onlookers = [self.ros.spawn('/onlooker', [shutil.which('rostopic'), 'echo', '-n', '1', topic])
-                             for topic in onlook]
-                code = wait_for_end(children)
+                onlookers = [look_on(self.ros, topic) for topic in onlook]
+                code = wait_for_end(children[0], {child.name: child for child in children})
                 for onlooker in onlookers:
-                    onlooker.process.wait(GUARD)
-                    assert '---' in read(onlooker), read(onlooker)
+                    assert_heard(onlooker)
                 values = self.parameters(programs[0])
                 why = self.ask_why() if ask_why else ''
             for child, program in zip(children, programs):
@@ -130,25 +126,9 @@ class Runs:
             *program.remaps, f'__name:={name}', *([f'__ns:=/{space}'] if space else [])])
 
 
-def wait_for_end(children):
-    deadline = time.monotonic() + GUARD
-    while children[0].process.poll() is None:
-        if time.monotonic() > deadline:
-            told = '\n'.join(f'{child.name}:\n{read(child)}' for child in children)
-            raise AssertionError(f'{children[0].name} has not ended within {GUARD} s. What the nodes printed:\n{told}')
-        time.sleep(0.01)
-    return children[0].process.returncode
-
-
 def take_name(ros, name):
     """Register another node of this name at the ROS master, and unregister it at once."""
     master = rosgraph.Master(name, master_uri=ros.uri)
     newcomer = 'http://127.0.0.1:1/'
     master.registerPublisher('/elsewhere', 'std_msgs/String', newcomer)
     master.unregisterPublisher('/elsewhere', newcomer)
-
-
-def read(child):
-    """Return the output of a node."""
-    with open(child.log_path, errors='replace') as log:
-        return log.read()

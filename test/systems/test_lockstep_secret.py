@@ -6,6 +6,7 @@ import unittest
 
 import rosgraph
 from lockstep_raw_client import GUARD, RawClient, wait_for
+from lockstep_library_run import read
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
@@ -20,11 +21,6 @@ rospy.spin()
 NAMES = ('/shimmed', '/rospy_node')
 #: the test reads the output of the time master while it runs
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
-
-
-def read(child):
-    with open(child.log_path, errors='replace') as log:
-        return log.read()
 
 
 class SecretTest(unittest.TestCase):
