@@ -84,7 +84,7 @@ class MapfDriveTest(unittest.TestCase):
             stream.write('Agent 0: (0,0)->(0,1)->\n')
         done = self.run_it('folder:=' + folder, 'plan:=' + self.plan)
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn('the plan has 1 agents, the scenario 4 robots', done.stdout)
+        self.assertIn('the plan has 1 agents, but the scenario has 4 robots', done.stdout)
 
     def test_a_folder_that_is_not_given_is_named(self):
         with Loopback() as ros:
