@@ -2,7 +2,6 @@
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
 
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,10 +21,10 @@ void readChaos(Reader& reader, bool in_lockstep, LockstepSettings& lockstep,
                std::string& decisions) {
   int seed = 0;
   reader.read("chaos_seed", seed);
-  if (seed < 0 || (seed != 0 && !in_lockstep)) {
+  if (seed != 0 && !in_lockstep) {
     throw std::invalid_argument(
-        "chaos_seed must be from 0 to " + std::to_string(std::numeric_limits<int>::max()) +
-        ", and 0 in mode scaled, where events have no stated order; got " + std::to_string(seed));
+        "chaos_seed must be 0 in mode scaled, where events have no stated order; got " +
+        std::to_string(seed));
   }
   lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
   reader.read("chaos_delay", lockstep.chaos_delay);
