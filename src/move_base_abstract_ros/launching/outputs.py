@@ -21,13 +21,11 @@ class Files:
     """Each node prints into a file of its own in ``folder``. Its ROS log is beside it."""
 
     pause = staticmethod(processes.await_child)
+    begun = staticmethod(lambda uri: None)
 
     def __init__(self, folder):
         self.folder = folder
         self.of_master = os.path.join(folder, 'rosmaster.txt')
-
-    def begun(self, uri):
-        """Do nothing."""
 
     def of(self, name, _node=None):
         """Return the output of the process with this name."""
@@ -35,28 +33,18 @@ class Files:
 
 
 class _File:
-    """The output of one process, in a file. Its methods are those of _Screen."""
+    """The output of one process, in a file. It has the methods of _Screen; four of them do nothing here."""
+
+    prepare = started = ended = told = staticmethod(lambda *_about: None)
 
     def __init__(self, stem):
         self.path, self.log = stem + '.txt', stem + '.log'
-
-    def prepare(self):
-        """Do nothing."""
 
     def enter(self):
         """Make this process, which becomes the node, print into the file; its standard input is empty."""
         descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
         for target, source in ((0, os.open(os.devnull, os.O_RDONLY)), (1, descriptor), (2, descriptor)):
             os.dup2(source, target)
-
-    def started(self, pid):
-        """Do nothing."""
-
-    def ended(self, pid, code, words):
-        """Do nothing."""
-
-    def told(self):
-        """Do nothing."""
 
     def printed(self):
         """Return the last lines that the process has printed."""
