@@ -151,5 +151,5 @@ class WindowsTest(unittest.TestCase):
             told = subprocess.run([find_executable('lockstep_launch'), '--lookahead=' + value, 'any.launch'], text=True,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=GUARD, check=False)
             self.assertEqual(told.returncode, 2)
-            self.assertIn('--lookahead: got {}; allowed: a number in 1e-06..1000 [s, simulated], or 0, or network\n'
+            self.assertIn('--lookahead: got {}; allowed: a number in 1e-6..1000 [s, simulated], or 0, or network\n'
                           .format(got), told.stderr)
