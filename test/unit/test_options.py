@@ -8,6 +8,7 @@ from move_base_abstract.common import options
 from move_base_abstract.common.bounded_yaml import load_yaml_text, yaml_line
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract_testing import settings
 
 RUN = RunOptions(
     participant=('/a',), onlooker=('/b', '/c/d'), leave_out=('/rviz',), replace={'a/b': 'c/d'}, adopt=True,
@@ -70,3 +71,18 @@ def test_a_name_of_earlier_releases_says_the_new_one(capsys):
 def test_an_unknown_key_names_the_most_similar_one():
     with pytest.raises(ConfigurationError, match="the key 'leave_outs' is unknown; did you mean 'leave_out'?"):
         options.read(RunOptions, '', {'leave_outs': []})
+
+
+def test_a_test_has_the_options_of_a_run_and_says_what_means_nothing(tmp_path):
+    (tmp_path / 'x.launch').write_text('')
+    found = settings.settings_of({'launch': tmp_path / 'x.launch', 'param': {'a': [1]}, 'start': {'r': (1, 2, 0)},
+                                  'until': 5, 'chaos_delay': 0.1, 'wall_limit': 3, 'nodes': ('a/b c',)}, str(tmp_path))
+    assert (found.param, found.start, found.nodes) == ({'/a': [1]}, {'/r': (1.0, 2.0, 0.0)}, ('a/b c',))
+    assert (found.end, found.properties, found.log_messages) == ({'end_at': 5.0}, ('all',), True)
+    assert (settings.with_seed(found, 0).chaos_delay, settings.with_seed(found, 3).chaos_delay) == (0.0, 0.1)
+    with pytest.raises(ConfigurationError, match='crashes: not here; lockstep.allow'):
+        settings.settings_of({'crashes': 'allow'}, '')
+    with pytest.raises(ConfigurationError, match='lockstep: launch: .*nothing is not there'):
+        settings.settings_of({'launch': 'nothing'}, '')
+    with pytest.warns(FutureWarning, match='param now'):
+        assert settings.settings_of({'parameters': {'/a': 1}, 'param': {'/b': 2}}, '').param == {'/a': 1, '/b': 2}
