@@ -110,7 +110,7 @@ void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem
   } else if (const auto* motion = std::get_if<wire::Motion>(&item)) {
     applyMotion(id, member, *motion);
   } else {
-    if (std::holds_alternative<wire::Hears>(item)) {
+    if (std::holds_alternative<wire::ChooseDelivery>(item)) {
       run_.rounds.mail().hurry(id);
     }
     run_.router.apply(id, number, item);

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "allocations.h"
+#include "delivery.h"
 #include "exchange.h"
-#include "interest.h"
 #include "launcher.h"
 #include "parameters.h"
 #include "recorder.h"

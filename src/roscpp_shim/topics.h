@@ -23,7 +23,7 @@ struct Topic : lockstep::internal::SharedTopic {
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
   std::vector<const ros::CallbackQueueInterface*> queues;  // the queues for its messages
-  wire::Hearing hearing = wire::Hearing::kAll;             // as the time master knows it
+  wire::Delivery delivery = wire::Delivery::kAll;          // as the time master knows it
 };
 
 using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMessage&, bool, bool,

@@ -9,7 +9,7 @@
 #include <ros/this_node.h>
 #include <ros/topic_manager.h>
 
-#include "interest.h"
+#include "delivery.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"

@@ -13,8 +13,8 @@ import unittest
 import tf2_ros
 from warm import Loopback
 
-from move_base_abstract.lockstep.wire import Hearing as Heard
-from move_base_abstract_ros.lockstep.exchange.interest import Hearing
+from move_base_abstract.lockstep.wire import Delivery
+from move_base_abstract_ros.lockstep.exchange.delivery import Deliveries
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -190,25 +190,25 @@ def listener(of=tf2_ros.TransformListener, buffer=tf2_ros.Buffer):
     return made
 
 
-def heard(*callbacks):
+def chosen(*callbacks):
     """Return what the time master hears about a subscription that gets these callbacks one after the other."""
     told, subscription = [], types.SimpleNamespace(closed=False, callbacks=[])
-    hearing = Hearing(types.SimpleNamespace(tell_hearing=lambda _subscription, what: told.append(what)))
+    deliveries = Deliveries(types.SimpleNamespace(choose=lambda _subscription, what: told.append(what)))
     for callback in callbacks:
         subscription.callbacks = subscription.callbacks + [(callback, None)]
-        hearing._look_at(subscription)
+        deliveries._look_at(subscription)
     return told
 
 
 class ListenersOfTf(unittest.TestCase):
 
     def test_they_put_transforms_by(self):
-        self.assertEqual(heard(listener().callback), [Heard.LATER])
-        self.assertEqual(heard(listener().static_callback, listener().callback), [Heard.LATER])
+        self.assertEqual(chosen(listener().callback), [Delivery.LATER])
+        self.assertEqual(chosen(listener().static_callback, listener().callback), [Delivery.LATER])
 
     def test_whoever_else_subscribes_hears_them_at_once(self):
-        self.assertEqual(heard(listener().callback, print), [Heard.LATER, Heard.ALL])
-        self.assertEqual(heard(print, listener().callback), [])
+        self.assertEqual(chosen(listener().callback, print), [Delivery.LATER, Delivery.ALL])
+        self.assertEqual(chosen(print, listener().callback), [])
 
     def test_what_is_not_quite_tf2s_may_do_more(self):
         class OwnBuffer(tf2_ros.Buffer):
@@ -222,4 +222,4 @@ class ListenersOfTf(unittest.TestCase):
         changed = listener()
         changed.buffer.set_transform = print
         for one in (listener(buffer=OwnBuffer), listener(OwnListener), changed):
-            self.assertEqual(heard(one.callback), [])
+            self.assertEqual(chosen(one.callback), [])

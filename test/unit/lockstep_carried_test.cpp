@@ -226,7 +226,7 @@ TEST(Carried, EndsWhatTheReceiverHadForeseen) {
 TEST(Carried, WhatIsOnlyPutByIsNoReasonForAGrant) {
   Carried2 stage(after(kSecond));
   stage.report(1, 2 * kSecond);
-  stage.report(2, 9 * kSecond, {wire::Hears{kNews, wire::Hearing::kUnread}});
+  stage.report(2, 9 * kSecond, {wire::ChooseDelivery{kNews, wire::Delivery::kUnread}});
   EXPECT_EQ(stage.point(1), "2000+0");
   stage.report(1, kNever, {news("x")});
   EXPECT_EQ(grants(stage, 2), Texts{"9000+0: came 3000000000 deliver 1 1 x came 9000000000"});

@@ -51,7 +51,7 @@ std::string itemText(const wire::GrantItem& item, const Who& who) {
   if (const auto* a = std::get_if<wire::Happened>(&item)) {
     return "happened " + s(a->count);
   }
-  if (const auto* a = std::get_if<wire::Heard>(&item)) {
+  if (const auto* a = std::get_if<wire::DeliveryChosen>(&item)) {
     return "heard " + s(static_cast<std::uint64_t>(a->what)) + " " + s(topicOf(a->topic)) + " " +
            s(who(a->receiver));
   }

@@ -61,10 +61,10 @@ struct Linked : Pair {
   explicit Linked(const LockstepSettings& settings = with(true), bool looks = true)
       : Pair(settings) {
     report(1, kNever, {advertised(kPoses, "/poses"), advertised(kOrders, "/orders")});
-    const wire::Hearing hearing = looks ? wire::Hearing::kUnread : wire::Hearing::kAll;
+    const wire::Delivery delivery = looks ? wire::Delivery::kUnread : wire::Delivery::kAll;
     report(2, kNever,
            {subscribed(kPoses, "/poses"), subscribed(kOrders, "/orders"),
-            wire::Hears{kPoses, hearing}});
+            wire::ChooseDelivery{kPoses, delivery}});
     grants(*this, 1);
     grants(*this, 2);
   }
@@ -110,8 +110,9 @@ TEST(Kept, ALinkComesBeforeTheMessagesOverIt) {
   grants(stage, 1);
   grants(stage, 2);
   stage.report(1, 1020 * kMilli);
-  stage.report(2, 1050 * kMilli,
-               {subscribed(kPoses, "/poses"), wire::Hears{kPoses, wire::Hearing::kUnread}});
+  stage.report(
+      2, 1050 * kMilli,
+      {subscribed(kPoses, "/poses"), wire::ChooseDelivery{kPoses, wire::Delivery::kUnread}});
   grants(stage, 1);
   stage.report(1, kNever, {advertised(kPoses, "/poses"), pose("a")});
   EXPECT_EQ(grants(stage, 2), Texts{"1020+1 publisher a"});
@@ -147,7 +148,7 @@ TEST(Kept, WhoBeginsToWaitGetsItAtOnce) {
   Linked stage;
   stage.begin(1020 * kMilli);
   stage.report(1, kNever, {pose("a")});
-  stage.report(2, kNever, {wire::Hears{kPoses, wire::Hearing::kAll}});
+  stage.report(2, kNever, {wire::ChooseDelivery{kPoses, wire::Delivery::kAll}});
   EXPECT_EQ(grants(stage, 2), Texts{"1020+1 a"});
 }
 

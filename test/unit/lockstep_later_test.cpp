@@ -40,7 +40,7 @@ struct Linked : Pair {
     report(1, kNever, {advertise(kPoses, "/tf"), advertise(kOrders, "/orders")});
     report(2, kNever,
            {subscribe(kPoses, "/tf"), subscribe(kOrders, "/orders"),
-            wire::Hears{kPoses, wire::Hearing::kLater}});
+            wire::ChooseDelivery{kPoses, wire::Delivery::kLater}});
     grants(*this, 1);
     grants(*this, 2);
   }
@@ -89,7 +89,7 @@ TEST(Later, WhoWantsThemAtOnceGetsWhatWasPutBy) {
   grants(stage, 1);
   grants(stage, 2);
   stage.report(1, kNever, {pose("a")});
-  stage.report(2, kNever, {wire::Hears{kPoses, wire::Hearing::kAll}});
+  stage.report(2, kNever, {wire::ChooseDelivery{kPoses, wire::Delivery::kAll}});
   EXPECT_EQ(grants(stage, 2), Texts{"1020+1: a"});
 }
 
@@ -103,7 +103,8 @@ TEST(Later, TheOrderIsThatInWhichTheyWouldHaveCome) {
   grants(stage, 3);
   stage.report(1, 1020 * kMilli, {advertise(kPoses, "/tf")});
   stage.report(2, 1010 * kMilli, {advertise(kPoses, "/tf")});
-  stage.report(3, kNever, {subscribe(kPoses, "/tf"), wire::Hears{kPoses, wire::Hearing::kLater}});
+  stage.report(3, kNever,
+               {subscribe(kPoses, "/tf"), wire::ChooseDelivery{kPoses, wire::Delivery::kLater}});
   for (const ConnectionId id : {1U, 2U, 3U}) {
     grants(stage, id);
   }

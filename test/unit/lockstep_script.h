@@ -100,7 +100,7 @@ class Script {
   void take(const wire::Came&) {}
   void take(const wire::Changed&) {}
   void take(const wire::Happened&) {}
-  void take(const wire::Heard&) {}
+  void take(const wire::DeliveryChosen&) {}
 
   void act(bool first) {
     for (std::uint32_t k = first ? 4 : below(2) * below(4); k > 0; --k) {

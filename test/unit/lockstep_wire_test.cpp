@@ -43,7 +43,7 @@ Report richReport() {
                   Watch{"/s"},
                   At{2},
                   Rest{},
-                  Hears{7, Hearing::kNews},
+                  ChooseDelivery{7, Delivery::kNews},
                   Background{},
                   Parameter{"/x", true, "<value>1</value>"},
                   Asks{"/y"},
@@ -61,7 +61,7 @@ Grant richGrant() {
       {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2}, Subscriber{1, 3},
        NoSubscriber{1, 3}, Deliver{1, 2, "payload"}, CallIn{4, 2, 9, "request"},
        Answer{9, CallStatus::kServerGone, ""}, Found{"/s"}, Happened{5},
-       Heard{1, 3, Hearing::kNothing}, Window{7, 5}, Arrives{6}, Came{5}, Changed{}}};
+       DeliveryChosen{1, 3, Delivery::kNothing}, Window{7, 5}, Arrives{6}, Came{5}, Changed{}}};
 }
 
 TEST(Wire, BytesOfAReportAreAsDescribed) {

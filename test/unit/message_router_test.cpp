@@ -93,21 +93,21 @@ TEST_F(Routing, TheDeafAreLinkedAndGetNothingAndWhoPublishesIsTold) {
   act(2, subscribe(6, "/x"));
   act(3, subscribe(7, "/x"));
   got(1);
-  act(2, wire::Hears{6, wire::Hearing::kAll});  // as before
-  act(2, wire::Hears{6, wire::Hearing::kNothing});
-  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kAll});  // as before
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kNothing});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kNothing});
   EXPECT_EQ(got(1), Items{"heard 0 5 2"});
   act(1, wire::Send{5, 0, 0, "to all"});
   act(1, wire::Send{5, 0, 2, "to one"});
   EXPECT_EQ(got(3), Items{"deliver 7 1 to all"});
   act(1, wire::Send{5, 0, 0, "to all"});
   EXPECT_EQ(got(2), Items{});
-  act(2, wire::Hears{6, wire::Hearing::kAll});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kAll});
   act(1, wire::Send{5, 0, 0, "more"});
   EXPECT_EQ(got(2), Items{"deliver 6 1 more"});
-  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kNothing});
   got(1);
-  act(2, wire::Hears{6, wire::Hearing::kAll});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kAll});
   EXPECT_EQ(got(1), Items{"heard 2 5 2"});
 }
 
@@ -115,12 +115,12 @@ TEST_F(Routing, WhoOnlyPutsMessagesByGetsThemLaterAndNobodyIsToldOfThat) {
   act(1, advertise(5, "/x"));
   act(2, subscribe(6, "/x"));
   act(3, subscribe(7, "/x"));
-  act(2, wire::Hears{6, wire::Hearing::kLater});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kLater});
   got(1);
-  act(2, wire::Hears{6, wire::Hearing::kLater});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kLater});
   act(1, wire::Send{5, 0, 0, "by"});
   EXPECT_EQ(later_, (std::vector<bool>{true, false}));
-  act(2, wire::Hears{6, wire::Hearing::kAll});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kAll});
   act(1, wire::Send{5, 0, 2, "one"});
   EXPECT_EQ(later_, (std::vector<bool>{true, false, false}));
   EXPECT_EQ(got(1), Items{});
@@ -128,7 +128,7 @@ TEST_F(Routing, WhoOnlyPutsMessagesByGetsThemLaterAndNobodyIsToldOfThat) {
 
 TEST_F(Routing, WhoPublishesLaterIsToldOfTheDeaf) {
   act(2, subscribe(6, "/x"));
-  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  act(2, wire::ChooseDelivery{6, wire::Delivery::kNothing});
   act(1, advertise(5, "/x"));
   EXPECT_EQ(got(1), (Items{"subscriber 5 2", "heard 0 5 2"}));
   act(2, wire::Unsubscribe{6});
@@ -139,10 +139,10 @@ TEST_F(Routing, WhoPublishesLaterIsToldOfTheDeaf) {
 
 TEST_F(Routing, HearsIsForTopicsThatAreSubscribedTo) {
   act(1, advertise(5, "/x"));
-  EXPECT_EQ(refusal(1, wire::Hears{5, wire::Hearing::kNothing}),
-            "'/node_1': HEARS must name a topic that it subscribes to, got '/x'");
-  EXPECT_NE(refusal(1, wire::Hears{6, wire::Hearing::kNothing})
-                .find("HEARS must name a topic that was declared, got number 6"),
+  EXPECT_EQ(refusal(1, wire::ChooseDelivery{5, wire::Delivery::kNothing}),
+            "'/node_1': CHOOSE_DELIVERY must name a topic that it subscribes to, got '/x'");
+  EXPECT_NE(refusal(1, wire::ChooseDelivery{6, wire::Delivery::kNothing})
+                .find("CHOOSE_DELIVERY must name a topic that was declared, got number 6"),
             std::string::npos);
 }
 

@@ -39,7 +39,7 @@ Connection connectionOf(const wire::GrantItem& item) {
   if (const auto* one = std::get_if<wire::NoSubscriber>(&item)) {
     return {Line::kListener, one->topic, one->receiver};
   }
-  if (const auto* one = std::get_if<wire::Heard>(&item)) {
+  if (const auto* one = std::get_if<wire::DeliveryChosen>(&item)) {
     return {Line::kListener, one->topic, one->receiver};
   }
   return {Line::kOther, 0, 0};

@@ -13,8 +13,8 @@ bool fit(std::string_view advertised, std::string_view subscribed) {
 }
 
 /** @return what publishers are to know of @p what: not when a message is handed over. */
-wire::Hearing toPublishers(wire::Hearing what) {
-  return what > wire::Hearing::kAll ? wire::Hearing::kAll : what;
+wire::Delivery toPublishers(wire::Delivery what) {
+  return what > wire::Delivery::kAll ? wire::Delivery::kAll : what;
 }
 
 }  // namespace
@@ -191,20 +191,20 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
         {order, wire::Publisher{subscriber.topic, publisher.member, publisher.type, publisher.md5,
                                 publisher.latched, publisher.definition}});
   post_(publisher.member, {order, wire::Subscriber{publisher.topic, subscriber.member}});
-  if (toPublishers(subscriber.hears) != wire::Hearing::kAll) {
+  if (toPublishers(subscriber.delivery) != wire::Delivery::kAll) {
     tellHearing(by, publisher, subscriber);
   }
 }
 
-void MessageRouter::act(const Action& by, const wire::Hears& item) {
-  Topic& topic = topics_[declared(by.sender, item.topic, "HEARS").topic];
+void MessageRouter::act(const Action& by, const wire::ChooseDelivery& item) {
+  Topic& topic = topics_[declared(by.sender, item.topic, "CHOOSE_DELIVERY").topic];
   const auto subscriber = router::findMember(topic.subscribers, by.sender);
   if (subscriber == topic.subscribers.end()) {
-    bad(by.sender,
-        "HEARS must name a topic that it subscribes to, got '" + std::string(topic.name) + "'");
+    bad(by.sender, "CHOOSE_DELIVERY must name a topic that it subscribes to, got '" +
+                       std::string(topic.name) + "'");
   }
-  const bool is_news = toPublishers(subscriber->hears) != toPublishers(item.what);
-  subscriber->hears = item.what;
+  const bool is_news = toPublishers(subscriber->delivery) != toPublishers(item.what);
+  subscriber->delivery = item.what;
   if (!is_news) {
     return;
   }
@@ -217,9 +217,9 @@ void MessageRouter::act(const Action& by, const wire::Hears& item) {
 
 void MessageRouter::tellHearing(const Action& by, const Advertised& publisher,
                                 const Subscribed& subscriber) {
-  post_(publisher.member,
-        {place_(by.sender, router::kFirstSub, by.number),
-         wire::Heard{publisher.topic, subscriber.member, toPublishers(subscriber.hears)}});
+  post_(publisher.member, {place_(by.sender, router::kFirstSub, by.number),
+                           wire::DeliveryChosen{publisher.topic, subscriber.member,
+                                                toPublishers(subscriber.delivery)}});
 }
 
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
@@ -258,7 +258,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   bool is_received = false;
   for (const Subscribed& subscriber : topic.subscribers) {
     if ((item.target != 0 && item.target != subscriber.member) ||
-        subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
+        subscriber.delivery == wire::Delivery::kNothing || !fit(local.md5, subscriber.md5)) {
       continue;
     }
     const wire::Deliver deliver{subscriber.topic, by.sender, item.payload};
@@ -269,7 +269,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
     }
     is_received = true;
     post_(subscriber.member,
-          {order, deliver, router::keepFor(subscriber.hears, subscriber.is_stored)});
+          {order, deliver, router::keepFor(subscriber.delivery, subscriber.is_stored)});
     ++messages_;
     if (trace_) {
       receivers.push_back(subscriber.member);

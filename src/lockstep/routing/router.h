@@ -129,7 +129,7 @@ class MessageRouter {
     std::string_view md5;
     std::uint32_t sub;       // index of its robot within a fleet
     bool is_stored = false;  // see setStored()
-    wire::Hearing hears = wire::Hearing::kAll;
+    wire::Delivery delivery = wire::Delivery::kAll;
   };
   struct Topic {
     std::string_view name;
@@ -188,7 +188,7 @@ class MessageRouter {
   void act(const Action& by, const wire::Call& item);
   void act(const Action& by, const wire::Response& item);
   void act(const Action& by, const wire::Watch& item);
-  void act(const Action& by, const wire::Hears& item);
+  void act(const Action& by, const wire::ChooseDelivery& item);
   void act(const Action&, const wire::Log&) {}
   void act(const Action&, const wire::Note&) {}
   void act(const Action&, const wire::At&) {}  // it was taken out of the report before

@@ -185,11 +185,11 @@ void MessageRouter::arriveOne(const Held& held) {
   if (held.kind == Passage::Kind::kMessage) {
     const Topic& topic = topics_[topic_numbers_.at(held.name)];
     const auto subscriber = router::findMember(topic.subscribers, held.receiver);
-    if (subscriber == topic.subscribers.end() || subscriber->hears == wire::Hearing::kNothing) {
+    if (subscriber == topic.subscribers.end() || subscriber->delivery == wire::Delivery::kNothing) {
       traceHeld(held, kNotHeard);
       return;
     }
-    keep = router::keepFor(subscriber->hears, subscriber->is_stored);
+    keep = router::keepFor(subscriber->delivery, subscriber->is_stored);
     ++messages_;
     if (topic.part == OpenGoals::Part::kResult &&
         goals_.clientOf(topic.name, *held.bytes) == held.receiver) {

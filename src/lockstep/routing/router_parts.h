@@ -23,12 +23,13 @@ auto findMember(Entries& entries, MemberId id) {
 }
 
 /**
- * @return whether a message is kept for the receiver's next grant, if the receiver hears @p what.
+ * @return whether a message is kept for the receiver's next grant, if the receiver has chosen @p
+ * what.
  */
-inline Keep keepFor(wire::Hearing what, bool is_stored) {
-  const Keep keep = what == wire::Hearing::kLater    ? Keep::kLater
-                    : what == wire::Hearing::kUnread ? Keep::kUnread
-                                                     : Keep::kNot;
+inline Keep keepFor(wire::Delivery what, bool is_stored) {
+  const Keep keep = what == wire::Delivery::kLater    ? Keep::kLater
+                    : what == wire::Delivery::kUnread ? Keep::kUnread
+                                                      : Keep::kNot;
   return keep == Keep::kNot && is_stored ? Keep::kStored : keep;
 }
 

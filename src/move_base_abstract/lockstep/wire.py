@@ -21,8 +21,8 @@ MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
 FRAMES = {layout.name: layout for layout in wire_format.PARTICIPANT_FRAMES + wire_format.MASTER_FRAMES}
 ITEMS = {layout.name: layout for layout in wire_format.REPORT_ITEMS + wire_format.GRANT_ITEMS}
-NoteKind, Hearing, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
-                        for name in ('NoteKind', 'Hearing', 'CallStatus'))
+NoteKind, Delivery, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
+                        for name in ('NoteKind', 'Delivery', 'CallStatus'))
 
 
 def _numbers(layouts: Any, names: Any) -> Any:
@@ -35,7 +35,8 @@ WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT 
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 REST, PARAMETER = _numbers(ITEMS, 'REST PARAMETER')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
-DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED, HEARD = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED HEARD')
+DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED, DELIVERY_CHOSEN = _numbers(
+    ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED DELIVERY_CHOSEN')
 WINDOW, ARRIVES, CAME, CHANGED = _numbers(ITEMS, 'WINDOW ARRIVES CAME CHANGED')
 
 _CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q'}
@@ -122,7 +123,7 @@ subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
 serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
-rest, hears, background, idle = _item('REST'), _item('HEARS'), _item('BACKGROUND'), _item('IDLE')
+rest, choose_delivery, background, idle = _item('REST'), _item('CHOOSE_DELIVERY'), _item('BACKGROUND'), _item('IDLE')
 keep_until, motion = _item('KEEP_UNTIL'), _item('MOTION')
 parameter, asks = _item('PARAMETER'), _item('ASKS')
 

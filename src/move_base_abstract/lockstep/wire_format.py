@@ -32,7 +32,7 @@ CHOICES = {
     # Which messages have any effect on a subscriber: none (NOTHING); those that say something new (NEWS); all (ALL);
     # all, but not before it does something anyway, because it only stores them (LATER); all, but it looks at them only
     # at its own wake-ups (UNREAD).
-    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
+    'Delivery': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
     # ERROR: the bytes are the server's text. OK: they are the response. NO_SERVER: no member has this service.
     # SERVER_GONE: the server left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -99,8 +99,8 @@ REPORT_ITEMS = (
     Layout(12, 'WATCH', ('text service',)),  # its name
     Layout(13, 'AT', ('instant time_ns',)),  # simulated; the instant of the turn to which the items that follow belong
     Layout(14, 'REST', ()),  # asks for another grant, once, when no participant has anything left to do at this instant
-    Layout(15, 'HEARS', ('u32 topic',  # a topic to which it subscribes
-                         'Hearing what')),
+    Layout(15, 'CHOOSE_DELIVERY', ('u32 topic',  # a topic to which it subscribes
+                         'Delivery what')),
     Layout(16, 'BACKGROUND', ()),  # the wake-up is only for nodes that take no part: time does not go on for it alone
     Layout(17, 'PARAMETER', ('text name',  # a resolved name of ROS; it is set or deleted at the end of the round
                              'flag is_set',
@@ -129,9 +129,9 @@ GRANT_ITEMS = (
     Layout(7, 'ANSWER', ('u32 number', 'CallStatus status', 'bytes bytes')),
     Layout(8, 'FOUND', ('text service',)),  # its name
     Layout(9, 'HAPPENED', ('u32 count',)),  # how many of the turns that the latest report told beforehand have happened
-    Layout(10, 'HEARD', ('u32 topic',
+    Layout(10, 'DELIVERY_CHOSEN', ('u32 topic',
                          'u32 receiver',  # its id
-                         'Hearing what')),
+                         'Delivery what')),
     Layout(11, 'WINDOW', ('instant end_ns',  # simulated; up to it this participant goes on by itself
                           'instant lookahead_ns')),  # simulated; the time that each message takes
     Layout(12, 'ARRIVES', ('instant time_ns',)),  # simulated, in the window; the items that follow arrive then

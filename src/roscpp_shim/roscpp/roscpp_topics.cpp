@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "roscpp_shim/interest.h"
+#include "roscpp_shim/delivery.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/topics.h"

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <string>
 
-#include "roscpp_shim/interest.h"
+#include "roscpp_shim/delivery.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/waits.h"
 

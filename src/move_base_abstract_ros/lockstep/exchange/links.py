@@ -37,11 +37,11 @@ class sender:  # noqa: N801 - it is called like a function
 @contextmanager
 def repetition():
     """Give a context in which messages say nothing new, and go only to subscriptions that hear all messages."""
-    _local.least = wire.Hearing.ALL
+    _local.least = wire.Delivery.ALL
     try:
         yield
     finally:
-        _local.least = wire.Hearing.NEWS
+        _local.least = wire.Delivery.NEWS
 
 
 def creating_index():
@@ -69,7 +69,7 @@ class MemberLinks:
         self.sub = sub
         self.target = 0
         self.members = []
-        self._hearing = {}  # {member: Hearing} of members that do not hear all messages
+        self._delivery = {}  # {member: Delivery} of members that do not hear all messages
 
     def is_latching(self):
         """Return whether the publisher's last message is kept for later listeners."""
@@ -89,37 +89,37 @@ class MemberLinks:
     def remove(self, member):
         """Remove a participant that stops listening."""
         self.members = [other for other in self.members if other != member]
-        self._hearing.pop(member, None)
+        self._delivery.pop(member, None)
 
-    def hearing(self, member, what):
-        """Note which messages (wire.Hearing) have any effect at ``member``."""
-        self._hearing[member] = what
+    def choose(self, member, what):
+        """Note which messages (wire.Delivery) have any effect at ``member``."""
+        self._delivery[member] = what
 
     def _hear(self, least):
-        """Return the members whose Hearing is at least ``least``."""
-        return [member for member in self.members if self._hearing.get(member, wire.Hearing.ALL) >= least]
+        """Return the members whose Delivery is at least ``least``."""
+        return [member for member in self.members if self._delivery.get(member, wire.Delivery.ALL) >= least]
 
     @property
     def hearers(self):
         """The names of the nodes on which messages have any effect."""
-        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.NEWS)]
+        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.NEWS)]
 
     @property
     def hearers_of_repetition(self):
         """The names of the nodes on which messages that say nothing new have any effect."""
-        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.ALL)]
+        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.ALL)]
 
     @property
     def is_heard(self):
         """Whether a message that is sent now has any effect on any participant."""
-        if not self._hearing:
+        if not self._delivery:
             return bool(self.members)
-        return bool(self._hear(getattr(_local, 'least', wire.Hearing.NEWS)))
+        return bool(self._hear(getattr(_local, 'least', wire.Delivery.NEWS)))
 
     @property
     def is_heard_again(self):
         """Whether a message that says nothing new has any effect on any participant."""
-        return bool(self._hear(wire.Hearing.ALL))
+        return bool(self._hear(wire.Delivery.ALL))
 
     @property
     def count(self):
@@ -146,8 +146,8 @@ class MemberLinks:
             self._participant.add(wire.send(self._topic, sub, target, data))
 
     def _targets(self):
-        if self._hearing:
-            return self._hear(getattr(_local, 'least', wire.Hearing.NEWS))
+        if self._delivery:
+            return self._hear(getattr(_local, 'least', wire.Delivery.NEWS))
         return self.members if self.is_latching() else (self.target,)
 
     def fileno(self):

@@ -9,7 +9,7 @@ from rospy.impl.registration import Registration
 from move_base_abstract.lockstep import wire
 
 from . import rospy_topics
-from .interest import Hearing
+from .delivery import Deliveries
 from .links import MemberLinks, PublisherLink, creating_index
 
 
@@ -29,19 +29,19 @@ class Topics:
         self._links = {}
         self._publisher_links = {}
         self._told_types = set()
-        self.hearing = Hearing(self)
+        self.deliveries = Deliveries(self)
 
-    def tell_hearing(self, impl, what):
-        """Report which messages (wire.Hearing) have any effect on the subscription ``impl``."""
+    def choose(self, impl, what):
+        """Report which messages (wire.Delivery) have any effect on the subscription ``impl``."""
         number = self._numbers.get(impl.resolved_name)
         if number is not None:
-            self._participant.add(wire.hears(number, what))
+            self._participant.add(wire.choose_delivery(number, what))
 
     def install(self):
         """Take over rospy's present and future topics."""
         manager = registration.get_topic_manager()
         rospy_topics.install(self)
-        self.hearing.install()
+        self.deliveries.install()
         for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
             for impl in topics.values():
                 self.added(impl, reg_type)
@@ -81,7 +81,7 @@ class Topics:
         if number is None:
             return
         if reg_type == Registration.SUB:
-            self.hearing.forget(impl)
+            self.deliveries.forget(impl)
             self._participant.add(wire.unsubscribe(number))
             for key in [key for key in self._publisher_links if key[0] == number]:
                 del self._publisher_links[key]
@@ -155,19 +155,19 @@ class Topics:
         for listener in impl.subscriber_listeners:
             listener.peer_unsubscribe(impl.resolved_name, count)
 
-    def on_heard(self, number, member, what):
-        """Note which of this node's messages on a topic (wire.Hearing) have an effect on a participant."""
-        return lambda: self._note_hearing(number, member, what)
+    def on_delivery_chosen(self, number, member, what):
+        """Note which of this node's messages on a topic (wire.Delivery) have an effect on a participant."""
+        return lambda: self._note_delivery(number, member, what)
 
-    def _note_hearing(self, number, member, what):
+    def _note_delivery(self, number, member, what):
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed or member not in link.members:
             return
-        link.hearing(member, what)
+        link.choose(member, what)
         for listener in impl.subscriber_listeners:
             if hasattr(listener, 'begins_to_hear'):
-                listener.hears_less() if what == wire.Hearing.NOTHING else listener.begins_to_hear()
+                listener.hears_less() if what == wire.Delivery.NOTHING else listener.begins_to_hear()
 
     def on_deliver(self, number, member, data):
         """Take a participant's message."""

@@ -179,8 +179,8 @@ class Participant:
         self.rounds.begin({
             wire.PUBLISHER: topics.on_publisher, wire.NO_PUBLISHER: topics.on_no_publisher,
             wire.SUBSCRIBER: topics.on_subscriber, wire.NO_SUBSCRIBER: topics.on_no_subscriber,
-            wire.DELIVER: topics.on_deliver, wire.HEARD: topics.on_heard, wire.CALL_IN: services.on_called,
-            wire.ANSWER: services.on_answered, wire.FOUND: services.on_found,
+            wire.DELIVER: topics.on_deliver, wire.DELIVERY_CHOSEN: topics.on_delivery_chosen,
+            wire.CALL_IN: services.on_called, wire.ANSWER: services.on_answered, wire.FOUND: services.on_found,
             wire.CHANGED: lambda: self.parameters and self.parameters.forget()})
         self.scheduler.adopt_caller(threading.current_thread().name)
 

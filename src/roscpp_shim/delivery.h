@@ -1,6 +1,6 @@
 // Which messages a program wants at once, and which can be kept for later.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INTEREST_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INTEREST_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H
 
 #include <ros/callback_queue.h>
 #include <ros/subscribe_options.h>
@@ -40,4 +40,4 @@ void store();
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INTEREST_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H

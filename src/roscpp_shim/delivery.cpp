@@ -7,7 +7,7 @@
 //
 // If a library only stores the messages of a queue, they are delivered together in the same way,
 // and no round is spent on each message.
-#include "interest.h"
+#include "delivery.h"
 
 #include <ros/param.h>
 #include <ros/time.h>
@@ -77,25 +77,25 @@ bool hasStatistics() {
   return has_statistics;
 }
 
-wire::Hearing hearingOf(const Topic& topic) {
+wire::Delivery deliveryOf(const Topic& topic) {
   const auto all = [&topic](bool (*is_so)(const ros::CallbackQueueInterface*)) {
     return !topic.queues.empty() && std::all_of(topic.queues.begin(), topic.queues.end(), is_so);
   };
   if (hasStatistics()) {
-    return wire::Hearing::kAll;
+    return wire::Delivery::kAll;
   }
   if (!calls_back && all(&isStored)) {
-    return wire::Hearing::kLater;
+    return wire::Delivery::kLater;
   }
-  return all(&isUnread) ? wire::Hearing::kUnread : wire::Hearing::kAll;
+  return all(&isUnread) ? wire::Delivery::kUnread : wire::Delivery::kAll;
 }
 
 void tell(Topic& topic) {
-  const wire::Hearing hearing = hearingOf(topic);
-  if (hearing != topic.hearing) {
-    topic.hearing = hearing;
-    keeps_unread = keeps_unread || hearing == wire::Hearing::kUnread;
-    node().append(wire::Hears{topic.number, hearing});
+  const wire::Delivery delivery = deliveryOf(topic);
+  if (delivery != topic.delivery) {
+    topic.delivery = delivery;
+    keeps_unread = keeps_unread || delivery == wire::Delivery::kUnread;
+    node().append(wire::ChooseDelivery{topic.number, delivery});
   }
 }
 
@@ -120,7 +120,7 @@ void noteSubscription(Topic& topic, const ros::SubscribeOptions& options) {
 
 void forgetSubscription(Topic& topic) {
   topic.queues.clear();
-  topic.hearing = wire::Hearing::kAll;
+  topic.delivery = wire::Delivery::kAll;
 }
 
 void noteWait(const ros::CallbackQueue* queue) {

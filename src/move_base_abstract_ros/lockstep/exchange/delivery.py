@@ -12,17 +12,17 @@ import sys
 
 from rospy.impl import registration
 
-from move_base_abstract.lockstep.wire import Hearing as Heard
+from move_base_abstract.lockstep.wire import Delivery
 
 from ...replacing.replaced import replace
 
 
-class Hearing:
-    """The messages that one participant hears. ``topics.tell_hearing(impl, what)`` is called at each change."""
+class Deliveries:
+    """What one participant has chosen for its subscriptions. ``topics.choose(impl, what)`` is called at each change."""
 
     def __init__(self, topics):
         self._topics = topics
-        self._told = []  # (a subscription's implementation, its Hearing), for subscriptions that do not hear all
+        self._told = []  # (a subscription's implementation, its Delivery), for subscriptions that do not hear all
         self._client_type = None
 
     def install(self):
@@ -80,32 +80,32 @@ class Hearing:
     def _look_at(self, impl):
         if impl.closed:
             return  # its callbacks are gone
-        heard = [self._heard_by(callback) for callback, _ in impl.callbacks] or [Heard.ALL]
-        is_mixed = Heard.LATER in heard and min(heard) != Heard.LATER
-        what = Heard.ALL if is_mixed else max(heard)
-        before = next((heard for other, heard in self._told if other is impl), Heard.ALL)
+        chosen = [self._chosen_by(callback) for callback, _ in impl.callbacks] or [Delivery.ALL]
+        is_mixed = Delivery.LATER in chosen and min(chosen) != Delivery.LATER
+        what = Delivery.ALL if is_mixed else max(chosen)
+        before = next((chosen for other, chosen in self._told if other is impl), Delivery.ALL)
         if what != before:
             self.forget(impl)
-            if what != Heard.ALL:
+            if what != Delivery.ALL:
                 self._told.append((impl, what))
-            self._topics.tell_hearing(impl, what)
+            self._topics.choose(impl, what)
 
     def _look_again(self):
         for impl, _ in self._told[:]:
             self._look_at(impl)
 
-    def _heard_by(self, callback):
-        """Return which messages (Hearing) have an effect on a callback."""
+    def _chosen_by(self, callback):
+        """Return which messages (Delivery) have an effect on a callback."""
         client, function = getattr(callback, '__self__', None), getattr(callback, '__func__', None)
         if _puts_transforms_by(client, function):
-            return Heard.LATER
+            return Delivery.LATER
         if self._client_type is None or not isinstance(client, self._client_type):
-            return Heard.ALL
+            return Delivery.ALL
         if function is self._client_type._status_cb:
-            return Heard.NEWS
+            return Delivery.NEWS
         if function is self._client_type._feedback_cb and not getattr(client.manager, 'hears_feedback', False):
-            return Heard.NOTHING
-        return Heard.ALL
+            return Delivery.NOTHING
+        return Delivery.ALL
 
 
 def _puts_transforms_by(listener, function):
