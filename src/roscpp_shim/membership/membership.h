@@ -185,9 +185,9 @@ class Membership {
   void handle(const wire::End& frame);
   void take(const wire::Answer& item);
   void take(const wire::Found& item);
-  void take(const wire::Happened&) {}  // it reports no turns beforehand
-  void take(const wire::DeliveryChosen&) {}     // the time master drops what is not heard
-  void take(const wire::Window&) {}    // it was taken out of the grant before
+  void take(const wire::Happened&) {}        // it reports no turns beforehand
+  void take(const wire::DeliveryChosen&) {}  // the time master drops what is not heard
+  void take(const wire::Window&) {}          // it was taken out of the grant before
   void take(const wire::Arrives&) {}
   void take(const wire::Came& item) { came_ = item.time_ns; }
   void take(const wire::Changed&) { ++parameter_changes_; }
