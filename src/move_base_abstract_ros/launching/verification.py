@@ -194,6 +194,8 @@ class Verification:
         broken = self.runs[0].broken
         for line in (*labels, *('but broken: ' + one for one in broken)):
             self._say(line)
+        if labels:
+            self._say('if a label names a program and a place in it, change the program there')
         self._say('next: ' + self._next_steps[LABELLED if labels else IDENTICAL])
         _remove(self.runs[0])
         return LABELLED if labels else BROKEN if broken else IDENTICAL

@@ -4,9 +4,10 @@ The tables of this module are the only list of programs. docs/what_there_is.md h
 (tools/write_node_pages.py), and CMake the old names.
 """
 import argparse
-import difflib
 import os
 import sys
+
+from move_base_abstract.common.kinds import similar
 
 #: {task: {program: (what it does, page)}}
 PROGRAMS = {
@@ -113,9 +114,8 @@ def _about(name):
     if name in OLD_NAMES:
         return ['{}: an old name, for one release; write instead: {}'.format(name, _instead_of(name))]
     if name not in programs:
-        close = difflib.get_close_matches(name, [*programs, *OLD_NAMES], n=1)
         sys.exit("help: got '{}'; allowed: {}{}".format(
-            name, ', '.join(programs), "; did you mean '{}'?".format(close[0]) if close else ''))
+            name, ', '.join(programs), similar(name, [*programs, *OLD_NAMES])))
     sentence, page = programs[name]
     return ['{}: {}'.format(name, sentence.replace('`', '')), 'Options: rosrun {} {} -h'.format(_PACKAGE, name),
             'Page: docs/{}'.format(page)]

@@ -150,9 +150,8 @@ def _read_chaos(parser, options):
 def _next_steps(options):
     """Return what to type next, for Verification."""
     run, command = options.run, options.command
-    steps = {verification.LABELLED: 'which nodes take part, and which look on: {}; if a label names a program and a '
-             'place in it, change the program there'.format(
-                 command_line.typed('lockstep_launch', ['--list'], run, command))}
+    steps = {verification.LABELLED: 'which nodes take part, and which look on: ' + (
+        command_line.typed('lockstep_launch', ['--list'], run, command))}
     if options.chaos is not None:
         steps[verification.IDENTICAL] = 'the failure again: ' + command_line.typed('chaos', ['--replay', options.chaos])
     elif run.chaos_seed or run.lookahead:
