@@ -13,6 +13,7 @@ already running: the port is free when it is chosen, and every process, includin
 
 Threading: not thread-safe. Start the children from the main thread: the kernel ends them when that thread ends.
 """
+from __future__ import annotations
 
 import http.client
 import os
@@ -24,12 +25,16 @@ import sys
 import tempfile
 import time
 import xmlrpc.client
+from typing import TYPE_CHECKING, Any, BinaryIO, Dict, List, Mapping, Optional, Sequence, Type, Union
 
 import rosgraph
 import rospkg
 from roslib import packages
 
 from move_base_abstract.common import processes
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.processes import Forked
 
 PACKAGE = 'move_base_abstract'
 MASTER_TRIES = 3  # another process may take the free port before the master binds it
@@ -49,7 +54,7 @@ class ChildEnded(LoopbackError):
 class Child:
     """One process that Loopback has started. ``log_path``: the file that takes its output."""
 
-    def __init__(self, name, process, log_path):
+    def __init__(self, name: str, process: Forked, log_path: str) -> None:
         """process: a subprocess.Popen or processes.Forked, which only this object uses from now on.
 
         ``self.process`` has the same methods.
@@ -59,17 +64,17 @@ class Child:
         self.log_path = log_path
 
     @property
-    def pid(self):
+    def pid(self) -> int:
         """The process id, which is also the id of its process group."""
         return self.process.pid
 
-    def last_lines(self):
+    def last_lines(self) -> str:
         """Return the last lines that the process has printed, indented."""
         with open(self.log_path, errors='replace') as log:
             lines = log.read().splitlines()[-LOG_LINES:]
         return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
 
-    def signal(self, number):
+    def signal(self, number: int) -> None:
         """Send a signal to the whole process group, if it still exists."""
         self.process.signal_group(number)
 
@@ -82,16 +87,16 @@ class Loopback:
     :raises LoopbackError: if the master or its folder for logs cannot be made.
     """
 
-    def __init__(self, use_sim_time=True):
+    def __init__(self, use_sim_time: bool = True) -> None:
         self._use_sim_time = use_sim_time
-        self._children = []
+        self._children: List[Any] = []
         try:
             self.log_dir = tempfile.mkdtemp(prefix=PACKAGE + '_')
         except OSError as error:
             raise LoopbackError(f'no folder for the logs can be made in TMPDIR or /tmp: {error.strerror}') from None
-        self.uri = None
+        self.uri: Any = None
 
-    def __enter__(self):
+    def __enter__(self) -> Loopback:
         try:
             self._start_master()
         except BaseException:
@@ -99,17 +104,18 @@ class Loopback:
             raise
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(self, kind: Optional[Union[Type[Any], Type[ChildEnded]]], error: Any, trace: Any) -> None:
         self.close(keep_logs=kind is not None and issubclass(kind, Exception))
 
     @property
-    def environment(self):
+    def environment(self) -> Dict[str, str]:
         """The environment for a process that uses this master."""
-        environment = {key: value for key, value in os.environ.items() if key not in ('ROS_HOSTNAME', 'ROS_NAMESPACE')}
+        environment: Any = {key: value for key, value in os.environ.items()
+                            if key not in ('ROS_HOSTNAME', 'ROS_NAMESPACE')}
         environment.update(ROS_MASTER_URI=self.uri, ROS_IP='127.0.0.1', ROS_LOG_DIR=self.log_dir, PYTHONUNBUFFERED='1')
         return environment
 
-    def adopt(self):
+    def adopt(self) -> None:
         """Make this process use the master. Call it before rospy.init_node. Arguments in sys.argv are removed."""
         environment = self.environment
         for key in [key for key in os.environ if key not in environment]:
@@ -117,11 +123,12 @@ class Loopback:
         os.environ.update(environment)
         del sys.argv[1:]
 
-    def set_param(self, name, value):
+    def set_param(self, name: str, value: Any) -> None:
         """Set a parameter on the master."""
         rosgraph.Master('/loopback', master_uri=self.uri).setParam(name, value)
 
-    def run(self, executable, name, namespace='/', parameters=None, arguments=()):
+    def run(self, executable: str, name: str, namespace: str = '/', parameters: Optional[Mapping[str, Any]] = None,
+            arguments: Sequence[str] = ()) -> Child:
         """Start a node of this package and return its Child.
 
         name: node name; namespace: absolute; parameters: {name: value}, the node's private ones; arguments: they come
@@ -135,7 +142,7 @@ class Loopback:
         command = [find_executable(executable), *arguments, f'__ns:={namespace}', f'__name:={name}']
         return self.spawn(full_name, command)
 
-    def check(self):
+    def check(self) -> None:
         """Raise ChildEnded if one of the processes has ended."""
         for child in self._children:
             code = child.process.poll()
@@ -143,12 +150,12 @@ class Loopback:
                 how = f'signal {signal.Signals(-code).name}' if code < 0 else f'exit code {code}'
                 raise ChildEnded(f'{child.name} ended unexpectedly ({how}); its last lines:\n{child.last_lines()}')
 
-    def end(self, child):
+    def end(self, child: Child) -> None:
         """End one child, which check() does not look at any more."""
         self._children.remove(child)
         _end([child])
 
-    def close(self, keep_logs=False):
+    def close(self, keep_logs: bool = False) -> None:
         """End all children, the master last. Remove the folder of logs unless ``keep_logs``."""
         master, nodes = self._children[:1], self._children[1:]
         self._children = []
@@ -157,7 +164,7 @@ class Loopback:
         if not keep_logs:
             shutil.rmtree(self.log_dir, ignore_errors=True)
 
-    def _start_master(self):
+    def _start_master(self) -> None:
         for attempt in range(1, MASTER_TRIES + 1):
             port = free_port()
             self.uri = f'http://127.0.0.1:{port}/'
@@ -172,7 +179,7 @@ class Loopback:
                     raise
         self.set_param('/use_sim_time', self._use_sim_time)
 
-    def _wait_for_master(self):
+    def _wait_for_master(self) -> None:
         deadline = time.monotonic() + MASTER_TIMEOUT
         while True:
             pid = self._master_pid()
@@ -186,14 +193,14 @@ class Loopback:
                                     f'lines:\n{self._children[0].last_lines()}')
             time.sleep(0.02)
 
-    def _master_pid(self):
+    def _master_pid(self) -> Optional[int]:
         """Return the process id of the master that answers at the URI; None if none answers."""
         try:
             return rosgraph.Master('/loopback', master_uri=self.uri).getPid()
         except (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error):
             return None
 
-    def spawn(self, name, command):
+    def spawn(self, name: str, command: Sequence[str]) -> Child:
         """Start a process in a group of its own, and return its Child. The kernel kills it when this process ends.
 
         :raises LoopbackError: if its output cannot be written, or setpriv is not installed.
@@ -203,28 +210,28 @@ class Loopback:
             process = self._start(command, log)
         return self._child(name, process, log_path)
 
-    def _start(self, command, log):
+    def _start(self, command: Sequence[str], log: BinaryIO) -> Any:
         """Start a process; return its subprocess.Popen, or processes.Forked."""
-        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        guard: Any = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
         return subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                                 env=self.environment, start_new_session=True)
 
-    def _log_path(self, name):
+    def _log_path(self, name: str) -> str:
         return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
 
-    def _child(self, name, process, log_path):
+    def _child(self, name: str, process: Forked, log_path: str) -> Child:
         self._children.append(Child(name, process, log_path))
         return self._children[-1]
 
 
-def _open_log(path):
+def _open_log(path: str) -> BinaryIO:
     try:
         return open(path, 'wb')
     except OSError as error:
         raise LoopbackError(f'{path}: cannot be written: {error.strerror}') from None
 
 
-def find_executable(name):
+def find_executable(name: str) -> str:
     """Return the path of an executable of this package. :raises LoopbackError: if it is not found."""
     try:
         paths = packages.find_node(PACKAGE, name)
@@ -236,21 +243,21 @@ def find_executable(name):
     return paths[0]
 
 
-def free_port():
+def free_port() -> int:
     """Return a TCP port of 127.0.0.1 on which no program listens."""
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return probe.getsockname()[1]
 
 
-def _find_program(name):
+def _find_program(name: str) -> str:
     path = shutil.which(name)
     if path is None:
         raise LoopbackError(f"program '{name}' is not on PATH; is ROS installed (make deps) and sourced?")
     return path
 
 
-def _end(children):
+def _end(children: Sequence[Child]) -> None:
     """End processes and their groups: by SIGTERM first, and by SIGKILL after END_TIMEOUT."""
     for child in children:
         child.signal(signal.SIGTERM)

@@ -3,10 +3,12 @@
 Durations of simulated time are seconds; they are exact to the nanosecond if they are given as rospy.Duration
 or rospy.Time. Factors are simulated seconds per wall second. Timeouts are seconds of wall time.
 """
+from __future__ import annotations
 
 import contextlib
 import math
 import time
+from typing import Any, Iterator, Optional, Type
 
 import genpy
 import rospy
@@ -28,23 +30,23 @@ class TimeMasterClient:
     It also does so if there is no time master within connect_timeout seconds of wall time.
     """
 
-    def __init__(self, ns='/time_master', connect_timeout=10.0):
+    def __init__(self, ns: str = '/time_master', connect_timeout: float = 10.0) -> None:
         self._ns = ns.rstrip('/')
         self._connect_timeout = connect_timeout
 
-    def set_factor(self, factor):
+    def set_factor(self, factor: Any) -> None:
         """Run at factor simulated seconds per wall second (0.01 to 1e6) from now on."""
         self._call('set_factor', SetFactor, float(factor))
 
-    def pause(self):
+    def pause(self) -> None:
         """Make time stand still. A step or run_until that is under way is given up."""
         self._call('pause', Trigger)
 
-    def resume(self):
+    def resume(self) -> None:
         """Make time go on, without a target."""
         self._call('resume', Trigger)
 
-    def step(self, duration):
+    def step(self, duration: Any) -> Any:
         """Run for duration (> 0; seconds or rospy.Duration), stop exactly there and stay paused.
 
         Returns the target as rospy.Time at once, before it is reached (see wait_until). If a step or
@@ -52,14 +54,14 @@ class TimeMasterClient:
         """
         return self._call('step', Step, _to_ros(rospy.Duration, duration, 'step: duration')).target
 
-    def run_until(self, target):
+    def run_until(self, target: float) -> None:
         """Run until target (simulated; seconds or rospy.Time), stop exactly there and stay paused.
 
         Returns at once (see wait_until).
         """
         self._call('run_until', RunUntil, _to_ros(rospy.Time, target, 'run_until: target'))
 
-    def wait_until(self, target, timeout=None):
+    def wait_until(self, target: Any, timeout: Optional[float] = None) -> None:
         """Wait until /clock is at target (seconds or rospy.Time) or beyond.
 
         timeout: seconds of wall time (None = no limit), after which TimeMasterError is raised. If ROS shuts
@@ -76,7 +78,7 @@ class TimeMasterClient:
             rospy.rostime.wallsleep(0.001)
 
     @contextlib.contextmanager
-    def hold(self, name, timeout):
+    def hold(self, name: str, timeout: float) -> Iterator[Any]:
         """Hold the clock at busy_factor inside a with block.
 
         name: the name of the hold, which must be unique, for instance rospy.get_name(). timeout: seconds of
@@ -90,14 +92,14 @@ class TimeMasterClient:
         finally:
             self._release(name)
 
-    def _release(self, name):
+    def _release(self, name: str) -> None:
         # Never raises: it would hide the error with which the block ended.
         try:
             self._call('release', ReleaseHold, name)
         except TimeMasterError as error:
             rospy.logwarn('%s', error)
 
-    def _call(self, service, kind, *arguments):
+    def _call(self, service: str, kind: Type[Any], *arguments: Any) -> Any:
         name = f'{self._ns}/{service}'
         try:
             rospy.wait_for_service(name, self._connect_timeout)
@@ -109,7 +111,7 @@ class TimeMasterClient:
         return answer
 
 
-def _to_ros(kind, value, what):
+def _to_ros(kind: Type[Any], value: float, what: str) -> Any:
     """Return value as kind (rospy.Time or rospy.Duration). Seconds are rounded to the nanosecond."""
     if isinstance(value, genpy.TVal) and issubclass(kind, type(value)):  # messages hold genpy's own types
         return kind(value.secs, value.nsecs)

@@ -38,8 +38,8 @@ def test_both_timings_answer_the_same_questions_in_the_same_form():
                              if isinstance(target, ast.Attribute) and isinstance(target.ctx, ast.Store))
             elif isinstance(node, ast.FunctionDef):
                 asked[node.name] = [argument.arg.strip('_') for argument in node.args.args]
-            elif isinstance(node, ast.Assign):
-                asked[node.targets[0].id] = None
+            elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+                asked[(node.targets[0] if isinstance(node, ast.Assign) else node.target).id] = None
         return asked
 
     assert questions('ScaledTiming') == questions('LockstepTiming') != {}

@@ -21,6 +21,9 @@ MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
 FRAMES = {layout.name: layout for layout in wire_format.PARTICIPANT_FRAMES + wire_format.MASTER_FRAMES}
 ITEMS = {layout.name: layout for layout in wire_format.REPORT_ITEMS + wire_format.GRANT_ITEMS}
+NoteKind: Any
+Delivery: Any
+CallStatus: Any
 NoteKind, Delivery, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
                         for name in ('NoteKind', 'Delivery', 'CallStatus'))
 

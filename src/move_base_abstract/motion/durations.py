@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Optional, Tuple, Union
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -65,7 +65,7 @@ class Durations:
     failures: Tuple[Tuple[float, float], ...] = ()
 
     #: the ranges of recorded legs: none, since these numbers were not fitted to recordings
-    recorded: Optional[Recorded] = None
+    recorded: ClassVar[Optional[Recorded]] = None
 
     @staticmethod
     def shaped(leg: AnyLeg, _overhead: float, _uniform: Uniform) -> AnyLeg:

@@ -27,7 +27,7 @@ def _launcher() -> str:
     return path
 
 
-class WarmLoopback(Loopback):  # type: ignore[misc]
+class WarmLoopback(Loopback):
     """A Loopback whose master and Python nodes of this package are forks of this process."""
 
     def close(self, keep_logs: bool = False) -> None:

@@ -13,6 +13,8 @@ A backend is made with (names, settings). It has
 
 Poses are Pose2D in the global frame, velocities (forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
 """
+from typing import Any, Dict
+
 from move_base_abstract.common.errors import ConfigurationError
 
 from .builtin import BuiltinBackend
@@ -20,20 +22,20 @@ from .gazebo import GazeboBackend
 from .stage import StageBackend
 
 
-def _gazebo(names, settings):
+def _gazebo(names: Any, settings: Any) -> GazeboBackend:
     return GazeboBackend(names, settings, BuiltinBackend)
 
 
 BUILTIN = ('builtin', 'virtual_robots')
 STAGE = ('stage_ros', 'stage')
-BACKENDS = {
+BACKENDS: Dict[str, Any] = {
     **dict.fromkeys(BUILTIN, BuiltinBackend),
     **dict.fromkeys(STAGE, StageBackend),
     'gazebo': _gazebo,
 }
 
 
-def make(name, names, settings, timing):
+def make(name: str, names: Any, settings: Any, timing: Any) -> Any:
     """Return the backend ``name`` for one robot.
 
     :raises ConfigurationError: if there is no backend of that name, or ``timing`` (see timing.py) does not allow it.

@@ -1,4 +1,8 @@
 """The built-in simulator: it publishes the robot's pose, as the core computes it, in tf and on a few topics."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
+
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
@@ -11,6 +15,11 @@ from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame, of_message
 from ..transforms import tf_hub
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+
+    from ..robot.names import RobotNames
+
 _ORIGIN = Pose2D()
 
 
@@ -22,7 +31,7 @@ class BuiltinBackend:
     The topics are latched, so that nodes that start later get the robot's pose.
     """
 
-    def __init__(self, names, settings):
+    def __init__(self, names: RobotNames, settings: RobotSettings) -> None:
         global_frame, odom_frame = settings.values['global_frame'], settings.odom_frame
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
         self.frames = [frame for frame in (odom_frame, self._base_frame) if frame != global_frame]
@@ -30,7 +39,7 @@ class BuiltinBackend:
                                                                                               self._base_frame)
         # Without a map odom is the global frame; tf allows no frame to be its own parent.
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
-        self._tf_told = -1, None  # the last one sent to tf: stamp [ns], (pose, shift)
+        self._tf_told: Any = -1, None  # the last one sent to tf: stamp [ns], (pose, shift)
         self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
         self._poses.add(names.topic('robot_pose'), *(
@@ -39,17 +48,17 @@ class BuiltinBackend:
         self._odometry.add(names.topic('odom'), Odometry, self._pack_odom)
         self._odometry.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
 
-    def place(self, pose, velocity, stamp_ns):
+    def place(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> None:
         """Publish that the robot is at ``pose`` and drives with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
         self._poses.show(pose, velocity, stamp_ns)
         self._odometry.show(pose, velocity, stamp_ns)
 
-    def rests(self, pose, stamp_ns):
+    def rests(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish odometry and ground truth of a robot that stands at ``pose``. ``amcl_pose`` is not published then."""
         self._odometry.show(pose, (0.0, 0.0), stamp_ns)
 
-    def heartbeat(self, pose, stamp_ns):
+    def heartbeat(self, pose: Pose2D, stamp_ns: Any) -> None:
         """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""
         told_ns, told = self._tf_told
         if stamp_ns <= told_ns:
@@ -61,61 +70,61 @@ class BuiltinBackend:
         shift = self.shift
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, shift, stamp_ns))
 
-    def looks(self, pose, stamp_ns):
+    def looks(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
         if stamp_ns > self._tf_told[0]:
             self.heartbeat(pose, stamp_ns)
 
-    def is_heard(self):
+    def is_heard(self) -> int:
         """Return which nodes listen to the robot's pose, other than by tf: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return max(self._poses.is_heard(), self._odometry.is_heard())
 
-    def is_odometry_heard(self):
+    def is_odometry_heard(self) -> int:
         """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return self._odometry.is_heard()
 
-    def hearers(self):
+    def hearers(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node that listens to the robot's pose, other than by tf."""
         return self._poses.hearers() + self._odometry.hearers()
 
-    def odometry_hearers(self):
+    def odometry_hearers(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node that listens to odometry or ground truth."""
         return self._odometry.hearers()
 
-    def restart(self):
+    def restart(self) -> None:
         """Allow earlier stamps, because time has started anew."""
         self._tf_told = -1, None
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the topics, and take the robot's frame out of tf."""
         tf_hub.forget(self._base_frame)
         self._poses.unregister()
         self._odometry.unregister()
 
-    def _transforms(self, pose, shift, stamp_ns):
+    def _transforms(self, pose: Pose2D, shift: Optional[float], stamp_ns: int) -> List[bytes]:
         if self._odom_in_map is None:
             return [self._base_in_odom.transform(_shifted(pose, shift), stamp_ns)]
         return [self._odom_in_map.transform(shift or _ORIGIN, stamp_ns), self._base_in_odom.transform(pose, stamp_ns)]
 
-    def _pack_amcl_pose(self, pose, _velocity, stamp_ns):
+    def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
         told = _shifted(pose, self.shift)
         return lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns)
 
-    def _pack_odom(self, pose, velocity, stamp_ns):
+    def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
         told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
         return lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns)
 
-    def _pack_ground_truth(self, pose, velocity, stamp_ns):
+    def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
         return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
 
     @staticmethod
-    def _pack_plain_pose(pose, _velocity, _stamp_ns):
+    def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float], _stamp_ns: int) -> Callable[..., Any]:
         return of_message(conversions.to_pose(pose))
 
-    def _pack_robot_pose(self, pose, _velocity, stamp_ns):
+    def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
         told = _shifted(pose, self.shift)
         return lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns)
 
 
-def _shifted(pose, shift):
+def _shifted(pose: Pose2D, shift: Any) -> Pose2D:
     return pose if shift is None else shift.compose(pose)

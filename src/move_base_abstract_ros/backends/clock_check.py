@@ -1,5 +1,8 @@
 """Warn of two clocks: a simulator with a clock of its own and a time master cannot run together."""
+from __future__ import annotations
+
 import threading
+from typing import List
 
 import rosgraph
 import rospy
@@ -11,7 +14,7 @@ _first_machine_clock = threading.Lock()
 _other_clock = WallThrottle(0.1)  # Hz; the robots of a process share their simulator
 
 
-def warn_if_shared(simulator):
+def warn_if_shared(simulator: str) -> None:
     """Warn if several nodes publish /clock. The ROS master is asked once per process. ``simulator``: its name."""
     if not _first_time.acquire(blocking=False):
         return
@@ -22,7 +25,7 @@ def warn_if_shared(simulator):
                       rospy.get_name(), ' and '.join(names), simulator)
 
 
-def warn_of_machine_clock(simulator):
+def warn_of_machine_clock(simulator: str) -> None:
     """Warn, once per process, if this node uses the machine's clock."""
     if rospy.rostime.is_wallclock() and _first_machine_clock.acquire(blocking=False):
         rospy.logwarn("%s: /use_sim_time was not true when this node started, so that it goes by the machine's clock. "
@@ -30,7 +33,7 @@ def warn_of_machine_clock(simulator):
                       rospy.get_name(), simulator, simulator)
 
 
-def warn_of_other_clock(simulator, robot, gap):
+def warn_of_other_clock(simulator: str, robot: str, gap: float) -> None:
     """Warn that ``simulator`` stamps its messages about ``robot`` ``gap`` [s] before the present of this node.
 
     All robots of a process share the limit of one warning in 10 s of wall time.
@@ -44,7 +47,7 @@ def warn_of_other_clock(simulator, robot, gap):
                   'before' if gap > 0.0 else 'after', own, simulator)
 
 
-def clock_publishers():
+def clock_publishers() -> List[str]:
     """Return the names of the nodes that publish /clock, in order; none if the ROS master does not answer."""
     try:
         published = rosgraph.Master(rospy.get_name()).getSystemState()[0]

@@ -1,6 +1,9 @@
 """The backend for Gazebo: it sets the robots' models to the poses that the core computes."""
+from __future__ import annotations
+
 import threading
 import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple, Type
 
 import rospy
 
@@ -9,6 +12,13 @@ from move_base_abstract.common.errors import ConfigurationError
 from ..clocks.throttle import WallThrottle
 from ..messages import conversions
 from . import clock_check
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.config.settings import RobotSettings
+
+    from ..robot.names import RobotNames
+    from .builtin import BuiltinBackend
 
 SERVICE = '/gazebo/set_model_state'
 _RETRY_SECONDS = 1.0
@@ -21,7 +31,7 @@ class GazeboBackend:
     :raises ConfigurationError: if the package gazebo_msgs is not installed.
     """
 
-    def __init__(self, names, settings, display):
+    def __init__(self, names: RobotNames, settings: RobotSettings, display: Type[BuiltinBackend]) -> None:
         self._types = _import_types(names.private)
         self._model = settings.values['gazebo_model'] or names.robot
         self._reference_frame = settings.values['gazebo_reference_frame']
@@ -30,7 +40,7 @@ class GazeboBackend:
         self.frames = self._display.frames
         clock_check.warn_of_machine_clock('Gazebo')
 
-    def place(self, pose, velocity, stamp_ns):
+    def place(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> None:
         """Publish the pose, and make the worker send it to Gazebo."""
         self._display.place(pose, velocity, stamp_ns)
         message = conversions.to_pose(pose)
@@ -38,27 +48,27 @@ class GazeboBackend:
         state = self._types.ModelState(model_name=self._model, pose=message, reference_frame=self._reference_frame)
         _worker(self._types.SetModelState).put(self._model, state)
 
-    def rests(self, pose, stamp_ns):
+    def rests(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish that the robot stands."""
         self._display.rests(pose, stamp_ns)
 
-    def is_odometry_heard(self):
+    def is_odometry_heard(self) -> int:
         """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return self._display.is_odometry_heard()
 
-    def looks(self, pose, stamp_ns):
+    def looks(self, pose: Any, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan."""
         self._display.looks(pose, stamp_ns)
 
-    def heartbeat(self, pose, stamp_ns):
+    def heartbeat(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf."""
         self._display.heartbeat(pose, stamp_ns)
 
-    def restart(self):
+    def restart(self) -> None:
         """Allow earlier stamps, because time has started anew."""
         self._display.restart()
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the topics. The model stays where it is."""
         self._display.close()
         _worker(self._types.SetModelState).forget(self._model)
@@ -71,25 +81,25 @@ class ModelWorker:
     models meanwhile. ``warn(text)`` gets the fault.
     """
 
-    def __init__(self, set_state, warn):
+    def __init__(self, set_state: _Caller, warn: Callable[..., Any]) -> None:
         self._set_state = set_state
         self._warn = warn
         self._condition = threading.Condition()
-        self._waiting = {}
+        self._waiting: Dict[Any, Any] = {}
         threading.Thread(target=self._run, name='gazebo', daemon=True).start()
 
-    def put(self, model, state):
+    def put(self, model: str, state: Any) -> None:
         """Make the thread set ``model`` to ``state``; returns at once."""
         with self._condition:
             self._waiting[model] = (0.0, state)
             self._condition.notify()
 
-    def forget(self, model):
+    def forget(self, model: Any) -> None:
         """Do not set ``model`` any more."""
         with self._condition:
             self._waiting.pop(model, None)
 
-    def _run(self):
+    def _run(self) -> None:
         while True:
             model, state = self._next()
             fault = self._set_state(state)
@@ -98,7 +108,7 @@ class ModelWorker:
                 with self._condition:
                     self._waiting.setdefault(model, (time.monotonic() + _RETRY_SECONDS, state))
 
-    def _next(self):
+    def _next(self) -> Tuple[str, Any]:
         with self._condition:
             while True:
                 wall = time.monotonic()
@@ -113,11 +123,11 @@ class ModelWorker:
 class _Caller:
     """Calls the service over one connection. After a failure the next call makes a new connection."""
 
-    def __init__(self, service_type):
+    def __init__(self, service_type: Type[Any]) -> None:
         self._service_type = service_type
-        self._proxy = None
+        self._proxy: Any = None
 
-    def __call__(self, state):
+    def __call__(self, state: Any) -> str:
         try:
             if self._proxy is None:
                 self._proxy = rospy.ServiceProxy(SERVICE, self._service_type, persistent=True)
@@ -132,13 +142,13 @@ class _Caller:
 class _Types:
     """The two types of gazebo_msgs that this module uses."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         from gazebo_msgs.msg import ModelState
         from gazebo_msgs.srv import SetModelState
         self.ModelState, self.SetModelState = ModelState, SetModelState
 
 
-def _import_types(where):
+def _import_types(where: str) -> _Types:
     try:
         return _Types()
     except ImportError as error:
@@ -149,10 +159,10 @@ def _import_types(where):
 
 
 _lock = threading.Lock()
-_shared = []
+_shared: List[Any] = []
 
 
-def _worker(service_type):
+def _worker(service_type: Type[Any]) -> ModelWorker:
     """Return the only ModelWorker of the process. The first call makes it."""
     with _lock:
         if not _shared:

@@ -1,6 +1,9 @@
 """The backend for Stage: it sends each pose to Stage, and Stage reports where the robot is."""
+from __future__ import annotations
+
 import threading
 import time
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Type, Union
 
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
@@ -16,6 +19,11 @@ from ..messages.packing import InFrame
 from ..transforms import tf_hub
 from ..transforms.tf_lookup import TfLookup
 from . import clock_check, stage_watch
+
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+
+    from ..robot.names import RobotNames
 
 _REMINDER_SECONDS = 10.0
 _EXACT = 1e-6  # m and rad; what goes to Stage and comes back is rounded
@@ -34,7 +42,7 @@ class StageBackend:
     both use, and is never held while tf is sent.
     """  # noqa: D205
 
-    def __init__(self, names, settings):
+    def __init__(self, names: RobotNames, settings: RobotSettings) -> None:
         values = settings.values
         self._robot = names.robot
         self._global_frame = values['global_frame']
@@ -49,8 +57,9 @@ class StageBackend:
         self._check = FollowCheck()
         self._stamps = StampCheck()
         self._wanted = None
-        self._truth = self._odom = (None, None)
-        self._tf = None
+        self._truth: Any = (None, None)
+        self._odom: Any = (None, None)
+        self._tf: Any = None
         self._sent = (-1, None)
         self._cmd_pose = rospy.Publisher(names.topic('cmd_pose'), Pose, queue_size=1)
         self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
@@ -61,7 +70,7 @@ class StageBackend:
         stage_watch.add(self._truth_topic)
         clock_check.warn_of_machine_clock('Stage')
 
-    def place(self, pose, _velocity, stamp_ns):
+    def place(self, pose: Any, _velocity: Tuple[float, float], stamp_ns: int) -> None:
         """Publish that the robot is at ``pose``; send it to Stage at Stage's next step."""
         self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
@@ -71,35 +80,35 @@ class StageBackend:
             self._wanted = pose
         self.heartbeat(pose, stamp_ns)
 
-    def rests(self, _pose, _stamp_ns):
+    def rests(self, _pose: Pose2D, _stamp_ns: int) -> None:
         """Do nothing: Stage publishes odometry all the time."""
 
     @staticmethod
-    def is_odometry_heard():
+    def is_odometry_heard() -> int:
         """Return NOBODY (0): listeners get the odometry from Stage."""
         return NOBODY
 
-    def looks(self, _pose, _stamp_ns):
+    def looks(self, _pose: Any, _stamp_ns: int) -> None:
         """Do nothing: Stage publishes its part of tf at each of its steps."""
 
-    def heartbeat(self, _pose, stamp_ns):
+    def heartbeat(self, _pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf again. If Stage uses another clock, do nothing: tf must have the stamps of Stage's own part."""
         if self._stamps.is_alike:
             self._send_tf(stamp_ns)
 
-    def restart(self):
+    def restart(self) -> None:
         """Allow earlier stamps, because time has started anew."""
         with self._lock:
             self._sent = (-1, None)
 
-    def close(self):
+    def close(self) -> None:
         """Unregister all topics."""
         stage_watch.remove(self._truth_topic)
         self._world.close()
         for topic in (*self._subscribers, self._cmd_pose, self._amcl_pose, self._robot_pose):
             topic.unregister()
 
-    def _command(self, reported):
+    def _command(self, reported: Pose2D) -> None:
         """Send the wanted pose to Stage, if it is not the pose ``reported`` by Stage (both in Stage's world)."""
         world = self._world.pose()
         with self._lock:
@@ -110,7 +119,7 @@ class StageBackend:
         if wanted.distance_to(reported) > _EXACT or abs(normalize_angle(wanted.yaw - reported.yaw)) > _EXACT:
             self._cmd_pose.publish(conversions.to_pose(wanted))
 
-    def _on_odom(self, message):
+    def _on_odom(self, message: Any) -> None:
         stamp = message.header.stamp
         with self._lock:
             if self._odom[0] is not None and stamp < self._odom[0]:  # Stage has started anew
@@ -121,7 +130,7 @@ class StageBackend:
             clock_check.warn_of_other_clock('Stage', self._robot, gap)
         self._locate()
 
-    def _on_truth(self, message):
+    def _on_truth(self, message: Any) -> None:
         reported = conversions.from_pose(message.pose.pose)
         stage_watch.heard(self._truth_topic)
         self._command(reported)
@@ -133,14 +142,14 @@ class StageBackend:
             self._complain(gap)
         self._locate()
 
-    def _complain(self, gap):
+    def _complain(self, gap: float) -> None:
         deaf = '; no node subscribes to cmd_pose: this stage_ros has no such topic, or uses another name for the robot'
         rospy.logwarn('%s: Stage does not follow: the robot is %.2f m from where it was placed%s', self._robot, gap,
                       '' if self._cmd_pose.get_num_connections() else deaf)
 
-    def _locate(self):
+    def _locate(self) -> None:
         """Compute map -> odom, so that Stage's odometry and its ground truth of one instant agree, and publish it."""
-        world = self._world.pose()
+        world: Any = self._world.pose()
         with self._lock:
             (odom_stamp, odom), (truth_stamp, truth) = self._odom, self._truth
             if world is None or odom_stamp is None or odom_stamp != truth_stamp:
@@ -148,7 +157,7 @@ class StageBackend:
             self._tf = world.inverse().compose(truth).compose(odom.inverse())
         self._send_tf(odom_stamp.to_nsec())
 
-    def _send_tf(self, stamp_ns):
+    def _send_tf(self, stamp_ns: int) -> None:
         """Publish map -> odom at ``stamp_ns``, or 1 ns after the last stamp if that is later."""
         with self._lock:
             last_ns, last = self._sent
@@ -165,7 +174,7 @@ class StageBackend:
 class _StageWorld:
     """The pose of the global frame's origin in Stage's world, from parameters, or from tf as soon as tf has it."""
 
-    def __init__(self, robot, values):
+    def __init__(self, robot: str, values: Mapping[str, Union[float, str]]) -> None:
         self._robot = robot
         self._frame = values['stage_world_frame']
         self._pose = None
@@ -173,10 +182,10 @@ class _StageWorld:
         if self._frame is None:
             self._pose = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
         else:
-            self._lookup = TfLookup(values['global_frame'])
+            self._lookup: Any = TfLookup(values['global_frame'])
             self._lookup.wait_for(self._frame, 0)
 
-    def pose(self):
+    def pose(self) -> Optional[Pose2D]:
         """Return the Pose2D, or None while it is not known. Never blocks."""
         if self._pose is None:
             try:
@@ -186,17 +195,17 @@ class _StageWorld:
                 self._remind(error)
         return self._pose
 
-    def close(self):
+    def close(self) -> None:
         """Stop listening to tf."""
         if self._pose is None:
             self._lookup.close()
 
-    def _remind(self, error):
+    def _remind(self, error: FrameError) -> None:
         if time.monotonic() - self._since > _REMINDER_SECONDS:
             self._since = time.monotonic()
             rospy.logwarn("%s: stage_world_frame '%s' is not known to tf yet, and Stage gets no poses until then: %s",
                           self._robot, self._frame, error)
 
 
-def _latched(topic, message_type):
+def _latched(topic: str, message_type: Type[Any]) -> Any:
     return rospy.Publisher(topic, message_type, queue_size=10, latch=True)

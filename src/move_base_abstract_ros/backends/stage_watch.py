@@ -1,20 +1,26 @@
 """One thread per process that notices if Stage falls silent. Then Stage's clock stands, and all nodes that use it."""
+from __future__ import annotations
+
 import threading
 import time
+from typing import TYPE_CHECKING, Any, List
 
 import rospy
 
 from move_base_abstract.supervision.silence_watch import SilenceWatch
+
+if TYPE_CHECKING:
+    from move_base_abstract.supervision.silence_watch import Silence
 
 _POLL_SECONDS = 0.5
 _NAMED = 5  # topics in a warning
 
 _lock = threading.Lock()
 _watch = SilenceWatch()
-_threads = []
+_threads: List[Any] = []
 
 
-def add(topic):
+def add(topic: str) -> None:
     """Warn from now on if nothing comes on ``topic`` for a while."""
     with _lock:
         _watch.add(topic, time.monotonic())
@@ -23,19 +29,19 @@ def add(topic):
             _threads[0].start()
 
 
-def remove(topic):
+def remove(topic: Any) -> None:
     """Stop watching ``topic``."""
     with _lock:
         _watch.remove(topic)
 
 
-def heard(topic):
+def heard(topic: str) -> None:
     """Note that a message has come on ``topic``."""
     with _lock:
         _watch.heard(topic, time.monotonic())
 
 
-def _run():
+def _run() -> None:
     while not rospy.is_shutdown():
         time.sleep(_POLL_SECONDS)
         with _lock:
@@ -43,7 +49,7 @@ def _run():
         _tell(silence)
 
 
-def _tell(silence):
+def _tell(silence: Silence) -> None:
     if silence.unheard:
         rospy.logwarn('%s: nothing has come on %s for %g s: is Stage running, and does it use this name of the robot?',
                       rospy.get_name(), _list(silence.unheard), _watch.limit)
@@ -55,6 +61,6 @@ def _tell(silence):
         rospy.loginfo('%s: Stage is heard again: %s', rospy.get_name(), _list(silence.back))
 
 
-def _list(topics):
+def _list(topics: Any) -> Any:
     more = len(topics) - _NAMED
     return ', '.join(topics[:_NAMED]) + (' and {} more'.format(more) if more > 0 else '')

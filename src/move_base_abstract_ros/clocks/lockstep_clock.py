@@ -3,7 +3,10 @@
 Threading contract: as for :class:`ros_clock.RosClock`. Callbacks and events run one at a time, with the participant's
 turn. A thread without the turn may only look at the time (:meth:`LockstepClock.look_ns`), under the lock.
 """
+from __future__ import annotations
+
 import threading
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep.scheduler import TurnLost
@@ -13,6 +16,9 @@ from ..messages import outlets
 from .fault_log import FaultLog
 from .hearers import Hearers
 
+if TYPE_CHECKING:
+    from move_base_abstract.engine.event_queue import Series
+
 
 class LockstepClock:
     """Drives one :class:`Simulation` by the time master's grants. It is the participant's source of events.
@@ -20,16 +26,16 @@ class LockstepClock:
     ``join()``: a function that takes part in the run, and returns the Participant when the run has begun.
     """
 
-    def __init__(self, join):
+    def __init__(self, join: Callable[..., Any]) -> None:
         self.lock = threading.RLock()
-        self.simulation = None
-        self.participant = None
+        self.simulation: Any = None
+        self.participant: Any = None
         self._join = join
         self._has_onlookers = self._ever_had_onlookers = False
-        self.hearers = None
+        self.hearers: Any = None
         self._has_causal_rows = False
 
-    def start(self):
+    def start(self) -> bool:
         """Take part. Return True when the run has begun, or False if it ends before that."""
         try:
             self.participant = self._join()
@@ -42,17 +48,17 @@ class LockstepClock:
         self.participant.set_source(self)
         return True
 
-    def follow_restarts(self, _follower):
+    def follow_restarts(self, _follower: Callable[..., Any]) -> None:
         """Do nothing: the clock of a run in lockstep never starts anew. See RosClock."""
 
-    def leave_restarts(self, _follower):
+    def leave_restarts(self, _follower: Callable[..., Any]) -> None:
         """Do nothing, see :meth:`follow_restarts`."""
 
-    def serve(self):
+    def serve(self) -> None:
         """Let callbacks and events go on from now on, without the calling thread, which has set everything up."""
         self.participant.serve()
 
-    def now_ns(self):
+    def now_ns(self) -> int:
         """Run the events that are due at the present instant, and return this instant [ns].
 
         So events of the robots come before requests of the same instant, as in the fleet in plain Python. The caller
@@ -62,27 +68,27 @@ class LockstepClock:
             self.simulation.advance(self.participant.now_ns)
         return self.simulation.now_ns
 
-    def look_ns(self):
+    def look_ns(self) -> int:
         """Return the time [ns] up to which all events have run, and run none. The caller holds the lock."""
         return self.simulation.now_ns
 
-    def wall_to_ns(self, _seconds):
+    def wall_to_ns(self, _seconds: float) -> int:
         """Return 0: in lockstep nothing waits for the wall clock."""
         return 0
 
-    def wait_until(self, condition, seconds, what):
+    def wait_until(self, condition: Callable[..., Any], seconds: float, what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of simulated time. The caller has the turn.
 
         ``what``: the thing that is waited for, in words.
         """
         self.participant.wait_until(condition, seconds, what)
 
-    def listeners_changed(self):
+    def listeners_changed(self) -> None:
         """Note that a node stops listening, or that fewer messages have an effect on it than before."""
         if self.simulation is not None and self.participant.scheduler.acts():
             self.hearers.rates_changed()
 
-    def listener_came(self):
+    def listener_came(self) -> None:
         """Note that a node begins to listen to robots: a participant, during our turn, or an onlooker at any time."""
         if self.simulation is None:
             return
@@ -93,50 +99,50 @@ class LockstepClock:
         else:
             self._has_onlookers = self._ever_had_onlookers = True  # an onlooker gets messages from the next turn on
 
-    def _wake(self):
+    def _wake(self) -> None:
         self.hearers.rates_changed()
         with outlets.nobody_hears():
             self.simulation.wake()
 
-    def keep_causal_rows(self):
+    def keep_causal_rows(self) -> None:
         """Keep rows of one instant in the order in which they happen: one robot leaves before another one enters.
 
         Otherwise they are in the order of the robots, which is possible with several processes, too.
         """
         self._has_causal_rows = True
 
-    def record(self, index):
+    def record(self, index: int) -> Callable[..., Any]:
         """Return a function that writes rows of the robot with ``index`` into the run's event log."""
         log = self.participant.log
         return lambda row: log(row[1], row[2], row[3:], 0 if self._has_causal_rows else index)
 
     # --- methods that the participant calls -------------------------------------------------------------------------
 
-    def next_due_ns(self):
+    def next_due_ns(self) -> Optional[int]:
         """Return the instant [ns] of the next event that is due, or None."""
         return self.simulation.queue.next_due_ns()
 
-    def is_background(self):
+    def is_background(self) -> bool:
         """Return whether all due events are for onlookers or come by themselves: time does not go on only for these."""
         queue = self.simulation.queue
         return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
-    def foresee(self, before_ns, most):
+    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Any]]], int]:
         """Return what :meth:`EventQueue.foresee` returns."""
         with self.lock:
             return self.simulation.queue.foresee(before_ns, most)
 
-    def tell(self, due_ns, series):
+    def tell(self, due_ns: int, series: Sequence[Series]) -> None:
         """Do beforehand what ``series`` [Series] do at ``due_ns`` [ns], which foresee() has returned."""
         with self.lock:
             self.simulation.tell(due_ns, series)
 
-    def skip(self, until_ns):
+    def skip(self, until_ns: int) -> None:
         """Go on at ``until_ns`` [ns]. All that was foreseen up to then has been done."""
         with self.lock:
             self.simulation.skip(until_ns)
 
-    def run(self, now_ns):
+    def run(self, now_ns: int) -> None:
         """Run all events that are due up to ``now_ns`` [ns]."""
         with self.lock:
             self.simulation.advance(now_ns)

@@ -3,8 +3,11 @@
 Threading contract: a thread that uses a simulation holds :attr:`RosClock.lock`. Events run in the thread that receives
 ``/clock``, without a hand-over to another thread.
 """
+from __future__ import annotations
+
 import threading
 import time
+from typing import Any, Callable, List
 
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -28,11 +31,11 @@ _SPEED_WINDOW_SECONDS = 0.02
 class RosClock:
     """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock if ROS uses that."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.lock = threading.RLock()
-        self.simulation = None
+        self.simulation: Any = None
         self.hearers = NoHearers()
-        self._restart_followers = []
+        self._restart_followers: List[Any] = []
         self._source = ClockSource()
         self._behind_throttle = WallThrottle(_WARNINGS_RATE)
         self._arrived = threading.Event()
@@ -41,7 +44,7 @@ class RosClock:
         self._speeds = (1.0, 1.0)
         self._speed_mark = (0.0, 0)
 
-    def start(self):
+    def start(self) -> bool:
         """Wait for the first ``/clock`` and start the simulation at that time. Return False if ROS shuts down first."""
         if rospy.get_param('/use_sim_time', False):
             self._subscriber = rospy.Subscriber('/clock', Clock, self._on_clock, queue_size=1, tcp_nodelay=True)
@@ -55,7 +58,7 @@ class RosClock:
             self.simulation = Simulation(self._latest_ns, FaultLog())
         return True
 
-    def _wait_for_clock(self):
+    def _wait_for_clock(self) -> bool:
         warned = time.monotonic()
         while not self._arrived.wait(0.1):
             if rospy.is_shutdown():
@@ -66,44 +69,44 @@ class RosClock:
                               'or a simulator that publishes /clock?', rospy.get_name())
         return True
 
-    def now_ns(self):
+    def now_ns(self) -> int:
         """Run all events that are due, and return the present [ns]. The caller holds the lock."""
         if self._subscriber is None:
             self._latest_ns = max(self._latest_ns, rospy.Time.now().to_nsec())
         self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
         return self.simulation.now_ns
 
-    def look_ns(self):
+    def look_ns(self) -> int:
         """Do the same as :meth:`now_ns`."""
         return self.now_ns()
 
-    def follow_restarts(self, follower):
+    def follow_restarts(self, follower: Callable[..., Any]) -> None:
         """Call ``follower(before_ns, now_ns)`` each time that ``/clock`` starts anew, in order and under the lock.
 
         The old time has ended at ``before_ns`` [ns], and the simulation goes on at ``now_ns`` [ns].
         """
         self._restart_followers.append(follower)
 
-    def leave_restarts(self, follower):
+    def leave_restarts(self, follower: Callable[..., Any]) -> None:
         """Do not call ``follower`` any more."""
         self._restart_followers.remove(follower)
 
-    def serve(self):
+    def serve(self) -> None:
         """Do nothing: rospy's own threads call back from the start."""
 
-    def keep_causal_rows(self):
+    def keep_causal_rows(self) -> None:
         """Do nothing: there is no event log. See LockstepClock."""
 
-    def record(self, _index):
+    def record(self, _index: int) -> None:
         """Return None: only lockstep has an event log."""
 
-    def wait_until(self, condition, seconds, _what):
+    def wait_until(self, condition: Callable[..., Any], seconds: float, _what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of wall time. The caller holds no lock."""
         deadline = time.monotonic() + seconds
         while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
             time.sleep(_WAIT_POLL_SECONDS)
 
-    def wall_to_ns(self, seconds):
+    def wall_to_ns(self, seconds: float) -> int:
         """Return how far simulated time [ns] moves in ``seconds`` of wall time, at its present speed.
 
         The lower one of the last two measured speeds counts, because a sleep that is too long would miss an instant:
@@ -111,7 +114,7 @@ class RosClock:
         """
         return int(seconds * min(self._speeds) * NS_PER_S)
 
-    def _measure_speed(self, time_ns):
+    def _measure_speed(self, time_ns: int) -> None:
         wall = time.monotonic()
         mark_wall, mark_ns = self._speed_mark
         if wall - mark_wall >= _SPEED_WINDOW_SECONDS:
@@ -119,11 +122,11 @@ class RosClock:
                 self._speeds = (self._speeds[1], (time_ns - mark_ns) / NS_PER_S / (wall - mark_wall))
             self._speed_mark = (wall, time_ns)
 
-    def _on_clock(self, message):
+    def _on_clock(self, message: Any) -> None:
         with self.lock:
             self._take(message.clock.to_nsec(), message._connection_header['callerid'])
 
-    def _take(self, time_ns, source):
+    def _take(self, time_ns: int, source: str) -> None:
         before_ns = self._source.latest_ns
         step = self._source.judge(time_ns, source, time.monotonic())
         if step is Step.BEHIND and self._behind_throttle.ready():
@@ -141,7 +144,7 @@ class RosClock:
             self._measure_speed(time_ns)
             self.simulation.advance(time_ns)
 
-    def _restart(self, time_ns, source):
+    def _restart(self, time_ns: int, source: str) -> None:
         before_ns = self.simulation.now_ns
         rospy.logwarn('%s: /clock went back from %.3f s to %.3f s: %s has started anew. Goals under way are aborted, '
                       'and robots go on from where they are', rospy.get_name(), before_ns / NS_PER_S,
@@ -151,7 +154,7 @@ class RosClock:
         for follower in list(self._restart_followers):
             follower(before_ns, time_ns)
 
-    def _follow_machine(self):
+    def _follow_machine(self) -> None:
         while not rospy.is_shutdown():
             time.sleep(_POLL_SECONDS)
             with self.lock:

@@ -1,5 +1,8 @@
 """Throttles: a cap, in wall time, on how often something is published, or no cap."""
+from __future__ import annotations
+
 import time
+from typing import Any, Callable
 
 from move_base_abstract.supervision.rate_cap import RateCap
 
@@ -7,11 +10,11 @@ from move_base_abstract.supervision.rate_cap import RateCap
 class NoThrottle:
     """Always says yes, for a clock that does not depend on wall time."""
 
-    def ready(self):
+    def ready(self) -> bool:
         """Return True: publish."""
         return True
 
-    def remaining(self):
+    def remaining(self) -> float:
         """Return 0 [s, wall]."""
         return 0.0
 
@@ -22,14 +25,14 @@ class WallThrottle:
     ``shortest_period()`` [s, wall], if given, is a lower bound of the time between two yeses. It may change.
     """
 
-    def __init__(self, rate, shortest_period=lambda: 0.0):
+    def __init__(self, rate: float, shortest_period: Callable[..., Any] = lambda: 0.0) -> None:
         self._cap = RateCap(rate)
         self._shortest_period = shortest_period
 
-    def ready(self):
+    def ready(self) -> bool:
         """Return whether enough time has passed since the last yes."""
         return self._cap.ready(time.monotonic(), self._shortest_period())
 
-    def remaining(self):
+    def remaining(self) -> float:
         """Return for how long [s, wall] the next answers will be no."""
         return self._cap.remaining(time.monotonic())

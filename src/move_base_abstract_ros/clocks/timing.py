@@ -2,7 +2,10 @@
 
 :func:`make_timing` chooses the kind, once per process. Both kinds have the same methods, and neither has a state.
 """
+from __future__ import annotations
+
 from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, Callable, Dict, Sequence, Union
 
 import rospy
 
@@ -20,6 +23,9 @@ from .lockstep_clock import LockstepClock
 from .ros_clock import RosClock
 from .throttle import NoThrottle, WallThrottle
 
+if TYPE_CHECKING:
+    from move_base_abstract.motion.robot import Robot
+
 #: the rank of robots, which come before all nodes that declare no rank
 ROBOTS_RANK = 0
 #: backends that use only the time master's clock
@@ -28,7 +34,7 @@ _STATUS_FREQUENCY = 5.0  # Hz, simulated
 _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 
 
-def make_timing():
+def make_timing() -> Union[LockstepTiming, ScaledTiming]:
     """Return the timing of this process: LockstepTiming if the time master works in lockstep, or will do so.
 
     :raises ConfigurationError: if ``events_only`` or ``log_motion`` is neither true nor false.
@@ -43,7 +49,7 @@ def make_timing():
     return ScaledTiming()
 
 
-def _switch(name):
+def _switch(name: str) -> bool:
     """Return the value of the parameter ``name``, the node's own or the nearest one further up; False if there is none.
 
     :raises ConfigurationError: if it is neither true nor false.
@@ -62,18 +68,18 @@ class ScaledTiming:
     """
 
     #: {name: value} of a robot's settings, over which all given ones take precedence
-    base_settings = {}
+    base_settings: Dict[Any, Any] = {}
     #: rate of the repeated status, if no parameter sets it [Hz, simulated]
     status_frequency = _STATUS_FREQUENCY
     #: rate of the feedback of tasks, if no parameter sets it [Hz, simulated]
     task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
 
     @staticmethod
-    def when_heard(_is_heard):
+    def when_heard(_is_heard: Callable[..., Any]) -> None:
         """Return None: messages at a rate are made whether a node hears them or not."""
 
     @staticmethod
-    def frequency_at_rest(frequency):
+    def frequency_at_rest(frequency: float) -> float:
         """Return the rate [Hz, simulated] of the odometry of a robot that stands, if no parameter sets it.
 
         It is ``frequency``, the rate on the way.
@@ -81,59 +87,60 @@ class ScaledTiming:
         return frequency
 
     @staticmethod
-    def make_clock():
+    def make_clock() -> RosClock:
         """Return the clock of this process, a RosClock, which has not started."""
         return RosClock()
 
     @staticmethod
-    def answer_delay(seconds):
+    def answer_delay(seconds: float) -> float:
         """Return the shortest time between a goal and its answer [s, wall]: ``seconds``, as the parameter has it."""
         return seconds
 
     @staticmethod
-    def is_audience(heard):
+    def is_audience(heard: int) -> bool:
         """Return whether anything may begin because a node listens. ``heard``: the result of Outlet.is_heard."""
         return heard != NOBODY
 
     @staticmethod
-    def throttle(rate, shortest_period):
+    def throttle(rate: float, shortest_period: Callable[..., Any]) -> WallThrottle:
         """Return a throttle of at most ``rate`` [Hz, wall], with ``shortest_period()`` [s, wall] between two yeses."""
         return WallThrottle(rate, shortest_period)
 
     @staticmethod
-    def check_backend(name, private):
+    def check_backend(name: str, private: str) -> None:
         """Do nothing: all backends work on the scaled clock."""
 
     @staticmethod
-    def has_own_goal_connection(is_crowded):
+    def has_own_goal_connection(is_crowded: bool) -> bool:
         """Return whether a robot's goals from RViz go over its goal topic: not if there may be very many robots."""
         return not is_crowded
 
     @staticmethod
-    def batch():
+    def batch() -> Any:
         """Return a context in which the tf of several robots is collected into one message."""
         return tf_hub.batch()
 
     @staticmethod
-    def begin_to_publish():
+    def begin_to_publish() -> None:
         """Do nothing. It is called before robots are made."""
 
     @staticmethod
-    def tell_motion(_robot, _sub):
+    def tell_motion(_robot: Robot, _sub: int) -> None:
         """Do nothing: on the scaled clock there is no radio."""
 
     @staticmethod
-    def claim_frames(robot, frames):
+    def claim_frames(robot: str, frames: Sequence[str]) -> None:
         """Warn, in the name of ``robot``, if another node publishes one of its ``frames`` in tf."""
         tf_watch.claim(robot, frames)
 
     @staticmethod
-    def await_surroundings(_clock, _listen_to_static_frames, _wait_for_maps):
+    def await_surroundings(_clock: Any, _listen_to_static_frames: Callable[..., Any],
+                           _wait_for_maps: Callable[..., Any]) -> bool:
         """Return True at once: messages from outside may come at any time."""
         return True
 
     @staticmethod
-    def watch():
+    def watch() -> None:
         """Watch the clock, and log which node has gone if time stands still for good."""
         watch_clock()
 
@@ -147,24 +154,25 @@ class LockstepTiming:
     those of :class:`ScaledTiming`.
     """
 
-    def __init__(self, events_only=False, log_motion=False, chaos_seed=0, chaos_only=()):
+    def __init__(self, events_only: bool = False, log_motion: bool = False, chaos_seed: int = 0,
+                 chaos_only: Sequence[Any] = ()) -> None:
         self.base_settings = {**(EVENTS_ONLY if events_only else {}), **({'log_motion': True} if log_motion else {}),
                               **({'buggify_seed': chaos_seed, 'buggify_only': chaos_only} if chaos_seed else {})}
         self.status_frequency = 0.0 if events_only else _STATUS_FREQUENCY  # 0: transitions only
         self.task_feedback_frequency = 0.0 if events_only else _TASK_FEEDBACK_FREQUENCY
 
     @staticmethod
-    def when_heard(is_heard):
+    def when_heard(is_heard: Callable[..., Any]) -> Callable[..., Any]:
         """Return ``is_heard``: time stops for a message at a rate only while a node hears it."""
         return is_heard
 
     @staticmethod
-    def frequency_at_rest(_frequency):
+    def frequency_at_rest(_frequency: float) -> float:
         """Return 0: time would stop for each message, and a run with a participant that listens would never be idle."""
         return 0.0
 
     @staticmethod
-    def make_clock():
+    def make_clock() -> LockstepClock:
         """Return the clock of this process, a LockstepClock, which has not started."""
         clock = LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
                                                     own_threads=False))
@@ -172,22 +180,22 @@ class LockstepTiming:
         return clock
 
     @staticmethod
-    def answer_delay(_seconds):
+    def answer_delay(_seconds: float) -> float:
         """Return 0: an answer comes in a later round than its goal."""
         return 0.0
 
     @staticmethod
-    def is_audience(heard):
+    def is_audience(heard: int) -> bool:
         """Return whether a participant listens. Onlookers do not count, because they may come at any time."""
         return heard == PARTICIPANTS
 
     @staticmethod
-    def throttle(_rate, _shortest_period):
+    def throttle(_rate: float, _shortest_period: Callable[..., Any]) -> NoThrottle:
         """Return a throttle that holds nothing back: each message comes at its instant."""
         return NoThrottle()
 
     @staticmethod
-    def check_backend(name, private):
+    def check_backend(name: str, private: str) -> None:
         """Refuse the backend ``name`` of the robot with the ``private`` namespace, if it has a clock of its own.
 
         :raises ConfigurationError: if it has.
@@ -198,40 +206,41 @@ class LockstepTiming:
                 '/time_master/mode): {}'.format(private, name, ', '.join(EVENT_DRIVEN_BACKENDS)))
 
     @staticmethod
-    def has_own_goal_connection(_is_crowded):
+    def has_own_goal_connection(_is_crowded: bool) -> bool:
         """Return True: such a connection costs nothing, and each goal has its place in the order of all messages."""
         return True
 
     @staticmethod
-    def batch():
+    def batch() -> Any:
         """Return a context that collects nothing: each robot's messages keep their place in the order of all."""
         return nullcontext()
 
     @staticmethod
-    def begin_to_publish():
+    def begin_to_publish() -> None:
         """Make each new listener of tf get all frames, since there may be no heartbeat."""
         tf_hub.tell_newcomers()
 
     @staticmethod
-    def tell_motion(robot, sub):
+    def tell_motion(robot: Robot, sub: int) -> None:
         """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio."""
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
-            def tell(now_ns):
+            def tell(now_ns: int) -> None:
                 participant.add(wire.motion(sub, robot.name, pieces_of(robot, now_ns)))
             robot.follow(tell)
             tell(participant.now_ns)
 
     @staticmethod
-    def claim_frames(_robot, _frames):
+    def claim_frames(_robot: str, _frames: Sequence[str]) -> None:
         """Do nothing: to listen to tf would be a part of the run."""
 
     @staticmethod
-    def await_surroundings(clock, listen_to_static_frames, wait_for_maps):
+    def await_surroundings(clock: Any, listen_to_static_frames: Callable[..., Any],
+                           wait_for_maps: Callable[..., Any]) -> bool:
         """Take in maps and static frames in the first round, while time stands still. False if ROS shuts down."""
         listen_to_static_frames()
         return wait_for_maps(clock.participant)
 
     @staticmethod
-    def watch():
+    def watch() -> None:
         """Do nothing: if the time master ends, the connection to it ends, too."""

@@ -1,6 +1,9 @@
 """Many robots in one process. Each is a :class:`MoveBaseServer`; services add, remove and reset robots."""
+from __future__ import annotations
+
 import threading
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -18,8 +21,12 @@ from ..robot.move_base_server import MoveBaseServer
 from ..robot.names import RobotNames
 from .traffic_interface import TrafficInterface, make_traffic
 
+if TYPE_CHECKING:
+    from move_base_abstract.scenario import RobotSpec, Scenario
 
-def robot_names(namespace, name):
+
+
+def robot_names(namespace: str, name: str) -> RobotNames:
     """Return the RobotNames of the robot ``name`` of a fleet in ``namespace``."""
     return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
 
@@ -31,18 +38,19 @@ _OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
 class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
-    def __init__(self, namespace, host, specs, scenario, indices):
+    def __init__(self, namespace: str, host: Any, specs: Sequence[Tuple[int, RobotSpec]], scenario: Scenario,
+                 indices: Any) -> None:
         """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario).
 
         ``host``: the Host of the process; ``indices``: an iterator of the indices of robots that are added later.
         """
         self._namespace = namespace
-        self._host = host
-        self._defaults = scenario.defaults
+        self._host: Any = host
+        self._defaults: Any = scenario.defaults
         self._traffic = make_traffic(host.clock.simulation, scenario)
         self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
-        self._robots = {}
-        self._frames = {}  # {tf frame: name of its robot}
+        self._robots: Dict[Any, Any] = {}
+        self._frames: Dict[Any, Any] = {}  # {tf frame: name of its robot}
         self._indices = indices
         self._changes = threading.Lock()  # rospy has a thread for each call of a service
         if counted_places(scenario):
@@ -59,16 +67,16 @@ class FleetServer:
                           rospy.Service('~reset', Trigger, self._on_reset)]
 
     @property
-    def names(self):
+    def names(self) -> List[str]:
         """The robots' names, in the order of their indices."""
         return list(self._robots)
 
-    def shut_down(self):
+    def shut_down(self) -> None:
         """End all active goals as a killed move_base does."""
         for robot in list(self._robots.values()):
             robot.shut_down()
 
-    def _add(self, spec, index):
+    def _add(self, spec: RobotSpec, index: int) -> None:
         settings = spec.settings
         check_frame(spec, self._frames, 'robots')
         if settings.tf_prefix is None:
@@ -80,14 +88,14 @@ class FleetServer:
             self._forget_frame(spec.name)
             raise
 
-    def _forget_frame(self, name):
+    def _forget_frame(self, name: str) -> None:
         self._frames = {frame: robot for frame, robot in self._frames.items() if robot != name}
 
-    def _on_add(self, request):
+    def _on_add(self, request: Any) -> Any:
         with self._changes:
             return self._add_requested(request)
 
-    def _add_requested(self, request):
+    def _add_requested(self, request: Any) -> Any:
         try:
             if request.name in self._robots:
                 raise ConfigurationError("robot '{}' is there already".format(request.name))
@@ -100,7 +108,7 @@ class FleetServer:
         rospy.loginfo('%s: robot %s is added', rospy.get_name(), request.name)
         return AddRobotResponse(True, '')
 
-    def _parameters(self, request):
+    def _parameters(self, request: Any) -> Dict[str, Any]:
         own = load_yaml_text(request.parameters, 'parameters', REQUEST) or {}
         if not isinstance(own, dict):
             raise ConfigurationError('parameters: got {}; allowed: a YAML mapping of settings'.format(shown(own)))
@@ -110,11 +118,11 @@ class FleetServer:
                     key, field))
         return {**self._defaults, 'start_x': request.x, 'start_y': request.y, 'start_yaw': request.yaw, **own}
 
-    def _on_remove(self, request):
+    def _on_remove(self, request: Any) -> Any:
         with self._changes:
             return self._remove_requested(request)
 
-    def _remove_requested(self, request):
+    def _remove_requested(self, request: Any) -> Any:
         robot = self._robots.pop(request.name, None)
         if robot is None:
             return RemoveRobotResponse(False, "robot '{}' is unknown; there are: {}".format(
@@ -124,7 +132,7 @@ class FleetServer:
         rospy.loginfo('%s: robot %s is removed', rospy.get_name(), request.name)
         return RemoveRobotResponse(True, '')
 
-    def _on_reset(self, _request):
+    def _on_reset(self, _request: Any) -> Any:
         with self._changes:
             robots = list(self._robots.values())
             with self._host.clock.lock:

@@ -1,4 +1,8 @@
 """The zones of a fleet in ROS: the topic ``~zones``, and the services ``~close_zone`` and ``~set_zone_limit``."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
+
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
@@ -10,10 +14,18 @@ from ..messages import conversions
 from ..messages.outlets import LatchedOutlet
 from ..messages.packing import of_message
 
+if TYPE_CHECKING:
+    from move_base_abstract.engine.simulation import Simulation
+    from move_base_abstract.scenario import Scenario
+    from move_base_abstract.traffic.area import AreaState
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+
 _MOST_PLACES = 2 ** 32 - 1  # the largest capacity that a message can hold
 
 
-def make_traffic(simulation, scenario):
+def make_traffic(simulation: Simulation, scenario: Scenario) -> Traffic:
     """Return the :class:`Traffic` of a scenario's zones and lanes."""
     return Traffic(simulation, scenario.zones, scenario.traffic)
 
@@ -21,7 +33,7 @@ def make_traffic(simulation, scenario):
 class TrafficInterface:
     """Publishes the zones and lanes of ``traffic`` (Traffic), and closes zones. Make it when all robots are there."""
 
-    def __init__(self, traffic, clock):
+    def __init__(self, traffic: Traffic, clock: Union[LockstepClock, RosClock]) -> None:
         self._traffic = traffic
         self._clock = clock
         self._outlet = LatchedOutlet('~zones', ZoneStates, self._pack, queue_size=1)
@@ -31,15 +43,15 @@ class TrafficInterface:
         self._services = [rospy.Service('~close_zone', CloseZone, self._on_close),
                           rospy.Service('~set_zone_limit', SetZoneLimit, self._on_limit)]
 
-    def _show(self):
+    def _show(self) -> None:
         self._outlet.show(self._traffic.states(), self._traffic.simulation.now_ns)
 
-    def _pack(self, states, now_ns):
+    def _pack(self, states: Sequence[AreaState], now_ns: int) -> Callable[..., Any]:
         zones = [ZoneState(state.kind, state.name, min(state.capacity or 0, _MOST_PLACES), state.closed,
                            list(state.robots), list(state.waiting)) for state in states]
         return of_message(ZoneStates(conversions.to_time(now_ns), zones))
 
-    def _on_close(self, request):
+    def _on_close(self, request: Any) -> Any:
         with self._clock.lock:
             self._clock.now_ns()
             try:
@@ -49,7 +61,7 @@ class TrafficInterface:
         rospy.loginfo('%s: the zone %s is %s', rospy.get_name(), request.zone, 'closed' if request.closed else 'open')
         return CloseZoneResponse(True, '')
 
-    def _on_limit(self, request):
+    def _on_limit(self, request: Any) -> Any:
         with self._clock.lock:
             self._clock.now_ns()
             try:

@@ -3,14 +3,16 @@
 roslaunch walks through all packages each time that it looks for a node's program. Together with the two runs of
 `rosversion` for the parameters of ROS's core, this takes several times as long as the rest of reading a launch file.
 """
+
 import functools
 import os
+from typing import Any, Dict
 
 import rospkg
 
 from ..replacing.replaced import replace
 
-programs = {}  # {(package, type): path} of the programs that were found
+programs: Dict[Any, Any] = {}  # {(package, type): path} of the programs that were found
 
 
 @functools.lru_cache(maxsize=None)

@@ -1,10 +1,13 @@
 """Run an unmodified Python program as a participant: install the hooks, then run the program in this process."""
+from __future__ import annotations
+
 import builtins
 import os
 import runpy
 import sys
 import types
 from importlib.machinery import SourceFileLoader
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Tuple
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
@@ -12,6 +15,7 @@ from ..replacing import rospy_start
 from ..replacing.replaced import replace
 from .code import objects, own_code, turns
 from .code.labels import told
+from .exchange import access
 from .machine import chance, clocks, identity, sqlite, unrepeatable_calls
 from .machine.files import files
 from .machine.native import native
@@ -20,12 +24,18 @@ from .programs import address_layout, binary
 from .ros_master.master_calls import calls
 from .waiting import event_loops, threads, watchdog
 
+if TYPE_CHECKING:
+    import argparse
+
+    from .participation.early import Early
+    from .participation.taking_part import Participant
+
 _NAME = '__name:='
 _HASHES = 'strings have other hashes in each run, so sets of them have another order (PYTHONHASHSEED is ' \
           'random, or Python was told to ignore it)'
 
 
-def run(kind, path, arguments, options):
+def run(kind: str, path: str, arguments: Sequence[str], options: argparse.Namespace) -> None:
     """Run a script or module with the hooks, and exit with its code.
 
     Without a time master in lockstep the program runs as without the launcher.
@@ -51,7 +61,7 @@ def run(kind, path, arguments, options):
     entry.early.program_has_ended(0)
 
 
-def _watch(options, name, before_node):
+def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     """Make the program see the time and the chance of the run. Where it sees others, the run is labelled."""
     seen = clocks.install(options.seed, options.sleep == 'simulated', native.slept_ns())
     sleep = watchdog.install(options.sleep, before_node.take_part, seen)
@@ -67,15 +77,15 @@ def _watch(options, name, before_node):
     native.install(start, seen, sleep)
 
 
-def _compile(source, path):
+def _compile(source: str, path: str) -> Any:
     return compile(source, path, 'exec', dont_inherit=True)
 
 
-def _has_master():
+def _has_master() -> bool:
     """Return whether the time master is in lockstep. If the ROS master cannot be asked, the program will find out."""
     try:
         import rosgraph
-        return rosgraph.Master('/lockstep').hasParam('/time_master/mode') and joining.is_lockstep()
+        return rosgraph.Master('/lockstep').hasParam('/time_master/mode') and access.is_lockstep()
     except Exception:
         return False
 
@@ -83,14 +93,14 @@ def _has_master():
 class _Joining:
     """Makes the program take part when it calls rospy.init_node, or when it first waits for another node before."""
 
-    def __init__(self, options, name):
+    def __init__(self, options: argparse.Namespace, name: str) -> None:
         self._rank = options.rank
         self._is_node = False
         self._is_strict = options.strict
-        self._followers = [told, native, files, turns.install(), objects.install()]
-        self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
+        self._followers: Tuple[Any, ...] = (told, native, files, turns.install(), objects.install())
+        self.early: Any = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
-    def install(self):
+    def install(self) -> None:
         """Put the hooks in front of rospy.init_node and of calls that may wait before it."""
         rospy_start.prepare()
         for name in ('rospy.init_node', 'rospy.client.init_node'):
@@ -99,7 +109,7 @@ class _Joining:
         calls.before = self.early.take_part
         self.early.install()
 
-    def _init_node(self, init_node, args, kwds):
+    def _init_node(self, init_node: Callable[..., Any], args: Tuple[str], kwds: Mapping[Any, Any]) -> None:
         self.early.init_node(init_node, args, kwds)
         if self._is_node:
             return  # init_node has been called before
@@ -111,7 +121,7 @@ class _Joining:
         else:
             joining.node_is_there(joined)
 
-    def _follow(self, joined):
+    def _follow(self, joined: Participant) -> None:
         if joined is not None and self._is_strict:
             joined.be_strict()
         for follower in self._followers:
@@ -122,13 +132,13 @@ class _Joining:
             joined.label(_HASHES)
 
 
-def _is_one_hash():
+def _is_one_hash() -> bool:
     """Return whether texts have the same hashes in each run."""
     return not sys.flags.hash_randomization or (
         not sys.flags.ignore_environment and os.environ.get('PYTHONHASHSEED', 'random').isdigit())
 
 
-def node_name(kind, path, arguments):
+def node_name(kind: str, path: str, arguments: Sequence[str]) -> str:
     """Return the node's resolved name if it is certain before the program calls rospy.init_node; otherwise ''.
 
     The name is from the command line, or from the only call of init_node in a script.
@@ -139,15 +149,16 @@ def node_name(kind, path, arguments):
     return binary.node_name(name, arguments, os.environ) if name else ''
 
 
-def _execute(kind, path, arguments, compile_script, names_of_script):
+def _execute(kind: str, path: str, arguments: Any, compile_script: Callable[..., Any],
+             names_of_script: Callable[..., Any]) -> None:
     """Run the program as ``__main__``, as Python itself would. Modules are not looked for in the launcher's folder."""
-    module = types.ModuleType('__main__')
+    module: Any = types.ModuleType('__main__')
     module.__builtins__ = builtins
     sys.modules['__main__'] = module
     sys.argv = [path] + arguments
     if kind == 'module':
         sys.path[0] = os.getcwd()
-        _call(lambda: runpy._run_module_as_main(path))
+        _call(lambda: runpy._run_module_as_main(path))  # type: ignore[attr-defined]
         return
     sys.path[0] = os.path.dirname(os.path.realpath(path))
     with open(path, 'rb') as stream:
@@ -159,7 +170,7 @@ def _execute(kind, path, arguments, compile_script, names_of_script):
     _call(lambda: exec(compile_script(source, path), module.__dict__))
 
 
-def _call(main):
+def _call(main: Callable[..., Any]) -> None:
     """Call the program. A traceback begins with the program's own first line."""
     try:
         main()
@@ -176,6 +187,6 @@ def _call(main):
         sys.exit(130 if isinstance(error, KeyboardInterrupt) else 1)
 
 
-def _is_ours(filename):
+def _is_ours(filename: str) -> bool:
     return filename.startswith('<frozen runpy') or filename.startswith(os.path.dirname(__file__) + os.sep) or (
         os.path.basename(filename) == 'runpy.py')

@@ -1,4 +1,8 @@
 """The topics of costmaps, so that existing RViz set-ups show the map and the footprint. The map is not inflated."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List
+
 import rospy
 from geometry_msgs.msg import PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
@@ -9,6 +13,17 @@ from move_base_abstract.maps.costmaps import Window
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet, LatchedOutlets
 from ..messages.packing import InFrame, of_message
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.maps.costmaps import Footprint
+    from move_base_abstract.maps.occupancy import OccupancyMap
+    from move_base_abstract.maps.planning import WorldBounds
+
+    from ..robot.host import Host
+    from ..robot.names import RobotNames
+    from .robot_map import RobotMap
 
 _CELLS = 100
 _WINDOW_RATE = 5.0  # Hz, wall
@@ -23,7 +38,7 @@ class CostmapTopics:
     window of the global one that moves with the robot. It is in the odom frame, which coincides with the global frame.
     """
 
-    def __init__(self, names, settings, host, robot_map):
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot_map: RobotMap) -> None:
         self._global_frame = settings.values['global_frame']
         self._local_frame = settings.odom_frame
         self._costmaps = settings.costmaps
@@ -34,7 +49,7 @@ class CostmapTopics:
                                      queue_size=1)
         self._updates = [rospy.Publisher(names.own(costmap + '/costmap_updates'), OccupancyGridUpdate, queue_size=1)
                          for costmap in ('global_costmap', 'local_costmap')]
-        self._footprints = LatchedOutlets()
+        self._footprints: Any = LatchedOutlets()
         for costmap, frame_id, footprint in (
                 ('global_costmap', self._global_frame, self._costmaps.global_footprint),
                 ('local_costmap', self._local_frame, self._costmaps.local_footprint)):
@@ -44,7 +59,7 @@ class CostmapTopics:
             self._grid.publish(_free_grid(settings.bounds, self._global_frame))
         robot_map.follow(self._show_map)
 
-    def moved(self, pose, stamp_ns, is_event):
+    def moved(self, pose: Pose2D, stamp_ns: int, is_event: bool) -> None:
         """Show the robot at ``pose`` (global frame), at ``stamp_ns`` [ns].
 
         ``is_event`` says that it starts or comes to rest; then the window is shown whatever its rate is.
@@ -53,26 +68,26 @@ class CostmapTopics:
         if is_event or self._throttle.ready():
             self._window.show()
 
-    def is_heard(self):
+    def is_heard(self) -> int:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear what moves with the robot."""
         return max(self._footprints.is_heard(), self._window.is_heard())
 
-    def hearers(self):
+    def hearers(self) -> List[Any]:
         """Return (topic, name) of each node that hears a topic that moves with the robot."""
         return self._footprints.hearers() + self._window.hearers()
 
-    def close(self):
+    def close(self) -> None:
         """Remove the topics."""
         for topic in (self._grid, self._window, *self._updates, self._footprints):
             topic.unregister()
 
-    def _show_map(self, message, _occupancy):
+    def _show_map(self, message: Any, _occupancy: OccupancyMap) -> None:
         """Publish the received map message itself, which all robots of the process share."""
         self._grid.publish(message)
         if self._footprints.shown is not None:
             self._window.show()
 
-    def _pack_window(self):
+    def _pack_window(self) -> Callable[..., Any]:
         pose, stamp_ns = self._footprints.shown
         window = self._costmaps.window
         x, y = window.corner(pose)
@@ -85,21 +100,21 @@ class CostmapTopics:
         return of_message(grid)
 
 
-def _footprint_packer(footprint, frame_id):
+def _footprint_packer(footprint: Footprint, frame_id: str) -> Callable[..., Any]:
     frame = InFrame(frame_id)
 
-    def make(pose, stamp_ns):
+    def make(pose: Pose2D, stamp_ns: int) -> Callable[..., Any]:
         points = [(_to_float32(x), _to_float32(y)) for x, y in footprint.at(pose)]
         return lambda seq: frame.polygon(seq, points, stamp_ns)
     return make
 
 
-def _to_float32(value):
+def _to_float32(value: float) -> float:
     """Return ``value``, limited to the range of a float32."""
     return max(-_FLOAT32_MAX, min(_FLOAT32_MAX, value))
 
 
-def _grid(frame_id, stamp_ns, x, y, window):
+def _grid(frame_id: str, stamp_ns: int, x: float, y: float, window: Window) -> Any:
     grid = OccupancyGrid(header=conversions.to_header(frame_id, stamp_ns))
     grid.info.resolution = window.resolution
     grid.info.width, grid.info.height = window.columns, window.rows
@@ -108,7 +123,7 @@ def _grid(frame_id, stamp_ns, x, y, window):
     return grid
 
 
-def _free_grid(bounds, frame_id):
+def _free_grid(bounds: WorldBounds, frame_id: str) -> Any:
     width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
     resolution = max(width, height) / _CELLS
     window = Window(max(1, int(round(width / resolution))), max(1, int(round(height / resolution))), resolution)

@@ -1,6 +1,9 @@
 """Maps from topics. A process has one subscription and one copy of the map per topic, for any number of robots."""
+from __future__ import annotations
+
 import threading
 import time
+from typing import Any, Callable, Dict, List
 
 import numpy
 import rospy
@@ -21,28 +24,28 @@ class MapListener:
     at a time, while ``follow`` and ``leave`` do not block; the first call may be in the thread that calls ``follow``.
     """
 
-    _listeners = {}
+    _listeners: Dict[Any, Any] = {}
     _listeners_lock = threading.Lock()
 
-    def __init__(self, topic):
+    def __init__(self, topic: str) -> None:
         self.topic = topic
         self._lock = threading.RLock()
         self._turn = threading.Lock()  # for the threads that receive maps, one for each publisher
-        self._followers = []
-        self._latest = None
+        self._followers: List[Any] = []
+        self._latest: Any = None
         self._came = threading.Event()
         # With numpy_msg the cells stay the received bytes; a list would take eight times as much memory.
         self._subscriber = rospy.Subscriber(topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
 
     @classmethod
-    def on(cls, topic):
+    def on(cls, topic: str) -> MapListener:
         """Return the process's listener of ``topic`` (an absolute name)."""
         with cls._listeners_lock:
             if topic not in cls._listeners:
                 cls._listeners[topic] = cls(topic)
             return cls._listeners[topic]
 
-    def wait(self):
+    def wait(self) -> bool:
         """Wait for the first map, with a warning every 5 s; return False if ROS shuts down meanwhile."""
         reminded = time.monotonic()
         while not self._came.wait(0.1):
@@ -54,19 +57,19 @@ class MapListener:
                               rospy.get_name(), self.topic)
         return True
 
-    def follow(self, follower):
+    def follow(self, follower: Callable[..., Any]) -> None:
         """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each new map."""
         with self._lock:
             self._followers.append(follower)
             if self._latest is not None:
                 follower(*self._latest)
 
-    def leave(self, follower):
+    def leave(self, follower: Any) -> None:
         """Stop calling ``follower``."""
         with self._lock:
             self._followers.remove(follower)
 
-    def _on_map(self, message):
+    def _on_map(self, message: Any) -> None:
         try:
             occupancy = to_occupancy(message)
         except ValueError as error:
@@ -84,13 +87,13 @@ class MapListener:
                       occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
 
 
-def occupancy_in(message):
+def occupancy_in(message: Any) -> OccupancyMap:
     """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a list or bytes; see :func:`to_occupancy`."""
     message.data = numpy.array(message.data, numpy.int8)
     return to_occupancy(message)
 
 
-def to_occupancy(message):
+def to_occupancy(message: Any) -> OccupancyMap:
     """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a numpy array; the cells are not copied.
 
     :raises ValueError: if the number of cells does not fit the size, or the resolution or the origin is not allowed.

@@ -1,5 +1,8 @@
 """The plans that move_base publishes, and those that it makes on request."""
+from __future__ import annotations
+
 from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
 
 import rospy
 from nav_msgs.msg import Path
@@ -14,6 +17,17 @@ from ..messages import conversions
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import of_message
 
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.goals.navigator import Navigator
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from ..robot.names import RobotNames
+    from .robot_map import RobotMap
+
 #: topics on which local planners show their samples, with publish_cost_grid_pc and publish_traj_pc; no messages here
 _CLOUDS = {'DWAPlannerROS': ('cost_cloud', 'trajectory_cloud'), 'TrajectoryPlannerROS': ('cost_cloud',)}
 
@@ -21,7 +35,8 @@ _CLOUDS = {'DWAPlannerROS': ('cost_cloud', 'trajectory_cloud'), 'TrajectoryPlann
 class PlannerInterface:
     """Topics ``<planner>/plan`` and services ``make_plan``, ``<planner>/make_plan``, ``clear_costmaps``."""
 
-    def __init__(self, names, settings, clock, navigator, robot_map, stream):
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock],
+                 navigator: Navigator, robot_map: RobotMap, stream: Stream) -> None:
         self._names = names
         self._clock = clock
         self._navigator = navigator
@@ -42,26 +57,27 @@ class PlannerInterface:
                           lambda request: GetPlanResponse(self._make_plan(request))),
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
 
-    def set_add_unreachable_goal(self, is_added):
+    def set_add_unreachable_goal(self, is_added: bool) -> None:
         """Set whether a plan that ends near the goal also has the goal itself as its last pose."""
         self._add_unreachable_goal = is_added
 
-    def close(self):
+    def close(self) -> None:
         """Remove the topics and services."""
         for topic in (self._plans, *self._clouds):
             topic.unregister()
         for service in self._services:
             service.shutdown('the robot is removed')
 
-    def _show(self, event):
+    def _show(self, event: Departed) -> None:
         """Publish the way that the robot now takes, also for later listeners."""
         start = self._navigator.robot.pose_at(event.time_ns)
         self._plans.show(start, event.corners, event.goal, event.time_ns)
 
-    def _pack_way(self, start, corners, goal, now_ns):
+    def _pack_way(self, start: Pose2D, corners: Any, goal: Pose2D,
+                  now_ns: int) -> Callable[..., Any]:
         return of_message(self._to_path(path_along(start, corners, goal), now_ns))
 
-    def _make_plan_when_idle(self, request):
+    def _make_plan_when_idle(self, request: Any) -> Any:
         with self._clock.lock:
             active = self._navigator.is_active
         if active:
@@ -70,7 +86,7 @@ class PlannerInterface:
         plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)  # as in move_base, unlike in planners
         return GetPlanResponse(plan)
 
-    def _make_plan(self, request):
+    def _make_plan(self, request: Any) -> Any:
         """Return the plan from the request's start, or from the robot, in the global frame; empty if there is no way.
 
         :raises rospy.ServiceException: if no plan can be made, for example for a pose in another frame.
@@ -92,13 +108,13 @@ class PlannerInterface:
             raise rospy.ServiceException('make_plan: {}'.format(error)) from None
         return self._to_path(poses, now_ns)
 
-    def _in_global_frame(self, message):
+    def _in_global_frame(self, message: Any) -> Pose2D:
         """Return the Pose2D of a request's pose. Like upstream's planners this takes only the global frame."""
         if message.header.frame_id.lstrip('/') != self._global_frame:
             raise ValueError("the start and the goal must be in the global frame '{}', got '{}'".format(
                 self._global_frame, message.header.frame_id))
         return conversions.from_pose(message.pose)
 
-    def _to_path(self, poses, now_ns):
+    def _to_path(self, poses: Sequence[Pose2D], now_ns: int) -> Any:
         return Path(conversions.to_header(self._global_frame, now_ns),
                     [conversions.to_pose_stamped(pose, self._global_frame, now_ns) for pose in poses])

@@ -1,11 +1,24 @@
 """The map of one robot, between the process's map listener and the core."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List, Sequence, Tuple, Union
+
 import rosgraph.names
 import rospy
 
 from move_base_abstract.maps.map_check import MapCheck
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.maps.occupancy import OccupancyMap
 
-def wait_for_maps(robots, participant):
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from ..lockstep.participation.taking_part import Participant
+    from ..robot.names import RobotNames
+
+
+def wait_for_maps(robots: Sequence[Tuple[RobotNames, RobotSettings]], participant: Participant) -> bool:
     """Wait for the first map of each of ``robots`` [(RobotNames, RobotSettings)]; False if ROS shuts down meanwhile.
 
     In lockstep call this in the first round: if a map came at some later wall time, each run would be different. (Not
@@ -20,7 +33,7 @@ def wait_for_maps(robots, participant):
     return True
 
 
-def _topic(names, settings):
+def _topic(names: RobotNames, settings: RobotSettings) -> str:
     """Return the absolute name of the map's topic: ``map_topic``, or the remapping of ``map``, or ``/map``."""
     given = settings.values['map_topic']
     if given is not None:
@@ -35,10 +48,10 @@ def _topic(names, settings):
 class RobotMap:
     """The map of one robot. ``check`` (MapCheck) judges its goals; it is None if the robot uses no map."""
 
-    def __init__(self, names, settings, clock):
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock]) -> None:
         values = settings.values
-        self.check = None
-        self._followers = []
+        self.check: Any = None
+        self._followers: List[Any] = []
         self._changed = lambda: None
         self._clock = clock
         self._has_come = False
@@ -54,22 +67,22 @@ class RobotMap:
                                   self._listener.topic))
         self.follow(self._take)
 
-    def follow(self, follower):
+    def follow(self, follower: Callable[..., Any]) -> None:
         """Call ``follower(message, occupancy)`` with the latest map and with each new one, until :meth:`close`."""
         if self.check is not None:
             self._followers.append(follower)
             self._listener.follow(follower)
 
-    def follow_changes(self, changed):
+    def follow_changes(self, changed: Callable[..., Any]) -> None:
         """Call ``changed()`` whenever goals are judged by another map than before."""
         self._changed = changed
 
-    def wait(self):
+    def wait(self) -> None:
         """Wait for the first map, up to frame_timeout [s, of the clock]. May block, so do not hold a lock."""
         if self.check is not None:
             self._clock.wait_until(lambda: self._has_come, self._timeout, 'a map')
 
-    def give(self, message):
+    def give(self, message: Any) -> str:
         """Use the nav_msgs/OccupancyGrid ``message`` from now on, until another map comes on the topic.
 
         Return '', or the reason why it cannot be used. If the robot uses no map, do nothing and return ''.
@@ -87,13 +100,13 @@ class RobotMap:
                 follower(message, occupancy)
         return ''
 
-    def close(self):
+    def close(self) -> None:
         """Stop following the map."""
         for follower in self._followers:
             self._listener.leave(follower)
         self._followers = []
 
-    def _take(self, message, occupancy):
+    def _take(self, message: Any, occupancy: OccupancyMap) -> None:
         frame_id = message.header.frame_id.lstrip('/')
         if frame_id == self._global_frame:
             self.check.use(occupancy)

@@ -1,8 +1,10 @@
 """The markers of a robot for RViz: an arrow, its name, its goal and its leg, all in one colour."""
+from __future__ import annotations
+
 import colorsys
 import re
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -44,12 +46,12 @@ class View:
     is_changing: bool = False
 
     @property
-    def route(self):
+    def route(self) -> Any:
         """The parts that need not be drawn again while the robot moves: (goal, leg)."""
         return self.goal, self.leg
 
 
-def robot_number(name, index):
+def robot_number(name: str, index: int) -> int:
     """Return the number at the end of ``name``, or ``index`` without one.
 
     So robots of several processes have different colours, too.
@@ -58,13 +60,13 @@ def robot_number(name, index):
     return int(digits.group(1)) if digits else index
 
 
-def colour(number, alpha=1.0):
+def colour(number: int, alpha: float = 1.0) -> Any:
     """Return the colour (ColorRGBA) of robot ``number``. Successive hues differ much, by a golden section."""
     red, green, blue = colorsys.hsv_to_rgb((number * _GOLDEN_RATIO) % 1.0, _SATURATION, _VALUE)
     return ColorRGBA(red, green, blue, alpha)
 
 
-def body(look, view):
+def body(look: Look, view: View) -> List[Any]:
     """Return the markers that follow the robot: the arrow, and the name with the text of its state."""
     nose, size = view.pose, look.size
     arrow = _marker(look, ARROW, Marker.ARROW, nose.compose(Pose2D(-size / 2.0)), _ARROW_Z, 1.0)
@@ -76,32 +78,32 @@ def body(look, view):
     return [arrow, name]
 
 
-def route(look, view):
+def route(look: Look, view: View) -> List[Any]:
     """Return the markers of the goal and the leg, or those that delete them."""
     return [_goal(look, view.goal) if view.goal else _deletion(look, GOAL),
             _leg(look, view.leg) if view.leg else _deletion(look, LEG)]
 
 
-def farewell(look):
+def farewell(look: Look) -> List[Any]:
     """Return the markers that delete all markers of the robot."""
     return [_deletion(look, marker_id) for marker_id in (ARROW, NAME, GOAL, LEG)]
 
 
-def _goal(look, goal):
+def _goal(look: Look, goal: Pose2D) -> Any:
     disc = _marker(look, GOAL, Marker.CYLINDER, goal, _GOAL_Z, 0.6)
     disc.scale.x = disc.scale.y = 0.8 * look.size
     disc.scale.z = 0.01
     return disc
 
 
-def _leg(look, places):
+def _leg(look: Look, places: Any) -> Any:
     line = _marker(look, LEG, Marker.LINE_STRIP, Pose2D(), 0.0, 0.8)
     line.scale.x = 0.12 * look.size
     line.points = [Point(place.x, place.y, _LEG_Z) for place in places]
     return line
 
 
-def _marker(look, marker_id, kind, pose, height, alpha):
+def _marker(look: Look, marker_id: int, kind: int, pose: Pose2D, height: float, alpha: float) -> Any:
     """Return a marker without a stamp, which RViz shows at once, whatever time it is."""
     marker = Marker(ns=look.name, id=marker_id, type=kind, action=Marker.ADD, color=colour(look.number, alpha))
     marker.header.frame_id = look.frame_id
@@ -110,7 +112,7 @@ def _marker(look, marker_id, kind, pose, height, alpha):
     return marker
 
 
-def _deletion(look, marker_id):
+def _deletion(look: Look, marker_id: int) -> Any:
     marker = Marker(ns=look.name, id=marker_id, action=Marker.DELETE)
     marker.header.frame_id = look.frame_id
     return marker

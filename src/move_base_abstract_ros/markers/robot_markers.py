@@ -3,8 +3,11 @@
 A change of a robot is drawn within 50 ms of wall time, and robots under way are drawn five times a second. All that is
 drawn at one instant is one message.
 """
+from __future__ import annotations
+
 import threading
 import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple, Union
 
 import rospy
 from visualization_msgs.msg import MarkerArray
@@ -27,6 +30,15 @@ from .. import lockstep
 from . import marker_builder
 from .marker_builder import Look, View
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.goals.navigator import Navigator
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from .world_markers import AreaMarkers, Use
+
 TOPIC = 'move_base_abstract/markers'  # the default of the parameter marker_topic
 _CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
 _REFRESH_SECONDS = 0.2  # wall; the period at which robots with a goal are drawn
@@ -34,10 +46,11 @@ _REFRESH_SECONDS = 0.2  # wall; the period at which robots with a goal are drawn
 #: the events after which a robot looks different
 _CHANGES = (Stands, Aimed, Held, Failed, Repaired, ChargePassed, Charging, TaskWaits, TaskBegan, TaskEnded)
 _lock = threading.Lock()
-_boards = {}
+_boards: Dict[Any, Any] = {}
 
 
-def add(clock, settings, navigator, stream, state, is_changing=False):
+def add(clock: Union[LockstepClock, RosClock], settings: RobotSettings, navigator: Navigator, stream: Stream,
+        state: Callable[..., Any], is_changing: bool = False) -> RobotMarkers:
     """Draw the robot of ``navigator`` from now on, again at each event of ``stream``; return its :class:`RobotMarkers`.
 
     ``state()`` returns a line of text about what the robot does; it is called with the clock's lock held.
@@ -51,7 +64,7 @@ def add(clock, settings, navigator, stream, state, is_changing=False):
     return markers
 
 
-def board(clock, topic):
+def board(clock: Any, topic: str) -> _Board:
     """Return this process's board on a topic. There is one for each topic."""
     topic = '/' + topic.strip('/')
     with _lock:
@@ -63,7 +76,8 @@ def board(clock, topic):
 class RobotMarkers:
     """One robot on the board of its process."""
 
-    def __init__(self, board, look, navigator, state, is_changing):
+    def __init__(self, board: _Board, look: Look, navigator: Navigator, state: Callable[..., Any],
+                 is_changing: bool) -> None:
         self.look = look
         self._state = state
         self._is_changing = is_changing
@@ -72,15 +86,15 @@ class RobotMarkers:
         self._navigator = navigator
         board.add(self)
 
-    def changed(self, _event):
+    def changed(self, _event: Any) -> None:
         """Ask the board to draw the robot soon. This returns at once."""
         self._board.change(self)
 
-    def close(self):
+    def close(self) -> None:
         """Ask the board to delete the robot's markers."""
         self._board.remove(self)
 
-    def draw(self, view):
+    def draw(self, view: Any) -> List[Any]:
         """Return the markers that show ``view``; a route that has not changed since the last call is left out."""
         markers = marker_builder.body(self.look, view)
         if self._drawn_route != view.route:
@@ -88,11 +102,11 @@ class RobotMarkers:
             markers += marker_builder.route(self.look, view)
         return markers
 
-    def forget_drawn(self):
+    def forget_drawn(self) -> None:
         """Draw everything next time, since a new subscriber has seen nothing yet."""
         self._drawn_route = None
 
-    def view(self, now_ns):
+    def view(self, now_ns: int) -> View:
         """Return the :class:`View` of the robot at ``now_ns`` [ns]. The caller must hold the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
         way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
@@ -102,38 +116,38 @@ class RobotMarkers:
 class _Board(rospy.SubscribeListener):
     """One publisher and one thread. The thread never waits for the clock's lock while it holds the condition."""
 
-    def __init__(self, clock, topic):
+    def __init__(self, clock: Union[LockstepClock, RosClock], topic: str) -> None:
         super().__init__()
         self._clock = clock
         self._condition = threading.Condition()
-        self._robots = {}
-        self._changed = set()
-        self._under_way = set()
-        self._removed = []
+        self._robots: Dict[Any, Any] = {}
+        self._changed: Set[Any] = set()
+        self._under_way: Set[Any] = set()
+        self._removed: List[Any] = []
         participant = lockstep.participant()
         if participant is not None:  # the markers are drawn by the wall clock
             participant.exclude(topic)
         self._publisher = rospy.Publisher(topic, MarkerArray, subscriber_listener=self, queue_size=10)
         threading.Thread(target=self._run, name='markers', daemon=True).start()
 
-    def add(self, robot):
+    def add(self, robot: Any) -> None:
         """Draw ``robot`` from now on."""
         with self._condition:
             self._robots[robot.look.name] = robot
         self.change(robot)
 
-    def is_watched(self):
+    def is_watched(self) -> bool:
         """Return whether any node subscribes."""
         return bool(self._publisher.impl.connections)  # not get_num_connections: this is asked at each event
 
-    def change(self, robot):
+    def change(self, robot: Any) -> None:
         """Draw ``robot`` soon, if there is a subscriber."""
         if self.is_watched():
             with self._condition:
                 self._changed.add(robot)
                 self._condition.notify()
 
-    def remove(self, robot):
+    def remove(self, robot: RobotMarkers) -> None:
         """Stop drawing ``robot``, and delete its markers."""
         with self._condition:
             self._robots.pop(robot.look.name, None)
@@ -142,7 +156,8 @@ class _Board(rospy.SubscribeListener):
             self._removed.append(robot)
             self._condition.notify()
 
-    def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
+    def peer_subscribe(self, _topic_name: str, _topic_publish: Callable[..., Any],
+                       _peer_publish: Callable[..., Any]) -> None:
         """Draw everything for a new subscriber."""
         with self._condition:
             for robot in self._robots.values():
@@ -150,7 +165,7 @@ class _Board(rospy.SubscribeListener):
                 self._changed.add(robot)
             self._condition.notify()
 
-    def _run(self):
+    def _run(self) -> None:
         while not rospy.is_shutdown():
             chosen, removed = self._wait()
             if self._publisher.get_num_connections() == 0:
@@ -164,7 +179,7 @@ class _Board(rospy.SubscribeListener):
                 return  # the node is going down
             time.sleep(_CHANGE_SECONDS)
 
-    def _wait(self):
+    def _wait(self) -> Tuple[List[Union[RobotMarkers, AreaMarkers]], List[RobotMarkers]]:
         """Wait until there is something to do, and return (robots to draw, robots to delete)."""
         with self._condition:
             watched = self._publisher.get_num_connections() > 0
@@ -174,12 +189,12 @@ class _Board(rospy.SubscribeListener):
             self._changed, self._under_way, self._removed = set(), set(), []
         return sorted(chosen, key=lambda robot: robot.look.name), removed
 
-    def _views(self, robots):
+    def _views(self, robots: Sequence[Any]) -> List[Tuple[Any, Any]]:
         with self._clock.lock:
             now_ns = self._clock.look_ns()
             return [(robot, robot.view(now_ns)) for robot in robots]
 
-    def _draw(self, robot, view):
+    def _draw(self, robot: Union[RobotMarkers, AreaMarkers], view: Union[View, Use]) -> List[Any]:
         markers = robot.draw(view)
         with self._condition:
             if (view.goal or view.is_changing) and self._robots.get(robot.look.name) is robot:

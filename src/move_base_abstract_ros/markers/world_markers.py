@@ -1,8 +1,10 @@
 """Markers of zones, places, lanes and their nodes, with the robots that are there and those that wait."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple, Union
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -11,6 +13,16 @@ from visualization_msgs.msg import Marker
 from move_base_abstract.maps.lane_map import LaneMap
 
 from . import robot_markers
+
+if TYPE_CHECKING:
+    from move_base_abstract.maps.lane_map import Edge
+    from move_base_abstract.scenario import Scenario
+    from move_base_abstract.tasks.places import Place
+    from move_base_abstract.tasks.room import Room
+    from move_base_abstract.traffic.control import Traffic
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
 
 OUTLINE, SIGN, HEADS = range(3)
 _NODES, _NODE_NAMES = 'nodes', 'node names'  # marker namespaces
@@ -47,7 +59,7 @@ class Use:
     waiting: Tuple[str, ...] = ()
     closed: bool = False
     #: the attributes of a robot's View: an area is never under way
-    goal = None
+    goal: ClassVar[Any] = None
     is_changing = False
 
 
@@ -57,34 +69,35 @@ class AreaMarkers:
     ``use()`` returns its :class:`Use`; it is called with the clock's lock held.
     """
 
-    def __init__(self, board, look, use):
+    def __init__(self, board: Any, look: AreaLook, use: Callable[..., Any]) -> None:
         self.look = look
         self._use = use
         self._drawn = None
         self._board = board
         board.add(self)
 
-    def changed(self):
+    def changed(self) -> None:
         """Ask the board to draw the area soon. This returns at once."""
         self._board.change(self)
 
-    def draw(self, view):
+    def draw(self, view: Any) -> List[Any]:
         """Return the markers that show the :class:`Use` ``view``; [] if it is the one that was drawn last."""
         if view == self._drawn:
             return []
         self._drawn = view
         return draw(self.look, view)
 
-    def forget_drawn(self):
+    def forget_drawn(self) -> None:
         """Draw the area next time, since a new subscriber has seen nothing yet."""
         self._drawn = None
 
-    def view(self, _now_ns):
+    def view(self, _now_ns: int) -> Use:
         """Return the area's :class:`Use`."""
         return self._use()
 
 
-def add(clock, scenario, traffic, rooms):
+def add(clock: Optional[Union[LockstepClock, RosClock]], scenario: Scenario, traffic: Traffic,
+        rooms: Any) -> None:
     """Draw the zones, places and lanes of a ``scenario`` from now on; ``rooms`` is Rooms, or None without places."""
     edges = _edges(scenario)
     if not scenario.zones and not edges and not (rooms is not None and rooms.places):
@@ -109,18 +122,18 @@ def add(clock, scenario, traffic, rooms):
             room.follow(area.changed)
 
 
-def _nets(scenario):
+def _nets(scenario: Scenario) -> List[LaneMap]:
     """Return the nets of lanes of a scenario: [LaneMap]."""
     return list({spec.settings.network.source: spec.settings.network for spec in scenario.robots
                  if isinstance(spec.settings.network, LaneMap)}.values())
 
 
-def _edges(scenario):
+def _edges(scenario: Scenario) -> List[Edge]:
     """Return all lanes of a scenario, also those without a capacity: [Edge]."""
     return [edge for net in _nets(scenario) for edge in net.edges]
 
 
-def _nodes(scenario):
+def _nodes(scenario: Scenario) -> Dict[str, Tuple[float, float]]:
     """Return the nodes of the lanes of a scenario: {name: (x, y) [m]}."""
     return {name: (pose.x, pose.y) for net in _nets(scenario) for name, pose in net.nodes.items()}
 
@@ -128,22 +141,22 @@ def _nodes(scenario):
 class _Nodes:
     """The nodes of nets of lanes, which never change, on the board of their process."""
 
-    def __init__(self, board, look, nodes):
+    def __init__(self, board: Any, look: AreaLook, nodes: Mapping[str, Tuple[float, float]]) -> None:
         self.look = look
         self._markers = draw_nodes(look, nodes)
         self._is_drawn = False
         board.add(self)
 
-    def draw(self, _view):
+    def draw(self, _view: Use) -> List[Any]:
         """Return the markers; [] if they have been drawn."""
         markers, self._is_drawn = [] if self._is_drawn else self._markers, True
         return markers
 
-    def forget_drawn(self):
+    def forget_drawn(self) -> None:
         """Draw the nodes next time, since a new subscriber has seen nothing yet."""
         self._is_drawn = False
 
-    def view(self, _now_ns):
+    def view(self, _now_ns: int) -> Use:
         """Return a Use that is always the same."""
         return Use(_NODES)
 
@@ -151,20 +164,20 @@ class _Nodes:
 class _Traffic:
     """The use of zones and lanes. After a change of any of them all are read: traffic does not say which it was."""
 
-    def __init__(self, traffic, board):
-        self.areas = []  # AreaMarkers
+    def __init__(self, traffic: Traffic, board: Any) -> None:
+        self.areas: List[Any] = []  # AreaMarkers
         self._traffic = traffic
         self._board = board
-        self._states = None
+        self._states: Any = None
         traffic.follow(self._changed)
 
-    def _changed(self):
+    def _changed(self) -> None:
         self._states = None
         if self._board.is_watched():
             for area in self.areas:
                 area.changed()
 
-    def use(self, kind, name, capacity):
+    def use(self, kind: str, name: str, capacity: Any) -> Use:
         """Return the Use of an area. A lane on which no robot drives has no state, but an empty Use."""
         if self._states is None:
             self._states = {(state.kind, state.name): state for state in self._traffic.states()}
@@ -174,17 +187,17 @@ class _Traffic:
         return Use(name, state.robots, state.capacity, state.waiting, state.closed)
 
 
-def _use_of_place(place, room):
+def _use_of_place(place: Place, room: Room) -> Use:
     return Use(place.name) if room is None else Use(place.name, room.workers, room.capacity, room.waiters)
 
 
-def _circle(place):
+def _circle(place: Place) -> Tuple[Tuple[float, float], ...]:
     steps = [2.0 * math.pi * step / _CIRCLE for step in range(_CIRCLE)]
     return tuple((place.pose.x + place.reach * math.cos(step), place.pose.y + place.reach * math.sin(step))
                  for step in steps)
 
 
-def sign_text(use):
+def sign_text(use: Use) -> str:
     """Return the text of an area's sign."""
     first = use.title if use.capacity is None else '{} {}/{}'.format(use.title, len(use.inside), use.capacity)
     lines = [first + (' closed' if use.closed else '')]
@@ -194,7 +207,7 @@ def sign_text(use):
     return '\n'.join(lines)
 
 
-def draw(look, use):
+def draw(look: AreaLook, use: Use) -> List[Any]:
     """Return the markers of an area: its outline, and a sign below it. They are red if no more robots may enter."""
     is_full = use.closed or (use.capacity is not None and len(use.inside) >= use.capacity)
     colour = _FULL if is_full else _LANE if look.is_lane else _FREE
@@ -213,7 +226,7 @@ def draw(look, use):
     return [outline, sign]
 
 
-def draw_nodes(look, nodes):
+def draw_nodes(look: AreaLook, nodes: Mapping[str, Tuple[float, float]]) -> List[Any]:
     """Return the markers of ``nodes`` {name: (x, y)}: a dot for each, and its name below it."""
     size = look.size
     dots = _marker(look, OUTLINE, Marker.SPHERE_LIST, _FREE)
@@ -229,7 +242,7 @@ def draw_nodes(look, nodes):
     return [dots, *names]
 
 
-def _lane_heads(look, colour):
+def _lane_heads(look: AreaLook, colour: Any) -> Any:
     """Return the arrows of a lane: a head near its middle for each direction in which robots may drive."""
     heads = _marker(look, HEADS, Marker.LINE_LIST, colour)
     heads.scale.x = 0.08 * look.size
@@ -246,11 +259,11 @@ def _lane_heads(look, colour):
     return heads
 
 
-def _longest_piece(look):
+def _longest_piece(look: AreaLook) -> Tuple[Tuple[float, float], Tuple[float, float]]:
     return max(zip(look.corners, look.corners[1:]), key=lambda piece: math.dist(*piece))
 
 
-def _lane_sign(look, use, colour):
+def _lane_sign(look: AreaLook, use: Use, colour: Any) -> Any:
     """Return the sign of a lane: the number of robots on it, its capacity, and the robots that wait.
 
     A lane that is open, has no capacity, and on which no robot waits has no sign.
@@ -270,7 +283,7 @@ def _lane_sign(look, use, colour):
     return sign
 
 
-def _marker(look, marker_id, kind, colour):
+def _marker(look: AreaLook, marker_id: int, kind: int, colour: Any) -> Any:
     marker = Marker(ns=look.name, id=marker_id, type=kind, action=Marker.ADD, color=colour)
     marker.header.frame_id = look.frame_id
     marker.pose.orientation.w = 1.0

@@ -1,18 +1,25 @@
 """Orders and tasks as messages. The core's times are integer nanoseconds."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Mapping
+
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import Order, OrderStop, Task
 from move_base_abstract.orders.order import WORK, Order as OrderValue, Stop
 
 from . import conversions
 
+if TYPE_CHECKING:
+    from move_base_abstract.tasks.places import Place
 
-def to_task(task, frame, stamp_ns):
+
+def to_task(task: Task, frame: str, stamp_ns: int) -> Any:
     """Return the message of a Task that arrives at ``stamp_ns`` [ns]; its pose is in the frame ``frame``."""
     return Task(conversions.to_header(frame, stamp_ns), task.task_id, task.place, conversions.to_pose(task.pose),
                 conversions.to_duration(task.duration_ns), task.power, task.energy, task.priority)
 
 
-def to_order(order, frame, stamp_ns):
+def to_order(order: OrderValue, frame: str, stamp_ns: int) -> Any:
     """Return the message of an Order that arrives at ``stamp_ns`` [ns]; its poses are in the frame ``frame``."""
     deadline = conversions.to_time(0 if order.deadline_ns is None else stamp_ns + order.deadline_ns)
     return Order(conversions.to_header(frame, stamp_ns), order.order_id,
@@ -21,7 +28,7 @@ def to_order(order, frame, stamp_ns):
                   for stop in order.stops], order.priority, deadline)
 
 
-def from_order(message, frame, places, now_ns):
+def from_order(message: Any, frame: str, places: Mapping[str, Place], now_ns: int) -> OrderValue:
     """Return the Order in a message that comes at ``now_ns`` [ns]; ``places`` is {name: Place}.
 
     :raises ValueError: if a pose is not a pose in the plane, or is in another frame than ``frame``.

@@ -4,25 +4,31 @@ A stock SimpleActionClient puts a goal on the wire before it notes the goal's ha
 between is dropped, and the client waits for ever. So final answers wait for a short wall time, and all later messages
 wait behind them.
 """
+from __future__ import annotations
+
 import heapq
 import itertools
 import threading
 import time
 from collections import deque
+from typing import TYPE_CHECKING, Any, Callable, List, Union
 
 import rospy
+
+if TYPE_CHECKING:
+    from .outlets import LatchedOutlet, Outlet
 
 
 class _Waker:
     """One daemon thread for all outboxes of the process. It sleeps unless a message is held back."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._condition = threading.Condition()
-        self._heap = []
+        self._heap: List[Any] = []
         self._order = itertools.count()
-        self._thread = None
+        self._thread: Any = None
 
-    def call_at(self, wall, function):
+    def call_at(self, wall: float, function: Callable[..., Any]) -> None:
         """Call ``function`` at ``wall`` [s, time.monotonic]."""
         with self._condition:
             heapq.heappush(self._heap, (wall, next(self._order), function))
@@ -31,7 +37,7 @@ class _Waker:
                 self._thread.start()
             self._condition.notify()
 
-    def _run(self):
+    def _run(self) -> None:
         while True:
             with self._condition:
                 while not self._heap or self._heap[0][0] > time.monotonic():
@@ -49,11 +55,11 @@ class Outbox:
     Any thread may call the methods.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._waiting = deque()
+        self._waiting: Any = deque()
 
-    def send(self, outlet, pack, not_before=0.0):
+    def send(self, outlet: Union[LatchedOutlet, Outlet], pack: Callable[..., Any], not_before: float = 0.0) -> None:
         """Send ``pack`` to ``outlet`` after all earlier messages, not before ``not_before`` [s, time.monotonic]."""
         with self._lock:
             if not (self._waiting or not_before):
@@ -63,13 +69,13 @@ class Outbox:
             if len(self._waiting) == 1:
                 self._drain()
 
-    def flush(self):
+    def flush(self) -> None:
         """Send all waiting messages now."""
         with self._lock:
             while self._waiting:
                 _send(*self._waiting.popleft()[1:])
 
-    def _drain(self):
+    def _drain(self) -> None:
         while self._waiting:
             not_before, outlet, pack = self._waiting[0]
             if not_before > time.monotonic():
@@ -78,12 +84,12 @@ class Outbox:
             self._waiting.popleft()
             _send(outlet, pack)
 
-    def _resume(self):
+    def _resume(self) -> None:
         with self._lock:
             self._drain()
 
 
-def _send(outlet, pack):
+def _send(outlet: Union[LatchedOutlet, Outlet], pack: Callable[..., Any]) -> None:
     try:
         outlet.send(pack)
     except rospy.ROSException:

@@ -3,14 +3,21 @@
 A robot has a dozen topics that say where it is and what it does. Most of them have no listener most of the time, and
 making a message costs more than the rest of an event. For packers see :mod:`packing`.
 """
+from __future__ import annotations
+
 import threading
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, Union
 
 import rospy
 
 from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
 from ..lockstep.exchange import rollback
+
+if TYPE_CHECKING:
+    from move_base_abstract.traffic.area import AreaState
+
 
 
 class _Header:
@@ -32,29 +39,29 @@ class _Listeners:
 _listeners = _Listeners()
 
 
-def follow_listeners(came, left):
+def follow_listeners(came: Callable[..., Any], left: Callable[..., Any]) -> None:
     """Call ``came()`` from now on when a node begins to hear a robot's topic, and ``left()`` when one stops."""
     _listeners.came = came
     _listeners.left = left
 
 
-def changes():
+def changes() -> int:
     """Return how often the listeners of this process's outlets have changed. An equal number means equal listeners."""
     return _listeners.changes
 
 
-def _came():
+def _came() -> None:
     _listeners.changes += 1
     _listeners.came()
 
 
-def _left():
+def _left() -> None:
     _listeners.changes += 1
     _listeners.left()
 
 
 @contextmanager
-def nobody_hears():
+def nobody_hears() -> Iterator[None]:
     """Give a context in which :meth:`Outlet.send` reaches nobody. Shown values are still kept for later listeners."""
     _listeners.is_quiet = True
     try:
@@ -68,11 +75,11 @@ class Packed:
 
     _has_header = True
 
-    def __init__(self, pack):
+    def __init__(self, pack: Callable[..., Any]) -> None:
         self.header = _Header()
         self._pack = pack
 
-    def serialize(self, buffer):
+    def serialize(self, buffer: BinaryIO) -> None:
         """Write the message's bytes into ``buffer``."""
         buffer.write(self._pack(self.header.seq))
 
@@ -80,13 +87,14 @@ class Packed:
 class Outlet(rospy.SubscribeListener):
     """A publisher of packers. It may be used from the same threads as rospy's publishers."""
 
-    def __init__(self, topic, message_type, queue_size, tcp_nodelay=False, latch=False):
+    def __init__(self, topic: str, message_type: Type[Any], queue_size: int, tcp_nodelay: bool = False,
+                 latch: bool = False) -> None:
         super().__init__()
         self._publisher = rospy.Publisher(topic, message_type, subscriber_listener=self, latch=latch,
                                           queue_size=queue_size, tcp_nodelay=tcp_nodelay)
         self._impl = self._publisher.impl
 
-    def is_heard(self):
+    def is_heard(self) -> int:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes on which a message has any effect now.
 
         A participant may be connected without any effect, see :meth:`.links.MemberLinks.is_heard`.
@@ -94,45 +102,46 @@ class Outlet(rospy.SubscribeListener):
         connections = self._impl.connections
         return _heard_by(connections, 'is_heard') if connections else NOBODY
 
-    def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
+    def peer_subscribe(self, _topic_name: str, _topic_publish: Callable[..., Any],
+                       peer_publish: Callable[..., Any]) -> None:
         """Note that a node begins to listen, and greet it."""
         _came()
         self.greet(peer_publish)
 
-    def peer_unsubscribe(self, _topic_name, _num_peers):
+    def peer_unsubscribe(self, _topic_name: str, _num_peers: int) -> None:
         """Note that a listener has gone."""
         _left()
 
     @staticmethod
-    def begins_to_hear():
+    def begins_to_hear() -> None:
         """Note that messages have an effect from now on at a listener at which they had none."""
         _came()
 
     @staticmethod
-    def hears_less():
+    def hears_less() -> None:
         """Note that fewer messages than before have an effect at a listener."""
         _left()
 
-    def greet(self, peer_publish):
+    def greet(self, peer_publish: Callable[..., Any]) -> None:
         """Send a new listener what it has missed, or have rospy do so. By default do nothing."""
 
-    def is_heard_again(self):
+    def is_heard_again(self) -> int:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of listeners on which a repetition has any effect."""
         return _heard_by(self._impl.connections, 'is_heard_again')
 
-    def hearers(self):
+    def hearers(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node that hears this topic."""
         return self._names('hearers')
 
-    def hearers_of_repetition(self):
+    def hearers_of_repetition(self) -> List[Any]:
         """Return (topic, name) of each node on which a repetition has any effect."""
         return self._names('hearers_of_repetition')
 
-    def _names(self, attribute):
+    def _names(self, attribute: str) -> List[Tuple[str, str]]:
         return [(self._impl.resolved_name, name) for connection in self._impl.connections
                 for name in getattr(connection, attribute, (connection.endpoint_id,))]
 
-    def send(self, pack):
+    def send(self, pack: Callable[..., Any]) -> None:
         """Send the message that ``pack`` makes to all listeners.
 
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
@@ -157,16 +166,16 @@ class Outlet(rospy.SubscribeListener):
         finally:
             impl.release()
 
-    def latch(self, pack):
+    def latch(self, pack: Callable[..., Any]) -> None:
         """Make rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
         self._impl.latch = Packed(pack)
 
-    def unregister(self):
+    def unregister(self) -> None:
         """Stop publishing: leave the ROS graph."""
         self._publisher.unregister()
 
 
-def _heard_by(connections, attribute):
+def _heard_by(connections: Sequence[Any], attribute: str) -> int:
     heard = NOBODY
     for connection in connections:
         is_heard = getattr(connection, attribute, None)
@@ -184,28 +193,29 @@ class LatchedOutlet(Outlet):
     thread, or in the thread in which rospy connects a listener.
     """
 
-    def __init__(self, topic, message_type, make, queue_size=10, tcp_nodelay=False):
+    def __init__(self, topic: str, message_type: Type[Any], make: Callable[..., Any], queue_size: int = 10,
+                 tcp_nodelay: bool = False) -> None:
         self._make = make
-        self._kept = None, None  # the values last shown, or the packer last sent
+        self._kept: Any = None, None  # the values last shown, or the packer last sent
         self._greeting = threading.Lock()  # rospy connects onlookers in threads of its own
         super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
-    def show(self, *shown):
+    def show(self, *shown: Union[Sequence[AreaState], int]) -> None:
         """Send ``make(*shown)`` if a node hears the topic, and keep the values for later listeners."""
         self._keep(shown, None)
         if self.is_heard():
             super().send(self._make(*shown))
 
-    def send(self, pack):
+    def send(self, pack: Callable[..., Any]) -> None:
         """Send the message that ``pack`` makes, and keep the packer for later listeners."""
         self._keep(None, pack)
         super().send(pack)
 
-    def _keep(self, shown, pack):
+    def _keep(self, shown: Any, pack: Optional[Callable[..., Any]]) -> None:
         rollback.changes(self, '_kept')
         self._kept = shown, pack
 
-    def greet(self, _peer_publish):
+    def greet(self, _peer_publish: Optional[Callable[..., Any]]) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
         with self._greeting:  # so that an older message, made for an earlier listener, does not replace this one
             shown, pack = self._kept
@@ -218,17 +228,17 @@ class LatchedOutlet(Outlet):
 class LatchedOutlets:
     """Latched publishers that show the same values at the same time, each as a message of its own type."""
 
-    def __init__(self):
-        self._outlets = ()
-        self.shown = None  # the values last shown
+    def __init__(self) -> None:
+        self._outlets: Any = ()
+        self.shown: Any = None  # the values last shown
         self._is_heard = False
         self._lock = threading.Lock()  # listeners come and go in threads of rospy's own
 
-    def add(self, topic, message_type, make, queue_size=10):
+    def add(self, topic: str, message_type: Type[Any], make: Callable[..., Any], queue_size: int = 10) -> None:
         """Add a topic. ``make(*shown)`` is as in :class:`LatchedOutlet`."""
         self._outlets += (_Member(self, topic, message_type, make, queue_size),)
 
-    def show(self, *shown):
+    def show(self, *shown: Any) -> None:
         """Send the values to all listeners, in the order in which the topics were added; keep them for later ones."""
         rollback.changes(self, 'shown')
         self.shown = shown
@@ -237,7 +247,7 @@ class LatchedOutlets:
                 if outlet.is_heard():
                     outlet.send(outlet.make(*shown))
 
-    def is_heard(self):
+    def is_heard(self) -> int:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear any of the topics."""
         heard = NOBODY
         for outlet in self._outlets:
@@ -245,23 +255,23 @@ class LatchedOutlets:
                 heard = max(heard, outlet.is_heard())
         return heard
 
-    def hearers(self):
+    def hearers(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node that hears one of the topics."""
         return [hearer for outlet in self._outlets for hearer in outlet.hearers()]
 
-    def begin(self, outlet):
+    def begin(self, outlet: _Member) -> None:
         """Make the message that a new listener of ``outlet`` gets."""
         with self._lock:  # so that an older message, made for an earlier listener, does not replace this one
             self._is_heard = True
             if self.shown is not None:
                 outlet.latch(outlet.make(*self.shown))
 
-    def end(self):
+    def end(self) -> None:
         """Note whether any listener is left, after one has gone."""
         with self._lock:
             self._is_heard = bool(self.is_heard())
 
-    def unregister(self):
+    def unregister(self) -> None:
         """Stop publishing all topics: leave the ROS graph."""
         for outlet in self._outlets:
             outlet.unregister()
@@ -270,16 +280,17 @@ class LatchedOutlets:
 class _Member(Outlet):
     """One of several topics that show the same values."""
 
-    def __init__(self, group, topic, message_type, make, queue_size):
+    def __init__(self, group: LatchedOutlets, topic: str, message_type: Type[Any], make: Callable[..., Any],
+                 queue_size: int) -> None:
         self._group = group
         self.make = make
         super().__init__(topic, message_type, queue_size, latch=True)
 
-    def greet(self, _peer_publish):
+    def greet(self, _peer_publish: Callable[..., Any]) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
         self._group.begin(self)
 
-    def peer_unsubscribe(self, topic_name, num_peers):
+    def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
         """Note that a listener has gone."""
         super().peer_unsubscribe(topic_name, num_peers)
         self._group.end()

@@ -4,12 +4,19 @@ A *packer* is a function ``pack(seq)`` that returns a message's bytes. ``seq`` i
 message; it is part of the header, if the message has one. The format is that of ROS 1: little endian, and the length
 before each text and list. A test compares the bytes of all these functions with those of genpy.
 """
+from __future__ import annotations
+
 import struct
 from io import BytesIO
 from math import cos, sin
+from typing import TYPE_CHECKING, Any, Callable, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.motion.geometry import quaternion_of_yaw
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.sensing.laser import Scan
 
 #: the bytes of a geometry_msgs/Twist of zeros, of a robot at rest
 ZERO_TWIST = bytes(48)
@@ -21,9 +28,9 @@ _TWIST = struct.Struct('<6d')
 _SCAN = struct.Struct('<7fI')
 
 
-def of_message(message):
+def of_message(message: Any) -> Callable[..., Any]:
     """Return the packer of a message of any type; genpy makes the bytes."""
-    def pack(seq):
+    def pack(seq: int) -> bytes:
         if message._has_header:
             message.header.seq = seq
         buffer = BytesIO()
@@ -32,13 +39,13 @@ def of_message(message):
     return pack
 
 
-def text(value):
+def text(value: str) -> bytes:
     """Return the bytes of a text: its length, then UTF-8."""
     data = value.encode('utf-8')
     return _LENGTH.pack(len(data)) + data
 
 
-def header(seq, stamp_ns):
+def header(seq: int, stamp_ns: int) -> bytes:
     """Return the bytes of a std_msgs/Header without a frame; ``stamp_ns`` in [ns]."""
     return _HEAD_WITHOUT_FRAME.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, 0)
 
@@ -49,7 +56,7 @@ class InFrame:
     The methods return bytes. ``seq`` is the number of the message, ``stamp_ns`` its stamp [ns].
     """
 
-    def __init__(self, frame_id, child_id=''):
+    def __init__(self, frame_id: Any, child_id: str = '') -> None:
         frame, child = frame_id.encode('utf-8'), child_id.encode('utf-8')
         self._frame = len(frame), frame
         self._frames = len(frame), frame, len(child), child
@@ -57,36 +64,37 @@ class InFrame:
         self._pose = struct.Struct('<IIII{}s7d'.format(len(frame)))
         self._pose_of_child = struct.Struct('<IIII{}sI{}s7d'.format(len(frame), len(child)))
 
-    def head(self, seq, stamp_ns):
+    def head(self, seq: int, stamp_ns: int) -> bytes:
         """Return the bytes of the header."""
         return self._head.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame)
 
-    def pose_stamped(self, seq, pose, stamp_ns):
+    def pose_stamped(self, seq: int, pose: Pose2D, stamp_ns: int) -> bytes:
         """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D)."""
         half = pose.yaw / 2.0
         return self._pose.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame,
                                pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
 
-    def goal(self, seq, place, height, quaternion, stamp_ns):
+    def goal(self, seq: int, place: Pose2D, height: float, quaternion: Tuple[float, float, float, float],
+             stamp_ns: int) -> bytes:
         """Return a geometry_msgs/PoseStamped at ``place`` (Pose2D) and ``height`` [m], with the ``quaternion``."""
         return self._pose.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame,
                                place.x, place.y, height, *quaternion)
 
-    def pose_with_covariance(self, seq, pose, stamp_ns):
+    def pose_with_covariance(self, seq: int, pose: Pose2D, stamp_ns: int) -> bytes:
         """Return a geometry_msgs/PoseWithCovarianceStamped, all variances 0."""
         return self.pose_stamped(seq, pose, stamp_ns) + _COVARIANCE
 
-    def target(self, x, y, yaw):
+    def target(self, x: float, y: float, yaw: float) -> bytes:
         """Return a geometry_msgs/PoseStamped with stamp 0, position ``x``, ``y`` [m] and heading ``yaw`` [rad]."""
         return self._pose.pack(0, 0, 0, *self._frame, x, y, 0.0, *quaternion_of_yaw(yaw))
 
-    def transform(self, pose, stamp_ns):
+    def transform(self, pose: Any, stamp_ns: int) -> bytes:
         """Return the geometry_msgs/TransformStamped that puts the child frame at ``pose`` (Pose2D)."""
         half = pose.yaw / 2.0
         return self._pose_of_child.pack(0, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
                                         pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
 
-    def odometry(self, seq, pose, velocity, stamp_ns):
+    def odometry(self, seq: int, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> bytes:
         """Return a nav_msgs/Odometry; ``velocity`` is (forward [m/s], turning [rad/s]), all variances are 0."""
         half = pose.yaw / 2.0
         forward, turning = velocity
@@ -95,7 +103,7 @@ class InFrame:
                                      pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half)),
             _COVARIANCE, _TWIST.pack(forward, 0.0, 0.0, 0.0, 0.0, turning), _COVARIANCE))
 
-    def laser_scan(self, seq, scan, period):
+    def laser_scan(self, seq: int, scan: Scan, period: float) -> bytes:
         """Return a sensor_msgs/LaserScan of ``scan`` (Scan); ``period`` [s] is the time between two scans."""
         settings = scan.settings
         return b''.join((
@@ -104,31 +112,31 @@ class InFrame:
                 settings.range_max, len(scan.ranges)),
             scan.ranges.astype('<f4').tobytes(), _LENGTH.pack(0)))
 
-    def polygon(self, seq, points, stamp_ns):
+    def polygon(self, seq: int, points: Sequence[Tuple[float, float]], stamp_ns: int) -> bytes:
         """Return a geometry_msgs/PolygonStamped of ``points`` [(x, y)], each a number [m] that a float32 can hold."""
         data = [self.head(seq, stamp_ns), _LENGTH.pack(len(points))]
         data += [struct.pack('<3f', x, y, 0.0) for x, y in points]
         return b''.join(data)
 
 
-def transforms(packed):
+def transforms(packed: Sequence[bytes]) -> bytes:
     """Return a tf2_msgs/TFMessage; ``packed`` is a list of TransformStamped as bytes."""
     return _LENGTH.pack(len(packed)) + b''.join(packed)
 
 
-def status(goal_id, stamp_ns, state, said):
+def status(goal_id: str, stamp_ns: int, state: int, said: str) -> bytes:
     """Return an actionlib_msgs/GoalStatus of a goal: its id, the id's stamp [ns], its ``state`` (number), its text."""
     name, words = goal_id.encode('utf-8'), said.encode('utf-8')
     return struct.pack('<III{}sBI{}s'.format(len(name), len(words)), stamp_ns // NS_PER_S, stamp_ns % NS_PER_S,
                        len(name), name, state, len(words), words)
 
 
-def statuses(seq, packed, stamp_ns):
+def statuses(seq: int, packed: Sequence[bytes], stamp_ns: int) -> bytes:
     """Return an actionlib_msgs/GoalStatusArray; ``packed`` is a list of GoalStatus as bytes."""
     return b''.join((header(seq, stamp_ns), _LENGTH.pack(len(packed)), *packed))
 
 
-def action_goal(seq, goal_id, stamp_ns, target):
+def action_goal(seq: int, goal_id: str, stamp_ns: int, target: bytes) -> bytes:
     """Return the action message of a goal; ``target`` is the action's own part as bytes."""
     return b''.join((header(seq, stamp_ns), _STAMP.pack(stamp_ns // NS_PER_S, stamp_ns % NS_PER_S), text(goal_id),
                      target))

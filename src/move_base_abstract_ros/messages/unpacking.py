@@ -3,7 +3,10 @@
 Each class can be given to a subscription as its message class, since it inherits type and md5sum of the message. If
 the bytes are not as expected (not UTF-8, or too short), genpy reads them, and its result or error counts.
 """
+from __future__ import annotations
+
 import struct
+from typing import Any
 
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 
@@ -22,8 +25,8 @@ class _Cut(Exception):
     """The bytes end within a text."""
 
 
-def _text(data, begin, length):
-    end = begin + length
+def _text(data: bytes, begin: int, length: float) -> Any:
+    end: Any = begin + length
     if end > len(data):
         raise _Cut
     return data[begin:end].decode('utf-8'), end
@@ -32,10 +35,10 @@ def _text(data, begin, length):
 class GoalIn(MoveBaseActionGoal):
     """A move_base_msgs/MoveBaseActionGoal: ``name`` and ``stamp_ns`` [ns] of its id, ``target`` (GoalPose)."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         """Make an empty message, which :meth:`deserialize` fills."""
 
-    def deserialize(self, data):
+    def deserialize(self, data: bytes) -> GoalIn:
         """Read the bytes."""
         try:
             self._read(data)
@@ -46,7 +49,7 @@ class GoalIn(MoveBaseActionGoal):
             self.target = conversions.from_target(whole.goal.target_pose)
         return self
 
-    def _read(self, data):
+    def _read(self, data: bytes) -> None:
         at = 16 + _LENGTH.unpack_from(data, 12)[0]
         seconds, rest, length = _THREE.unpack_from(data, at)
         self.stamp_ns = seconds * NS_PER_S + rest
@@ -60,10 +63,10 @@ class GoalIn(MoveBaseActionGoal):
 class ResultIn(MoveBaseActionResult):
     """A move_base_msgs/MoveBaseActionResult: ``name`` of its goal, ``state`` (number) and ``said`` (text)."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         """Make an empty message, which :meth:`deserialize` fills."""
 
-    def deserialize(self, data):
+    def deserialize(self, data: bytes) -> Any:
         """Read the bytes."""
         try:
             at = 16 + _LENGTH.unpack_from(data, 12)[0] + 8

@@ -1,6 +1,9 @@
 """Log which node is missing if simulated time stands still for good, for example after a time master was killed."""
+from __future__ import annotations
+
 import threading
 import time
+from typing import Any, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -12,7 +15,7 @@ _STILL_S = 2.0  # wall; if time stands still for so long, its publishers are ask
 _TIMEOUT_S = 5.0  # wall
 
 
-def watch_clock():
+def watch_clock() -> None:
     """Watch /clock from now on, in a thread of its own, if ROS time is simulated. Call this once in a process."""
     if rospy.get_param('/use_sim_time', False):
         threading.Thread(target=_Watch().run, name='clock_watch', daemon=True).start()
@@ -21,11 +24,11 @@ def watch_clock():
 class _Watch:
     """Watches simulated time. If it stands still while its publisher answers, that is no fault: it may be paused."""
 
-    def __init__(self):
-        self._publishers = []  # the publishers of /clock when time began to move last
+    def __init__(self) -> None:
+        self._publishers: List[Any] = []  # the publishers of /clock when time began to move last
         self._is_told = False
 
-    def run(self):
+    def run(self) -> None:
         """Look at the time every second, until ROS shuts down."""
         last_ns, since = 0, time.monotonic()
         while not rospy.is_shutdown():
@@ -37,14 +40,14 @@ class _Watch:
             elif now_ns and not self._is_told and time.monotonic() - since >= _STILL_S:
                 self._stands_still(now_ns)
 
-    def _moves(self, is_first):
+    def _moves(self, is_first: bool) -> None:
         if self._is_told:
             rospy.logwarn('%s: simulated time moves again', rospy.get_name())
         if self._is_told or is_first:
             self._is_told = False
             self._publishers = _publishers() or []
 
-    def _stands_still(self, now_ns):
+    def _stands_still(self, now_ns: int) -> None:
         publishers = _publishers()
         if publishers is None:
             gone = 'the ROS master at {} does not answer'.format(rosgraph.get_master_uri())
@@ -58,7 +61,7 @@ class _Watch:
             rospy.logerr('%s: simulated time stands still at %.3f s: %s', rospy.get_name(), now_ns / 1e9, gone)
 
 
-def _publishers():
+def _publishers() -> Optional[List[Tuple[str, str]]]:
     """Return [(name, URI of its node)] of all that the ROS master lists for /clock; None if it does not answer."""
     master = rosgraph.Master(rospy.get_name())
     try:

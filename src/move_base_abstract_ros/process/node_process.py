@@ -1,4 +1,6 @@
 """One of our nodes as a process: its command line, its start, its end, and one plain line for each error."""
+from __future__ import annotations
+
 import argparse
 import gc
 import http.client
@@ -7,6 +9,7 @@ import sys
 import threading
 import traceback
 import xmlrpc.client
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional
 
 import rosgraph
 import rospkg
@@ -20,6 +23,10 @@ from ..replacing.log_files import survive_full_disk
 from .process_end import ProcessEnd, leave
 from .ros_master_watch import RosMasterWatch, is_answering
 
+if TYPE_CHECKING:
+    pass
+
+
 _POLL_S = 0.05  # wall
 _MASTER_TIMEOUT_S = 2.0  # wall
 _FAILED = 1
@@ -29,7 +36,7 @@ _NETWORK_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosg
                    rosgraph.MasterError)
 
 
-def parse_no_arguments(name, description, is_strict=True):
+def parse_no_arguments(name: str, description: str, is_strict: bool = True) -> None:
     """Handle the command line of a node that is configured by parameters only: --help, and unknown arguments.
 
     With ``is_strict`` an unknown argument is an error, with exit code 2. Otherwise it is a warning, for a node that
@@ -45,7 +52,8 @@ def parse_no_arguments(name, description, is_strict=True):
         print('{}: unknown argument {} is ignored'.format(name, shown_text(rest[0])), file=sys.stderr)
 
 
-def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
+def run_node(name: str, set_up: Callable[..., Any], say_goodbye: Optional[Callable[..., Any]] = None,
+             failed: int = _FAILED, **options: bool) -> None:
     """Be the node ``name`` until ROS shuts down. At an error, print it in one line and exit.
 
     :param set_up: makes and returns the node's object; returns None if ROS shuts down meanwhile.
@@ -76,7 +84,7 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
         _finish(end)
 
 
-def _shut_down(signal, name, end):
+def _shut_down(signal: str, name: str, end: ProcessEnd) -> None:
     """Shut rospy down in order. If the ROS master is gone, do not wait long: rospy may hang in a call, with a lock."""
     if not is_answering(rosgraph.get_master_uri(), name, _MASTER_TIMEOUT_S):
         if not end.is_in_service:
@@ -85,7 +93,7 @@ def _shut_down(signal, name, end):
     rospy.signal_shutdown(signal)
 
 
-def _start(name, set_up, watch, options):
+def _start(name: str, set_up: Callable[..., Any], watch: RosMasterWatch, options: Mapping[str, bool]) -> Any:
     watch.start()
     survive_full_disk()
     rospy_start.prepare()
@@ -93,14 +101,14 @@ def _start(name, set_up, watch, options):
     return set_up()
 
 
-def _in_thread(work, end, watch):
+def _in_thread(work: Callable[..., Any], end: ProcessEnd, watch: RosMasterWatch) -> Any:
     """Run ``work()`` in a thread; return its result or its error, or None if the process must end before.
 
     It is not the main thread, since ``work`` may wait for ever if the ROS master is gone.
     """
     results = []
 
-    def run():
+    def run() -> None:
         try:
             results.append(work())
         except BaseException as error:
@@ -113,14 +121,14 @@ def _in_thread(work, end, watch):
     return results[0] if results else None
 
 
-def _finish(end):
+def _finish(end: ProcessEnd) -> None:
     """Exit when the shutdown is over; ProcessEnd makes sure that this is soon."""
     end.over.wait()
     logging.shutdown()
     leave(0)
 
 
-def tell_error(name, error, failed=_FAILED):
+def tell_error(name: str, error: Any, failed: int = _FAILED) -> int:
     """Log or print in one line why the node cannot start or go on; return the exit code."""
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else _FAILED

@@ -4,17 +4,24 @@
 roslaunch and in roscpp. Only rospy would look for the whole namespace below ``navigate``, where usually nothing is set.
 A parameter that is set there counts only if the node's own namespace does not have it.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, Sequence, Tuple
+
 import rosgraph
 import rospy
 
 from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.lockstep.node_parameters import TABLE as LOCKSTEP
 
+if TYPE_CHECKING:
+    from move_base_abstract.common.parameter_table import Parameter
+
 #: private parameters that lockstep reads: they are no settings of a node
 LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
 
 
-def own_values(table, more=()):
+def own_values(table: Sequence[Parameter], more: Sequence[str] = ()) -> Tuple[Dict[str, Any], Dict[str, Any]]:
     """Return (all private parameters, {name: checked value} of those in ``table`` (Parameter, ...)).
 
     A parameter that is neither in ``table`` nor in ``more`` nor lockstep's gets a warning. ``more`` are the names of
@@ -30,7 +37,7 @@ def own_values(table, more=()):
     return raw, values
 
 
-def own_parameters():
+def own_parameters() -> Dict[str, Any]:
     """Return {name: value} of the node's private parameters; another value if the node's name itself is a parameter."""
     where = rospy.get_name()
     remapped = rospy.resolve_name(where)

@@ -6,12 +6,15 @@ else, and that thread shuts rospy down. If the process has not ended soon after,
 
 This module imports only the standard library, so that a program can import it first.
 """
+from __future__ import annotations
+
 import os
 import signal
 import socket
 import sys
 import threading
 import time
+from typing import Any, Callable, Optional
 
 GRACE_S = 5.0  # wall, from the signal to the end of the process while it starts
 GRACE_OF_NODE_S = 12.0  # wall; roslaunch waits for 15 s, and a thousand robots have much to unregister
@@ -26,7 +29,7 @@ class ProcessEnd:
     signals, and this only makes sure that the process ends.
     """
 
-    def __init__(self, name, on_signal=None):
+    def __init__(self, name: str, on_signal: Optional[Callable[..., Any]] = None) -> None:
         self._name = name
         self._on_signal = on_signal
         self._grace_s = GRACE_S
@@ -43,15 +46,15 @@ class ProcessEnd:
         threading.Thread(target=self._await_signal, name='process_end', daemon=True).start()
 
     @property
-    def is_in_service(self):
+    def is_in_service(self) -> bool:
         """Whether the node has started, and other nodes may use it."""
         return self._grace_s >= GRACE_OF_NODE_S
 
-    def enter_service(self):
+    def enter_service(self) -> None:
         """Note that the node has started. Its end may take longer from now on, since it has much to unregister."""
         self._grace_s = GRACE_OF_NODE_S
 
-    def _await_signal(self):
+    def _await_signal(self) -> None:
         while True:
             number = self._receive.recv(1)
             if number and number[0] in SIGNALS:
@@ -64,16 +67,16 @@ class ProcessEnd:
             self._on_signal(signal.Signals(number[0]).name)
         self.over.set()
 
-    def hasten(self, seconds):
+    def hasten(self, seconds: float) -> None:
         """End the process after ``seconds`` [wall], unless it has ended by then. For any thread."""
         threading.Thread(target=self._end_at_last, args=(seconds,), daemon=True).start()
 
-    def _end_at_last(self, grace_s):
+    def _end_at_last(self, grace_s: float) -> None:
         time.sleep(grace_s)
         leave(1, '{}: did not end within {:g} s of a signal; it is ended'.format(self._name, grace_s))
 
 
-def leave(code, text=''):
+def leave(code: int, text: str = '') -> None:
     """End the process now with the exit ``code``, after printing ``text``, without waiting for its threads.
 
     Threads may hold locks for ever.

@@ -1,9 +1,12 @@
 """Notices that the ROS master has gone while a node starts. rospy itself would try for ever, or fail anywhere."""
+from __future__ import annotations
+
 import http.client
 import sys
 import threading
 import time
 import xmlrpc.client
+from typing import Any
 
 import rosgraph
 import rospy
@@ -19,23 +22,23 @@ class RosMasterWatch:
     ``has_lost`` says whether it is gone.
     """
 
-    def __init__(self, name):
+    def __init__(self, name: str) -> None:
         self._name = name
         self._uri = rosgraph.get_master_uri()
         self._stopped = threading.Event()
         self._is_known = False
         self.has_lost = False
 
-    def start(self):
+    def start(self) -> None:
         """Ask once, then start the thread. So a ROS master that is there now cannot end unnoticed."""
         self._is_known = is_answering(self._uri, self._name, _TIMEOUT_S)
         threading.Thread(target=self._watch, name='ros_master_watch', daemon=True).start()
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop asking."""
         self._stopped.set()
 
-    def _watch(self):
+    def _watch(self) -> None:
         refused, is_late = 0, False
         while not self._stopped.wait(_PERIOD_S):
             begin = time.monotonic()
@@ -52,7 +55,7 @@ class RosMasterWatch:
                 self.has_lost = True
                 return
 
-    def _say(self, text, log):
+    def _say(self, text: str, log: Any) -> None:
         text = '{}: the ROS master at {} {}'.format(self._name, self._uri, text)
         if rospy.core.is_initialized():
             log('%s', text)
@@ -63,18 +66,18 @@ class RosMasterWatch:
 class _Transport(xmlrpc.client.Transport):
     """A transport with a time-out [s, wall], which the standard one lacks."""
 
-    def __init__(self, timeout):
+    def __init__(self, timeout: float) -> None:
         super().__init__()
         self._timeout = timeout
 
-    def make_connection(self, host):
+    def make_connection(self, host: str) -> Any:
         """Return a connection with the time-out."""
         connection = super().make_connection(host)
         connection.timeout = self._timeout
         return connection
 
 
-def is_answering(uri, caller, timeout):
+def is_answering(uri: str, caller: str, timeout: float) -> bool:
     """Return whether a ROS master or node at ``uri`` answers within ``timeout`` [s, wall]."""
     try:
         code, _, _ = xmlrpc.client.ServerProxy(uri, transport=_Transport(timeout)).getPid('/' + caller.strip('/'))

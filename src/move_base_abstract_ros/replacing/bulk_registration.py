@@ -5,9 +5,12 @@ the registrations are collected while the objects are made, and then sent togeth
 unregisters. Parameters are read from one copy of the tree. A topic that is made here opens a file descriptor when its
 first connection comes, not from the start: a thousand robots would need more than a process may have.
 """
+from __future__ import annotations
+
 import threading
 import xmlrpc.client
 from contextlib import contextmanager, suppress
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import rosgraph
 import rospy
@@ -26,18 +29,18 @@ at_once = threading.RLock()
 class _State:
     """The bulk registration that is under way, if there is one."""
 
-    collector = None
+    collector: Optional[Any] = None
 
 
 @contextmanager
-def bulk_registration():
+def bulk_registration() -> Iterator[None]:
     """Give a context: publishers, subscribers, services and :func:`set_params` in it reach the master at its end."""
     with at_once, _collecting():
         yield
 
 
 @contextmanager
-def _collecting():
+def _collecting() -> Iterator[None]:
     listeners = get_registration_listeners()
     with listeners.lock:
         managers, listeners.listeners = listeners.listeners, []
@@ -58,7 +61,7 @@ def _collecting():
         collector.send()
 
 
-def get_namespace(name):
+def get_namespace(name: str) -> Dict[str, Any]:
     """Return {key: value} of all parameters below ``name``, an absolute name."""
     if _State.collector is None:
         found = rospy.get_param(name, {})
@@ -69,7 +72,7 @@ def get_namespace(name):
     return found if isinstance(found, dict) else {}
 
 
-def set_params(namespace, values):
+def set_params(namespace: str, values: Mapping[str, Union[bool, float]]) -> None:
     """Set {key: value} below ``namespace``, an absolute name. Other parameters there stay."""
     if _State.collector is None:
         for key, value in values.items():
@@ -78,7 +81,7 @@ def set_params(namespace, values):
         _State.collector.set_params(namespace, values)
 
 
-def delete_params(namespace, keys):
+def delete_params(namespace: str, keys: Union[Sequence[Any], Mapping[str, None]]) -> None:
     """Delete the parameters ``keys`` below ``namespace``, an absolute name, and the namespace if nothing is left."""
     if not namespace.strip('/'):
         return
@@ -92,9 +95,9 @@ def delete_params(namespace, keys):
             rospy.delete_param(name)
 
 
-def _check_only_what_is_connected(manager):
+def _check_only_what_is_connected(manager: Any) -> None:
     """Make rospy's regular search for broken connections skip topics without connections."""
-    def check_all():
+    def check_all() -> None:
         with manager.lock:
             topics = [topic for group in (manager.pubs, manager.subs) for topic in group.values() if topic.connections]
         for topic in topics:
@@ -114,21 +117,21 @@ class _LazyPoller:
 
     _Poller = rospy.topics.Poller
 
-    def __init__(self):
-        self._poller = None
+    def __init__(self) -> None:
+        self._poller: Any = None
 
-    def add_fd(self, fd):
+    def add_fd(self, fd: int) -> None:
         """Watch a connection, by its file descriptor."""
         if self._poller is None:
             self._poller = self._Poller()
         self._poller.add_fd(fd)
 
-    def remove_fd(self, fd):
+    def remove_fd(self, fd: Optional[int]) -> None:
         """Stop watching a connection."""
         if self._poller is not None:
             self._poller.remove_fd(fd)
 
-    def error_iter(self):
+    def error_iter(self) -> Union[Tuple[Any, ...], Iterator[Any]]:
         """Return the connections that have failed."""
         return self._poller.error_iter() if self._poller is not None else ()
 
@@ -139,13 +142,13 @@ class _Collector(RegistrationListener):
     _METHODS = {Registration.PUB: 'registerPublisher', Registration.SUB: 'registerSubscriber',
                 Registration.SRV: 'registerService'}
 
-    def __init__(self, managers):
+    def __init__(self, managers: Sequence[Any]) -> None:
         self._managers = managers
-        self.calls = []
+        self.calls: List[Any] = []
         # Not rospy.get_param: for '/' it returns only the parameters in its cache.
         self.parameters = rosgraph.Master(rospy.get_name()).getParam('/')
 
-    def set_params(self, namespace, values):
+    def set_params(self, namespace: str, values: Any) -> None:
         """Note parameters to be set. If the namespace is empty, it is set as a whole, in one call."""
         there = get_namespace(namespace)
         if not there:
@@ -154,17 +157,17 @@ class _Collector(RegistrationListener):
         for key, value in values.items():
             self.calls.append(('setParam', ('{}/{}'.format(namespace, key), value), None))
 
-    def reg_added(self, resolved_name, data_type_or_uri, reg_type):
+    def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
         """Note a new publisher, subscriber or service."""
         self.calls.append((self._METHODS[reg_type], (resolved_name, data_type_or_uri, rospy.get_node_uri()),
                            resolved_name if reg_type == Registration.SUB else None))
 
-    def reg_removed(self, resolved_name, data_type_or_uri, reg_type):
+    def reg_removed(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
         """Unregister something at once, because it was registered before."""
         for manager in self._managers:
             manager.reg_removed(resolved_name, data_type_or_uri, reg_type)
 
-    def send(self):
+    def send(self) -> None:
         """Send all calls to the ROS master, and connect subscribers to the publishers that it names."""
         master = xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), transport=_PlainTransport())
         for begin in range(0, len(self.calls), _CALLS_AT_ONCE):
@@ -179,7 +182,7 @@ class _Collector(RegistrationListener):
                 elif topic is not None:
                     self._connect(topic, value)
 
-    def _connect(self, topic, uris):
+    def _connect(self, topic: str, uris: Sequence[str]) -> None:
         """Connect the subscription of ``topic`` to its publishers, unless all of them are connected."""
         subscription = get_topic_manager().get_subscriber_impl(topic)
         if subscription is None or all(subscription.has_connection(uri) for uri in uris):

@@ -1,19 +1,22 @@
 """Report a log file that cannot be written once, in a line, instead of by a traceback for each message."""
+from __future__ import annotations
+
 import sys
+from typing import Any, Set
 
 from move_base_abstract.common.shown import shown_text
 
 from .replaced import replace
 
-_told = set()
+_told: Set[Any] = set()
 
 
-def survive_full_disk():
+def survive_full_disk() -> None:
     """Make each log handler of the process report only its first error. Call this before rospy.init_node."""
     replace('logging.Handler.handleError', lambda _original: _handle_error)
 
 
-def _handle_error(handler, _record):
+def _handle_error(handler: Any, _record: Any) -> None:
     """Take the place of logging's own function, which prints a traceback. It is called inside an ``except``."""
     error = sys.exc_info()[1]
     if id(handler) in _told:

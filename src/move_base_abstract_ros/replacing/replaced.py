@@ -4,6 +4,8 @@ Code that replaces something names its row here. A name without a row is an erro
 sources of the original function, which are known by their digests. If a function has another source, a warning at the
 start names it (:func:`unknown`). docs/replaced_names.md shows the table.
 """
+from __future__ import annotations
+
 import functools
 import hashlib
 import importlib
@@ -13,7 +15,10 @@ import sys
 import textwrap
 import tokenize
 from contextlib import contextmanager
-from typing import NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, NamedTuple, Tuple, Type, Union
+
+if TYPE_CHECKING:
+    pass
 
 #: the first and the last version of Python in which these names are as the replacements need them
 PYTHON = (3, 8), (3, 13)
@@ -262,11 +267,11 @@ _ROWS = (
     Row('rospy.topics._TopicManager.check_all', START, 'skips topics without connections', ('0b251c450202',)),
 )
 ROWS = {row.name: row for row in _ROWS}
-_done = []
-_unknown = []
+_done: List[Any] = []
+_unknown: List[Any] = []
 
 
-def replace(name, make, on=None):
+def replace(name: str, make: Union[Callable[..., Any], Type[Any]], on: Any = None) -> Any:
     """Put ``make(original)`` in the place of ``name``, in the one object ``on`` if given; return the original.
 
     :raises KeyError: if the table has no row of this name.
@@ -279,7 +284,7 @@ def replace(name, make, on=None):
 
 
 @contextmanager
-def replaced(name, make, on=None):
+def replaced(name: str, make: Callable[..., Any], on: Any = None) -> Iterator[None]:
     """Do the same as :func:`replace` inside a context, and undo it at the end."""
     owner, attribute = _place(name)
     target = owner if on is None else on
@@ -291,7 +296,7 @@ def replaced(name, make, on=None):
         setattr(target, attribute, before)
 
 
-def note(name, original):
+def note(name: str, original: Any) -> None:
     """Note that ``name`` is about to be replaced, and whether ``original`` is known.
 
     :raises KeyError: if the table has no row of this name.
@@ -303,7 +308,7 @@ def note(name, original):
             _unknown.append(name)
 
 
-def look_up():
+def look_up() -> None:
     """Compute the digests that :func:`note` needs of imported modules, for processes that are forked from this one."""
     for row in _ROWS:
         if row.digests and any(row.name.startswith(module + '.') for module in sys.modules):
@@ -311,17 +316,17 @@ def look_up():
             digest(getattr(owner, attribute, None))
 
 
-def name_of(function):
+def name_of(function: Callable[..., Any]) -> str:
     """Return the dotted name of a function or method."""
     return '{}.{}'.format(function.__module__, function.__qualname__)
 
 
-def done():
+def done() -> Tuple[str, ...]:
     """Return the names that have been replaced in this process, in the order of the replacements."""
     return tuple(_done)
 
 
-def unknown():
+def unknown() -> str:
     """Return a text that names the replaced functions with an unknown source, and an unknown Python; '' if none."""
     found = list(_unknown)
     if not PYTHON[0] <= sys.version_info[:2] <= PYTHON[1]:
@@ -334,7 +339,7 @@ def unknown():
 
 
 @functools.lru_cache(maxsize=None)
-def digest(function):
+def digest(function: Callable[..., Any]) -> str:
     """Return a digest of a function's source without comments, docstring and white space; '' if there is no source."""
     try:
         source = textwrap.dedent(inspect.getsource(inspect.unwrap(function)))
@@ -348,7 +353,7 @@ _SILENT = frozenset((tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.I
                      tokenize.ENDMARKER))
 
 
-def _words(source):
+def _words(source: str) -> Iterator[str]:
     before = ''
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type in _SILENT:
@@ -360,7 +365,7 @@ def _words(source):
 
 
 @functools.lru_cache(maxsize=None)
-def _place(name):
+def _place(name: str) -> Tuple[Any, str]:
     """Return (the object that has the last part of a dotted name, that part)."""
     *path, attribute = name.split('.')
     for length in range(len(path), 0, -1):

@@ -4,7 +4,10 @@ rospy connects to all publishers of a topic whenever the ROS master tells it of 
 others is still being made at that moment, rospy makes a second one and drops the first, with all messages on it: for
 example the first goal of a client that started before the server.
 """
+from __future__ import annotations
+
 import threading
+from typing import Any, Callable, Dict, Tuple
 
 import rospy
 from rospy.impl.registration import get_registration_listeners, get_topic_manager
@@ -18,12 +21,12 @@ class _OneAtATime:
     That function checks first whether there is a connection already.
     """
 
-    def __init__(self, connect):
+    def __init__(self, connect: Callable[..., Any]) -> None:
         self._connect = connect
         self._lock = threading.Lock()
-        self._under_way = {}
+        self._under_way: Dict[Any, Any] = {}
 
-    def __call__(self, topic, uri):
+    def __call__(self, topic: str, uri: str) -> Tuple[int, str, int]:
         key = topic, uri
         with self._lock:
             turn, waiting = self._under_way.get(key, (threading.Lock(), 0))
@@ -38,7 +41,7 @@ class _OneAtATime:
                     self._under_way[key] = turn, waiting - 1
 
 
-def connect_one_at_a_time():
+def connect_one_at_a_time() -> None:
     """Make rospy never make two connections to one publisher of a topic at once. May be called twice."""
     for manager in get_registration_listeners().listeners:
         handler = getattr(manager, 'handler', None)
@@ -46,7 +49,7 @@ def connect_one_at_a_time():
             replace('rospy.impl.masterslave.ROSHandler._connect_topic', _OneAtATime, on=handler)
 
 
-def keep_apart(topic):
+def keep_apart(topic: str) -> None:
     """Do not connect this process's subscription of ``topic`` (absolute) to its own publisher.
 
     Call this before the ROS master knows of the subscription, inside a bulk_registration.

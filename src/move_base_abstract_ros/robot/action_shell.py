@@ -1,6 +1,8 @@
 """The five topics of an action server, around the core's GoalLedger: one goal at a time, no timer and no thread."""
+from __future__ import annotations
+
 import itertools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Union
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
@@ -11,6 +13,11 @@ from .. import lockstep
 from ..messages import packing
 from ..messages.outbox import Outbox
 from ..messages.outlets import LatchedOutlet, Outlet
+
+if TYPE_CHECKING:
+    from move_base_abstract.goals.events import Ended, TaskEnded
+    from move_base_abstract.goals.ledger import GoalRecord
+
 
 # A client that misses the acceptance of its goal misses only its active_cb, so a shorter wait is enough.
 _ACCEPTANCE_SHARE = 0.25
@@ -35,21 +42,21 @@ class ActionShell:
     It has the methods that a GoalLedger needs: ``publish_status()`` and ``new_id(now_ns)``.
     """
 
-    def __init__(self, ns, id_prefix, host, types, min_answer_delay):
+    def __init__(self, ns: str, id_prefix: str, host: Any, types: ActionTypes, min_answer_delay: Any) -> None:
         self.ns = ns
         self._id_prefix = id_prefix
-        self._host = host
+        self._host: Any = host
         self._clock = host.clock
         self._types = types
         self._min_answer_delay = host.timing.answer_delay(min_answer_delay)
-        self._ledger = None
-        self._arrivals = {}
+        self._ledger: Any = None
+        self._arrivals: Dict[Any, Any] = {}
         self._acceptance_wall = 0.0
         self._outbox = Outbox()
         self._counter = itertools.count(1)
         self._packed = None, b''
-        self._subscribers = ()
-        self._told = []
+        self._subscribers: Any = ()
+        self._told: List[Any] = []
         size = host.options.pub_queue_size
         self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
         self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
@@ -58,7 +65,7 @@ class ActionShell:
         #: returns the nodes that listen to feedback, as Outlet.hearers does
         self.hearers = self._feedback.hearers
 
-    def open(self, ledger, feedback_frequency):
+    def open(self, ledger: Any, feedback_frequency: Callable[..., Any]) -> None:
         """Publish the status of the goals of ``ledger`` (GoalLedger) from now on.
 
         ``feedback_frequency()`` returns the rate of the feedback [Hz, simulated].
@@ -74,14 +81,14 @@ class ActionShell:
                 self._host.rates.add('status', lambda: self._host.options.status_frequency,
                                      self._status.hearers_of_repetition)]
 
-    def listen(self, on_goal, on_cancel):
+    def listen(self, on_goal: Callable[..., Any], on_cancel: Callable[..., Any]) -> None:
         """Call ``on_goal(message)``, of the class ``types.goal_in``, and ``on_cancel(GoalID)`` from now on."""
         size = self._host.options.sub_queue_size
         self._subscribers = (
             rospy.Subscriber(self.ns + '/cancel', GoalID, on_cancel, queue_size=size, tcp_nodelay=True),
             rospy.Subscriber(self.ns + '/goal', self._types.goal_in, on_goal, queue_size=size, tcp_nodelay=True))
 
-    def close(self):
+    def close(self) -> None:
         """Take no more goals, and unregister all topics."""
         self._host.status_heartbeat.remove(self._repeat_status)
         for told in self._told:
@@ -89,11 +96,11 @@ class ActionShell:
         for topic in (*self._subscribers, self._status, self._result, self._feedback):
             topic.unregister()
 
-    def forget_arrivals(self):
+    def forget_arrivals(self) -> None:
         """Forget when goals came: they will get no answer."""
         self._arrivals.clear()
 
-    def arrived(self, goal_id, wall):
+    def arrived(self, goal_id: str, wall: float) -> None:
         """Note that a goal with this id (or '') came at ``wall`` [s, time.monotonic]. The caller holds the lock."""
         if self._min_answer_delay:
             self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
@@ -102,12 +109,12 @@ class ActionShell:
                 if len(self._arrivals) > _KEPT_ARRIVALS:  # the oldest ones are of ids that were answered long ago
                     del self._arrivals[next(iter(self._arrivals))]
 
-    def publish_feedback(self, record, feedback, stamp_ns):
+    def publish_feedback(self, record: Any, feedback: bytes, stamp_ns: int) -> None:
         """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns]."""
         told = self._pack(record) + feedback
         self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
 
-    def publish_result(self, record, result, stamp_ns):
+    def publish_result(self, record: Union[Ended, TaskEnded], result: bytes, stamp_ns: int) -> None:
         """Publish that the goal ``record`` (GoalRecord, Ended or TaskEnded) ended at ``stamp_ns`` [ns].
 
         ``result``: the action's own part of the message, as bytes.
@@ -117,7 +124,7 @@ class ActionShell:
         self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told,
                           0.0 if arrived is None else arrived + self._min_answer_delay)
 
-    def publish_status(self):
+    def publish_status(self) -> None:
         """Publish the status of all goals, and latch it for later listeners. If the ledger is silent, do nothing."""
         if self._ledger.is_silent:
             return
@@ -127,26 +134,26 @@ class ActionShell:
         else:
             self._status.show(now_ns)
 
-    def flush(self):
+    def flush(self) -> None:
         """Send now all messages that are held back."""
         self._outbox.flush()
 
-    def new_id(self, now_ns):
+    def new_id(self, now_ns: int) -> str:
         """Return an id for a goal that came without one at ``now_ns`` [ns]."""
         return '{}-{}-{}.{:09d}'.format(self._id_prefix, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
 
-    def _pack_status(self, now_ns):
+    def _pack_status(self, now_ns: int) -> Callable[..., Any]:
         with self._clock.lock:
             told = [self._pack(record) for record in self._ledger.records(now_ns)]
         return lambda seq: packing.statuses(seq, told, now_ns)
 
-    def _pack(self, record):
+    def _pack(self, record: Union[Ended, TaskEnded, GoalRecord]) -> bytes:
         """Return the bytes of the GoalStatus of ``record``. The latest are kept, since they are often sent again."""
-        said = record.goal_id, record.stamp_ns, record.state, record.text
+        said: Any = record.goal_id, record.stamp_ns, record.state, record.text
         if said != self._packed[0]:
             self._packed = said, packing.status(said[0], said[1], record.state.value, said[3])
         return self._packed[1]
 
-    def _repeat_status(self, _now_ns):
+    def _repeat_status(self, _now_ns: int) -> None:
         with lockstep.repetition():
             self.publish_status()

@@ -1,4 +1,8 @@
 """The condition of one robot in ROS: the services ``~fail`` and ``~repair``, and its status on ``/diagnostics``."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Union
+
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -10,6 +14,13 @@ from move_base_abstract.srv import Fail, FailResponse
 from . import diagnostics
 from .battery_server import BatteryServer
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.faults.condition import Condition
+
+    from .names import RobotNames
+
 
 class ConditionServer:
     """Shows a robot's ``condition`` (Condition) in ROS. If the robot cannot fail and has no battery, it does nothing.
@@ -17,12 +28,14 @@ class ConditionServer:
     The caller of the constructor holds the clock's lock.
     """
 
-    def __init__(self, names, settings, host, robot_index, condition, stream):
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot_index: int, condition: Condition,
+                 stream: Stream) -> None:
         self._names = names
         self._clock = host.clock
-        self._condition = condition
-        self._services = ()
-        self._diagnostics = self._battery = None
+        self._condition: Any = condition
+        self._services: Any = ()
+        self._diagnostics: Any = None
+        self._battery: Any = None
         if not condition.is_ordinary:
             self._diagnostics = host.diagnostics().add(robot_index, names.robot,
                                                        lambda: diagnostics.of_condition(condition))
@@ -32,7 +45,7 @@ class ConditionServer:
             Held: self._changed, Failed: self._changed, Repaired: self._changed, ChargePassed: self._battery_changed,
             Charging: self._battery_changed})
 
-    def serve(self):
+    def serve(self) -> None:
         """Offer the services from now on. The caller holds no lock."""
         names = self._names
         if self._battery is not None:
@@ -41,15 +54,15 @@ class ConditionServer:
             self._services += (rospy.Service(names.own('fail'), Fail, self._fail),
                                rospy.Service(names.own('repair'), Trigger, self._repair))
 
-    def _changed(self, event):
+    def _changed(self, event: Any) -> None:
         if self._diagnostics is not None:
             self._diagnostics.changed(event.time_ns)
 
-    def _battery_changed(self, event):
+    def _battery_changed(self, event: Union[ChargePassed, Charging]) -> None:
         self._battery.changed(event.time_ns)
         self._changed(event)
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the services and topics. The caller holds no lock."""
         for service in self._services:
             service.shutdown('the robot is removed')
@@ -58,7 +71,7 @@ class ConditionServer:
         if self._diagnostics is not None:
             self._diagnostics.close()
 
-    def _fail(self, request):
+    def _fail(self, request: Any) -> Any:
         repair = request.repair.to_nsec() / 1e9
         try:
             check_request(request.kind or None, repair or None, self._names.own('fail'))
@@ -69,7 +82,7 @@ class ConditionServer:
                                                       repair or None)
         return FailResponse(has_failed, 'The robot has failed.' if has_failed else 'The robot had failed before.')
 
-    def _repair(self, _request):
+    def _repair(self, _request: Any) -> Any:
         with self._clock.lock:
             is_repaired = self._condition.failing.repair(self._clock.now_ns())
         return TriggerResponse(is_repaired, 'The robot is repaired.' if is_repaired else 'The robot had not failed.')

@@ -1,4 +1,8 @@
 """Publish the condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict
+
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from move_base_abstract.common.units import NS_PER_S
@@ -9,6 +13,11 @@ from ..messages import conversions, packing
 from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.rates import Rates
+    from move_base_abstract.faults.condition import Condition
+
+
 _FREQUENCY = 1.0  # Hz, simulated; as upstream's updaters have it
 _RATE_CAP = 5.0  # Hz, wall
 
@@ -16,12 +25,12 @@ _RATE_CAP = 5.0  # Hz, wall
 class Diagnostics:
     """The topic and the heartbeat of a process. It is made for the first robot that needs it."""
 
-    def __init__(self, host):
+    def __init__(self, host: Any) -> None:
         self.outlet = Outlet('/diagnostics', DiagnosticArray, queue_size=100)
         self.heartbeat = Heartbeat(host, _FREQUENCY, _RATE_CAP)
         self._rates = host.rates
 
-    def add(self, robot_index, name, tell):
+    def add(self, robot_index: int, name: str, tell: Callable[..., Any]) -> RobotDiagnostics:
         """Add the robot ``name``; return its RobotDiagnostics.
 
         ``tell()`` returns (level, text, {key: value}), as for a DiagnosticStatus.
@@ -32,7 +41,8 @@ class Diagnostics:
 class RobotDiagnostics:
     """The status of one robot, in messages of its own, so that they keep their place in the order of all messages."""
 
-    def __init__(self, shared, rates, robot_index, name, tell):
+    def __init__(self, shared: Diagnostics, rates: Rates, robot_index: int, name: str,
+                 tell: Callable[..., Any]) -> None:
         self._shared = shared
         self._rates = rates
         self._robot_index = robot_index
@@ -42,13 +52,13 @@ class RobotDiagnostics:
         shared.heartbeat.add(self.send, shared.outlet.is_heard)
         self._told = rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
 
-    def changed(self, now_ns):
+    def changed(self, now_ns: int) -> None:
         """Publish the condition at ``now_ns`` [ns] if it differs from the last one that was published."""
         told = self._tell()
         if self._latest is None or told[:2] != self._latest[:2] or told[2].keys() != self._latest[2].keys():
             self.send(now_ns)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         """Publish the condition at ``now_ns`` [ns], if any node hears it."""
         rollback.changes(self, '_latest')
         self._latest = level, text, values = self._tell()
@@ -61,18 +71,19 @@ class RobotDiagnostics:
             with lockstep.sender(self._robot_index):
                 self._shared.outlet.send(packing.of_message(message))
 
-    def close(self):
+    def close(self) -> None:
         """Publish nothing any more."""
         self._shared.heartbeat.remove(self.send)
         self._rates.remove(self._told)
 
 
-def of_condition(condition):
+def of_condition(condition: Condition) -> Any:
     """Return (level, text, values) of a Condition, as for a DiagnosticStatus.
 
     The level is ERROR if the robot has failed or its battery is empty, WARN if it is held or its battery is low.
     """
-    failing, battery, values = condition.failing, condition.battery, {}
+    failing, battery = condition.failing, condition.battery
+    values: Dict[str, Any] = {}
     text = condition.state_text or ('battery low' if battery is not None and battery.is_low else '')
     level = DiagnosticStatus.WARN if text else DiagnosticStatus.OK
     if failing is not None:

@@ -1,5 +1,8 @@
 """The action MoveBase of one robot: it passes goals and cancels to the navigator, and publishes how goals end."""
+from __future__ import annotations
+
 import time
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Union
 
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
@@ -9,6 +12,13 @@ from ..lockstep.exchange import rollback
 from ..messages.packing import InFrame
 from ..messages.unpacking import GoalIn
 from .action_shell import ActionShell, ActionTypes
+
+if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.goals.goal_pose import GoalPose
+    from move_base_abstract.goals.ledger import GoalLedger, GoalRecord
+
 
 _TYPES = ActionTypes(GoalIn, MoveBaseActionResult, MoveBaseActionFeedback)
 _DEAF_SECONDS = 0.1  # wall; the pause of the feedback if no node listens to it
@@ -21,10 +31,11 @@ class GoalServer:
     ``stream``: the robot's stream of events; ``values``: those of its settings.
     """
 
-    def __init__(self, ns, node_name, host, stream, values):
+    def __init__(self, ns: str, node_name: str, host: Any, stream: Stream,
+                 values: Mapping[str, Optional[Union[float, str]]]) -> None:
         self._clock = host.clock
-        self._navigator = None
-        self._prefetch = None
+        self._navigator: Any = None
+        self._prefetch: Any = None
         self._shell = ActionShell(ns, node_name, host, _TYPES, values['min_answer_delay'])
         self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
         self.is_feedback_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
@@ -33,7 +44,7 @@ class GoalServer:
         self._feedback_throttle = host.throttle(values['max_feedback_rate'])
         stream.subscribe('clients', {Departed: self._departed, Ended: self._ended})
 
-    def start(self, ledger, navigator, prefetch):
+    def start(self, ledger: GoalLedger, navigator: Any, prefetch: Any) -> None:
         """Take goals for ``navigator``, whose goals ``ledger`` (GoalLedger) keeps.
 
         ``prefetch(goal)`` is called before each goal, without the lock. It may block.
@@ -43,19 +54,19 @@ class GoalServer:
         self._shell.open(ledger, lambda: navigator.feedback.frequency)
         self._shell.listen(self._on_goal, self._on_cancel)
 
-    def close(self):
+    def close(self) -> None:
         """Take no more goals, and unregister all topics."""
         self._shell.close()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget when goals came, and publish the status, after all goals have been forgotten."""
         self._shell.forget_arrivals()
         self.publish_status()
 
-    def _on_goal(self, message):
+    def _on_goal(self, message: GoalIn) -> None:
         self.take(message.name, message.stamp_ns, message.target)
 
-    def take(self, goal_id, stamp_ns, goal):
+    def take(self, goal_id: str, stamp_ns: int, goal: GoalPose) -> None:
         """Take a GoalPose as if it came on the topic, with its id ('' for none) and stamp [ns] (0 for none).
 
         It may block. The caller holds no lock.
@@ -70,29 +81,29 @@ class GoalServer:
             self._shell.arrived(goal_id, arrived)
             self._navigator.receive(goal_id, stamp_ns, goal, now_ns)
 
-    def _on_cancel(self, message):
+    def _on_cancel(self, message: Any) -> None:
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self._navigator.cancel(message.id, message.stamp.to_nsec(), now_ns)
 
-    def feedback(self, record, pose, stamp_ns, is_last):
+    def feedback(self, record: GoalRecord, pose: Pose2D, stamp_ns: int, is_last: bool) -> int:
         """Publish where the robot is, as often as the cap in wall time allows, and at the goal; see GoalClient."""
         if not self._shell.has_feedback_listeners():
             return self._clock.wall_to_ns(_DEAF_SECONDS)
-        told = (record.goal_id, stamp_ns)
+        told: Any = (record.goal_id, stamp_ns)
         if self._feedback_throttle.ready() or (is_last and told != self._told):
             rollback.changes(self, '_told')
             self._told = told
             self._shell.publish_feedback(record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
-    def flush(self):
+    def flush(self) -> None:
         """Send now all messages that are held back."""
         self._shell.flush()
 
-    def _departed(self, _event):
+    def _departed(self, _event: Departed) -> None:
         if not self._navigator.feedback.frequency:
             self._clock.hearers.falls_silent(self._navigator.robot, self._shell, 'feedback_freq')
 
-    def _ended(self, event):
+    def _ended(self, event: Ended) -> None:
         self._shell.publish_result(event, _NO_RESULT, event.time_ns)

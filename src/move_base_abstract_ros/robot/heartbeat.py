@@ -1,5 +1,12 @@
 """A heartbeat: it publishes for all robots of a process at once, at one rate."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List
+
 from move_base_abstract.engine.event_queue import NOBODY
+
+if TYPE_CHECKING:
+    pass
 
 #: heartbeats come after the robots' own events of the same instant
 SHARED_INDEX = 2 ** 31 - 1
@@ -8,11 +15,11 @@ SHARED_INDEX = 2 ** 31 - 1
 class Heartbeat:
     """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
 
-    def __init__(self, host, frequency, rate_cap):
+    def __init__(self, host: Any, frequency: float, rate_cap: float) -> None:
         self._clock = host.clock
         self._batch = host.timing.batch
-        self._members = []
-        self._hearers = []
+        self._members: List[Any] = []
+        self._hearers: List[Any] = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
             series = self._clock.simulation.series(SHARED_INDEX, frequency, self._beat, is_output=True,
@@ -20,7 +27,7 @@ class Heartbeat:
             if series is not None:
                 series.start(self._clock.now_ns())
 
-    def add(self, member, is_heard):
+    def add(self, member: Callable[..., Any], is_heard: Callable[..., Any]) -> None:
         """Call ``member(now_ns)`` at each beat from now on.
 
         ``is_heard()`` returns which nodes hear what it publishes: NOBODY, ONLOOKERS or PARTICIPANTS.
@@ -29,16 +36,16 @@ class Heartbeat:
             self._members.append(member)
             self._hearers.append(is_heard)
 
-    def remove(self, member):
+    def remove(self, member: Callable[..., Any]) -> None:
         """Do not call ``member`` any more."""
         with self._clock.lock:
             place = self._members.index(member)
             del self._members[place], self._hearers[place]
 
-    def _is_heard(self):
+    def _is_heard(self) -> int:
         return max((is_heard() for is_heard in self._hearers), default=NOBODY)
 
-    def _beat(self, _due_ns, now_ns):
+    def _beat(self, _due_ns: int, now_ns: int) -> int:
         if self._throttle.ready():
             with self._batch():
                 for member in self._members:

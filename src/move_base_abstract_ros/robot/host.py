@@ -1,5 +1,8 @@
 """The things that the robots of one process share: the clock, heartbeats, and a limit of all publications."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import rospy
 
@@ -15,6 +18,16 @@ from .diagnostics import Diagnostics
 from .events_topic import EventsTopic
 from .heartbeat import SHARED_INDEX, Heartbeat
 
+if TYPE_CHECKING:
+    from move_base_abstract.encounters.control import Encounters
+    from move_base_abstract.goals.events import Beyond
+    from move_base_abstract.traffic.zones import Zone
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from ..clocks.throttle import NoThrottle, WallThrottle
+    from ..clocks.timing import LockstepTiming, ScaledTiming
+
 _STATUS_RATE_CAP = 5.0  # Hz, wall
 _PUBLICATIONS_PER_SECOND = 500.0  # wall; the limit for all robots of a process together
 
@@ -29,7 +42,7 @@ class ActionOptions:
     status_frequency: float = 5.0
 
 
-def read_action_options(status_frequency):
+def read_action_options(status_frequency: float) -> ActionOptions:
     """Return the :class:`ActionOptions` of the parameter server. They are looked for as actionlib does it.
 
     ``status_frequency`` [Hz, simulated]: that of the status if no parameter sets it.
@@ -46,7 +59,7 @@ def read_action_options(status_frequency):
     values = read_table(raw, ACTIONLIB, rospy.get_namespace())
     sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
                                                                    'actionlib_server_sub_queue_size')]
-    return ActionOptions(*sizes, values[_FREQUENCY])
+    return ActionOptions(sizes[0], sizes[1], values[_FREQUENCY])
 
 
 class Host:
@@ -58,59 +71,60 @@ class Host:
     :raises ConfigurationError: if one of actionlib's parameters is not allowed, or the clock has not started.
     """
 
-    def __init__(self, clock, timing, is_crowded=False, zones=(), encounters=None):
+    def __init__(self, clock: Union[LockstepClock, RosClock], timing: Union[LockstepTiming, ScaledTiming],
+                 is_crowded: bool = False, zones: Sequence[Zone] = (), encounters: Optional[Encounters] = None) -> None:
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
         self.clock = clock
-        self.timing = timing
+        self.timing: Any = timing
         simulation = clock.simulation
         simulation.queue.guard(SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self.zones = zones
         self.encounters = encounters
-        self._robot_count = 0
+        self._robot_count: Any = 0
         self.surroundings = Surroundings()
-        self._has_warned = False  # about goals beyond the recorded legs of a calibration
+        self._has_warned: Any = False  # about goals beyond the recorded legs of a calibration
         self.rates = Rates(clock.hearers.rates_changed)
         clock.hearers.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
-        self._tf_heartbeats = {}
-        self._diagnostics = None
+        self._tf_heartbeats: Any = {}
+        self._diagnostics: Any = None
         timing.begin_to_publish()
         self.events = EventsTopic(clock)
 
-    def warn_of_beyond(self, event):
+    def warn_of_beyond(self, event: Beyond) -> None:
         """Warn, once, that a robot's goal lies beyond the recorded legs of its calibration. ``event``: Beyond."""
         if not self._has_warned:
             self._has_warned = True
             rospy.logwarn(WARNING.format(event.robot, event.words))
 
-    def add_robot(self):
+    def add_robot(self) -> None:
         """Count one more robot, which shares the limit of publications."""
         self._robot_count += 1
 
-    def remove_robot(self):
+    def remove_robot(self) -> None:
         """Count one robot less."""
         self._robot_count -= 1
 
-    def tf_heartbeat(self, frequency, rate_cap):
+    def tf_heartbeat(self, frequency: float, rate_cap: float) -> Heartbeat:
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
         if (frequency, rate_cap) not in self._tf_heartbeats:
             self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
         return self._tf_heartbeats[frequency, rate_cap]
 
-    def diagnostics(self):
+    def diagnostics(self) -> Diagnostics:
         """Return the :class:`.diagnostics.Diagnostics` of the process. The first call makes it."""
         if self._diagnostics is None:
             self._diagnostics = Diagnostics(self)
         return self._diagnostics
 
-    def throttle(self, rate):
+    def throttle(self, rate: Any) -> Union[NoThrottle, WallThrottle]:
         """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
         return self.timing.throttle(rate, self.shortest_period)
 
-    def shortest_period(self):
+    def shortest_period(self) -> float:
         """Return the shortest time [s, wall] between two publications of one robot, if all robots publish alike."""
         return self._robot_count / _PUBLICATIONS_PER_SECOND

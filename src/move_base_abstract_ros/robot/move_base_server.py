@@ -1,4 +1,8 @@
 """One robot under move_base's interface: connects the core's navigator with topics, services and parameters."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional, Union
+
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseActionGoal
@@ -30,26 +34,41 @@ from .robot_publisher import RobotPublisher
 from .teleport import Teleport
 from .work_server import ACTION as WORK, WorkServer
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.goals.goal_pose import GoalPose
+    from move_base_abstract.motion.leg import MotionLimits, Tolerances
+    from move_base_abstract.motion.robot import Robot
+    from move_base_abstract.tasks.room import Rooms
+    from move_base_abstract.traffic.control import Traffic
+
+    from ..backends.builtin import BuiltinBackend
+    from ..backends.gazebo import GazeboBackend
+    from ..backends.stage import StageBackend
+    from .names import RobotNames
+    from .scan_publisher import ScanPublisher
+
 _REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 
 
 class MoveBaseServer:
     """One robot of a process's :class:`Host`."""
 
-    def __init__(self, names, settings, host, robot_index=0, traffic=None, rooms=None):
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot_index: int = 0,
+                 traffic: Optional[Traffic] = None, rooms: Optional[Rooms] = None) -> None:
         """``traffic``: the Traffic in which the robot takes part; None if it is alone.
 
         ``rooms``: the Rooms in which it does tasks at places; None if it does no tasks.
         """
         clock = host.clock
-        self._traffic = traffic
+        self._traffic: Any = traffic
         self._traveller = self._priority = None
         self._rooms = rooms
-        self._work = None
+        self._work: Any = None
         self._names = names
-        self._settings = settings
+        self._settings: Any = settings
         self._clock = clock
-        self._host = host
+        self._host: Any = host
         self._controller_frequency = settings.values['controller_frequency']
         self._last_warning = None
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
@@ -63,7 +82,7 @@ class MoveBaseServer:
         clock.follow_restarts(self._restart)
         host.add_robot()  # last, so that a robot whose settings are refused does not count
 
-    def _set_up(self, robot_index):
+    def _set_up(self, robot_index: int) -> None:
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
         with clock.lock:
             clock.now_ns()
@@ -91,12 +110,12 @@ class MoveBaseServer:
                 'min_answer_delay': values['min_answer_delay']}, self._stream, self.navigator.robot,
                 lambda: self.condition.is_out_of_order)
 
-    def _build(self, robot_index):
+    def _build(self, robot_index: int) -> None:
         settings, values = self._settings, self._settings.values
         backend = backends.make(values['backend'], self._names, settings, self._host.timing)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
-        self._map = RobotMap(self._names, settings, self._clock)
-        self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
+        self._map: Any = RobotMap(self._names, settings, self._clock)
+        self._goal_server: Any = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        self._stream, values)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._stream,
                                  self._goal_server, self._lookup.lookup, make_planner(settings, self._map.check),
@@ -112,7 +131,7 @@ class MoveBaseServer:
         self._host.surroundings.add(robot, values['global_frame'], settings.costmaps.global_footprint)
         self._scans = self._make_scans(robot, backend)
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
-        self._condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition,
+        self._condition_server: Any = ConditionServer(self._names, settings, self._host, robot_index, self.condition,
                                                  self._stream)
         self._markers = robot_markers.add(self._clock, settings, self.navigator, self._stream, self._state,
                                           self.condition.battery is not None)
@@ -121,13 +140,14 @@ class MoveBaseServer:
                                                  values['priority'])
         self.condition.begin(self._clock.simulation.now_ns)
 
-    def _make_scans(self, robot, backend):
+    def _make_scans(self, robot: Robot,
+                    backend: Union[BuiltinBackend, GazeboBackend, StageBackend]) -> Optional[ScanPublisher]:
         if not self._settings.laser.rate:
             return None
         from .scan_publisher import ScanPublisher  # imported here, because only robots with a laser need numpy
         return ScanPublisher(self._names, self._settings, self._host, robot, backend, self._map)
 
-    def shut_down(self):
+    def shut_down(self) -> None:
         """End the active goal as a killed move_base does, and send its answer."""
         if self._work is not None:
             self._work.shut_down(NODE_KILLED)
@@ -135,7 +155,7 @@ class MoveBaseServer:
             self.navigator.close(NODE_KILLED, self._clock.now_ns())
         self._goal_server.flush()
 
-    def close(self):
+    def close(self) -> None:
         """Remove the robot from the world: end its goal, and unregister its topics and services."""
         if self._work is not None:
             self._work.close(ROBOT_REMOVED)
@@ -161,7 +181,7 @@ class MoveBaseServer:
             self._clock.leave_restarts(self._restart)
         self._host.remove_robot()
 
-    def reset(self):
+    def reset(self) -> None:
         """Set everything but the time as at the start: the start pose, the first limits, no goals."""
         settings = self._settings
         if self._work is not None:
@@ -178,20 +198,20 @@ class MoveBaseServer:
             self._stream.tell(motion_of(self.navigator.robot, now_ns))
             self.navigator.travel.tell_stands(now_ns)
 
-    def _restart(self, before_ns, now_ns):
+    def _restart(self, before_ns: int, now_ns: int) -> None:
         self._publisher.restart()
         if self._scans is not None:
             self._scans.restart(now_ns)
         self.condition.restart(now_ns - before_ns)
         self.navigator.restart(before_ns, now_ns)
 
-    def set_motion(self, limits, tolerances):
+    def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
         """Use other limits (MotionLimits) and tolerances (Tolerances) from the next leg on."""
         with self._clock.lock:
             self.navigator.robot.set_motion(limits, tolerances)
             self._stream.tell(motion_of(self.navigator.robot, self._clock.look_ns()))
 
-    def reconfigure_goals(self, config):
+    def reconfigure_goals(self, config: Any) -> None:
         """Use the values that dynamic_reconfigure has set for move_base itself. ``config``: {name: value}."""
         policy, behaviors = self._settings.recovery, self._settings.behaviors
         with self._clock.lock:
@@ -204,33 +224,33 @@ class MoveBaseServer:
                 self._host.rates.changed()
         self._planner_interface.set_add_unreachable_goal(config['make_plan_add_unreachable_goal'])
 
-    def _state(self):
+    def _state(self) -> str:
         return activity(self.navigator, self.condition, self._work and self._work.tasks)
 
-    def _show(self):
+    def _show(self) -> None:
         with self._clock.lock:
             self._publisher.show(self._clock.now_ns())
 
-    def _compare(self, _event):
-        robot = self.navigator.robot
+    def _compare(self, _event: Departed) -> None:
+        robot: Any = self.navigator.robot
         rospy.loginfo('%s: %s', robot.name, self._settings.original.compare(robot.leg.distance, robot.limits))
 
-    def _warned(self, event):
+    def _warned(self, event: Any) -> None:
         """Log a warning; the same text at most once in 5 s of wall time."""
         if event.text != self._last_warning or self._warning_throttle.ready():
             self._last_warning = event.text
             rospy.logwarn('%s: %s', self._names.robot, event.text)
 
-    def _map_changed(self):
+    def _map_changed(self) -> None:
         with self._clock.lock:
             if self.navigator.travel.target is not None:
                 self.navigator.travel.map_changed(self._clock.now_ns())
 
-    def _prefetch(self, goal):
+    def _prefetch(self, goal: GoalPose) -> None:
         self._map.wait()
         self._prefetch_frame(goal.frame_id, goal.stamp_ns)
 
-    def _prefetch_frame(self, frame_id, stamp_ns):
+    def _prefetch_frame(self, frame_id: str, stamp_ns: int) -> None:
         """Wait until a foreign frame is known in tf, or for a while. This blocks only the topic that asks for it."""
         if self._frames.is_foreign(frame_id) and not frame_id.startswith('/'):
             self._lookup.wait_for(frame_id, stamp_ns)
@@ -243,7 +263,7 @@ class Localization:
     or the reason why it cannot.
     """
 
-    def __init__(self, names, robot_map, show, place):
+    def __init__(self, names: Any, robot_map: Any, show: Any, place: Any) -> None:
         self._robot = names.robot
         self._map = robot_map
         self._show = show
@@ -252,21 +272,21 @@ class Localization:
                           rospy.Service(names.topic('request_nomotion_update'), Empty, self._update),
                           rospy.Service(names.topic('set_map'), SetMap, self._set_map)]
 
-    def close(self):
+    def close(self) -> None:
         """Shut the services down."""
         for service in self._services:
             service.shutdown('the robot is removed')
 
-    def _spread(self, _request):
+    def _spread(self, _request: Any) -> Any:
         """Do nothing: there are no particles to spread, and the pose stays exact."""
         rospy.loginfo('%s: global_localization changes nothing: the pose is exact', self._robot)
         return EmptyResponse()
 
-    def _update(self, _request):
+    def _update(self, _request: Any) -> Any:
         self._show()
         return EmptyResponse()
 
-    def _set_map(self, request):
+    def _set_map(self, request: Any) -> Any:
         """Move the robot to the pose of the request, and use the map of the request, if the robot uses one."""
         initial = request.initial_pose
         text = self._place(initial.header, initial.pose.pose) or self._map.give(request.map)
@@ -278,17 +298,17 @@ class Localization:
 class PriorityTopic:
     """Sets the priority of ``traveller`` (Traveller), which is the robot with ``names`` in the traffic."""
 
-    def __init__(self, names, clock, traveller):
+    def __init__(self, names: Any, clock: Any, traveller: Any) -> None:
         self._clock = clock
         self._traveller = traveller
         self._subscriber = rospy.Subscriber(names.own('priority'), Int32, self._on_priority, queue_size=10,
                                             tcp_nodelay=True)
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the topic."""
         self._subscriber.unregister()
 
-    def _on_priority(self, message):
+    def _on_priority(self, message: Any) -> None:
         with self._clock.lock:
             self._traveller.set_priority(message.data, self._clock.now_ns())
 
@@ -305,26 +325,26 @@ class SimpleGoals:
     get it by the topic.
     """
 
-    def __init__(self, names, clock, take=None):
+    def __init__(self, names: Any, clock: Any, take: Any = None) -> None:
         self._names = names
         self._clock = clock
         self._take = take
-        self._subscriber = None
+        self._subscriber: Any = None
         self._goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
 
-    def listen(self):
+    def listen(self) -> None:
         """Begin to listen. The node must listen to the goal topic by now."""
         if self._take is not None:
             keep_apart(self._names.action('goal'))
         self._subscriber = rospy.Subscriber(self._names.topic('move_base_simple/goal'), PoseStamped, self._on_pose,
                                             queue_size=1)
 
-    def close(self):
+    def close(self) -> None:
         """Unregister both topics."""
         self._subscriber.unregister()
         self._goals.unregister()
 
-    def _on_pose(self, pose):
+    def _on_pose(self, pose: Any) -> None:
         if self._take is None:
             # In lockstep this node is connected to itself within the present instant, or the goal topic is gone.
             self._clock.wait_until(lambda: self._goals.get_num_connections() > 0, _CONNECT_SECONDS,

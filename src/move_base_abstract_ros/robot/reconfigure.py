@@ -3,8 +3,11 @@
 Only values that a user sets are written to the parameter server. Upstream's servers write all their fields at the
 start: then the namespaces of a system would be full of values that no user gave, and the next start would find them.
 """
+from __future__ import annotations
+
 import math
 import threading
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Union
 
 import rospy
 from dynamic_reconfigure.encoding import extract_params
@@ -16,6 +19,12 @@ from move_base_abstract.motion.leg import MotionLimits, Tolerances
 
 from ..replacing.bulk_registration import delete_params, get_namespace, set_params
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+
+    from .move_base_server import MoveBaseServer
+    from .names import RobotNames
+
 _PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
 _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
 
@@ -23,14 +32,15 @@ _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
 class _SafeServer(Server):
     """A Server that starts from ``known`` values and survives parameters of the wrong type."""
 
-    def __init__(self, config_type, callback, namespace, known):
+    def __init__(self, config_type: Any, callback: Callable[..., Any], namespace: str,
+                 known: Mapping[str, Union[bool, float, str]]) -> None:
         self._known = known
-        self._written = {}
-        self._made = {}  # names of parameters that did not exist before
+        self._written: Dict[Any, Any] = {}
+        self._made: Dict[Any, Any] = {}  # names of parameters that did not exist before
         self._lock = threading.Lock()
         super().__init__(config_type, callback, namespace)
 
-    def _copy_from_parameter_server(self):
+    def _copy_from_parameter_server(self) -> None:
         raw = get_namespace(self.ns.rstrip('/'))
         for parameter in extract_params(self.type.config_description):
             name, cast = parameter['name'], _CASTS[parameter['type']]
@@ -41,10 +51,10 @@ class _SafeServer(Server):
                 continue
             self.config[name] = cast(value)
 
-    def _copy_to_parameter_server(self):
+    def _copy_to_parameter_server(self) -> None:
         """Write nothing: dynamic_reconfigure calls this at the start, too, and for all fields."""
 
-    def update_configuration(self, changes):
+    def update_configuration(self, changes: Any) -> Any:
         """Apply ``changes``, write the accepted ones to the parameter server, and return all fields."""
         namespace = self.ns.rstrip('/')
         with self._lock:
@@ -59,7 +69,7 @@ class _SafeServer(Server):
             set_params(namespace, values)
         return config
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the topics and the service, and delete the parameters that did not exist before."""
         self.descr_topic.unregister()
         self.update_topic.unregister()
@@ -70,8 +80,8 @@ class _SafeServer(Server):
 class Reconfigure:
     """The two servers of dynamic_reconfigure of one robot. They pass changes to its :class:`MoveBaseServer`."""
 
-    def __init__(self, names, settings, server):
-        self._server = server
+    def __init__(self, names: RobotNames, settings: RobotSettings, server: MoveBaseServer) -> None:
+        self._server: Any = server
         self._where = names.private
         self._namespace = names.namespace
         values = settings.values
@@ -96,20 +106,20 @@ class Reconfigure:
             _SafeServer(_PLANNER_TYPES.get(planner, DWAPlannerConfig), self._on_planner, names.own(planner),
                         self._planner_start)]
 
-    def close(self):
+    def close(self) -> None:
         """Close both servers."""
         for server in reversed(self._servers):  # the planner's namespace is below that of move_base
             server.close()
         delete_params(self._namespace, ())
 
-    def _on_move_base(self, config, level):
+    def _on_move_base(self, config: Any, level: int) -> Any:
         if config['restore_defaults']:
             config.update(self._move_base_start, restore_defaults=False)
         if level != ~0:
             self._server.reconfigure_goals(config)
         return config
 
-    def _on_planner(self, config, level):
+    def _on_planner(self, config: Any, level: int) -> Any:
         if level == ~0:
             return config
         speeds = self._speeds.changed(config)
@@ -124,10 +134,10 @@ class Reconfigure:
         return config
 
     @staticmethod
-    def _known_of(values, config):
+    def _known_of(values: Mapping[str, float], config: Any) -> Dict[str, float]:
         return {key: value for key, value in values.items() if key in config}
 
-    def _take_over(self, config, speeds):
+    def _take_over(self, config: Any, speeds: SpeedNames) -> None:
         """Use the planner's limits. The top speed has two names: if both were set, the smaller value counts."""
         limits = self._server.navigator.robot.limits
         speed = limits.max_speed if speeds is self._speeds else speeds.speed

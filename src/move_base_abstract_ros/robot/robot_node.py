@@ -1,6 +1,9 @@
 """One robot as a node: its settings from parameters, the clock, the start and the end."""
+from __future__ import annotations
+
 import time
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import rospy
 
@@ -14,11 +17,19 @@ from ..transforms.tf_lookup import listen_to_static_frames
 from .host import Host
 from .move_base_server import MoveBaseServer
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import LockstepTiming, ScaledTiming
+    from .names import RobotNames
+
 _LAST_WORDS_SECONDS = 0.1
 _INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 
-def run(node_name, describe):
+def run(node_name: str, describe: Callable[..., Any]) -> None:
     """Run the node ``node_name`` with one robot until ROS shuts down.
 
     ``describe()`` is called once the node is initialised. It returns the arguments of :func:`_build`.
@@ -26,7 +37,8 @@ def run(node_name, describe):
     run_node(node_name, lambda: _build(*describe()), _say_goodbye)
 
 
-def _build(names, overrides, default_tf_prefix):
+def _build(names: RobotNames, overrides: Mapping[str, Union[float, str]],
+           default_tf_prefix: Optional[str]) -> Optional[MoveBaseServer]:
     """Return the robot's server, or None if ROS shuts down first.
 
     ``overrides``: {name: value} of parameters that take precedence over those of the parameter server.
@@ -41,13 +53,15 @@ def _build(names, overrides, default_tf_prefix):
     return server
 
 
-def start(clock, timing, robots):
+def start(clock: Union[LockstepClock, RosClock], timing: Union[LockstepTiming, ScaledTiming],
+          robots: Sequence[Tuple[RobotNames, RobotSettings]]) -> bool:
     """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs. Return False if ROS shuts down meanwhile."""
     return clock.start() and timing.await_surroundings(
         clock, listen_to_static_frames, lambda participant: wait_for_maps(robots, participant))
 
 
-def read_robot_settings(overrides, default_tf_prefix, base):
+def read_robot_settings(overrides: Mapping[str, Union[float, str]], default_tf_prefix: Optional[str],
+                        base: Any) -> Any:
     """Return the settings in the node's private namespace, and log where the important ones come from.
 
     ``overrides`` take precedence over the private parameters, and these over ``base``. All are {name: value}.
@@ -58,7 +72,7 @@ def read_robot_settings(overrides, default_tf_prefix, base):
     if isinstance(raw, dict):
         own = {key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}
         raw = {**_inherited(raw), **base, **own, **overrides}
-    settings = read_settings(raw, where)
+    settings: Any = read_settings(raw, where)
     if settings.tf_prefix is None:
         inherited = rospy.search_param('tf_prefix')
         settings = replace(settings, tf_prefix=(
@@ -67,7 +81,7 @@ def read_robot_settings(overrides, default_tf_prefix, base):
     return settings
 
 
-def _inherited(raw):
+def _inherited(raw: Mapping[str, Any]) -> Dict[str, str]:
     """Return {name: value} of the parameters that a namespace further up may hold: a footprint or radius, a profile.
 
     Costmaps look for their footprint in the same way.
@@ -76,7 +90,7 @@ def _inherited(raw):
     return {name: rospy.get_param(path) for name, path in found.items() if path}
 
 
-def _report(settings, where):
+def _report(settings: Any, where: str) -> None:
     limits = settings.limits
     rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start (%g, %g, %g) in %s, backend %s',
                   where, limits.max_speed, settings.speed_source,
@@ -90,6 +104,6 @@ def _report(settings, where):
         rospy.logwarn(warning)
 
 
-def _say_goodbye(server):
+def _say_goodbye(server: MoveBaseServer) -> None:
     server.shut_down()
     time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

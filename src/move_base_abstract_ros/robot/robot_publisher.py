@@ -1,4 +1,8 @@
 """The topics of one robot besides its actions: its pose, its current goal, and that its wheels stop."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+
 import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
@@ -12,17 +16,32 @@ from ..messages.outlets import Outlet
 from ..messages.packing import ZERO_TWIST, InFrame
 from ..transforms import tf_hub
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.rates import Rate
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.engine.event_queue import Series
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.motion.robot import Robot
+
+    from ..backends.builtin import BuiltinBackend
+    from ..backends.gazebo import GazeboBackend
+    from ..backends.stage import StageBackend
+    from ..maps.costmap_topics import CostmapTopics
+    from .names import RobotNames
+
 _DEAF_SECONDS = 0.1  # wall; the pause of the odometry of a robot that stands, if no node hears it
 
 
 class RobotPublisher:
     """Publishes a robot's poses (by its backend), costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
-    def __init__(self, names, settings, host, robot, backend, costmaps, stream):
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot: Robot,
+                 backend: Union[BuiltinBackend, GazeboBackend, StageBackend], costmaps: CostmapTopics,
+                 stream: Stream) -> None:
         simulation = host.clock.simulation
         self._clock = host.clock
         self._robot = robot
-        self._backend = backend
+        self._backend: Any = backend
         self._costmaps = costmaps
         self._global_frame = settings.values['global_frame']
         self._in_global_frame = InFrame(self._global_frame)
@@ -44,7 +63,7 @@ class RobotPublisher:
                                    Lapse: self._lapsed})
         self._stand(simulation.now_ns)
 
-    def _series_at_rest(self, settings, host):
+    def _series_at_rest(self, settings: RobotSettings, host: Any) -> Optional[Series]:
         """Return the Series that publishes the odometry of a robot that stands, or None."""
         frequency = settings.values['odom_rate_at_rest']
         if frequency is None:
@@ -54,12 +73,12 @@ class RobotPublisher:
         return host.clock.simulation.series(self._robot.index, frequency, self._still_stands, is_output=True,
                                             is_heard=host.timing.when_heard(self._is_odometry_heard))
 
-    def _tell_rates(self, pose_frequency, tf_frequency):
+    def _tell_rates(self, pose_frequency: float, tf_frequency: float) -> List[Rate]:
         # While the robot drives, its poses go to tf, too.
         return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
                 self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
-    def _departed(self, event):
+    def _departed(self, event: Departed) -> None:
         if self._rest is not None:
             self._rest.stop()
         self._place(event.time_ns)
@@ -70,17 +89,17 @@ class RobotPublisher:
             if not self._beats:
                 self._clock.hearers.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
 
-    def _stands(self, event):
+    def _stands(self, event: Stands) -> None:
         self._stand(event.time_ns)
 
-    def _stand(self, now_ns):
+    def _stand(self, now_ns: int) -> None:
         if self._updates is not None:
             self._updates.stop()
         self._place(now_ns)
         if self._rest is not None:
             self._rest.start(now_ns + self._rest.period_ns)
 
-    def _place(self, now_ns, is_event=True):
+    def _place(self, now_ns: int, is_event: bool = True) -> None:
         """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
         if self._robot.reported.is_mute:
             return
@@ -89,32 +108,32 @@ class RobotPublisher:
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
             self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
 
-    def restart(self):
+    def restart(self) -> None:
         """Allow stamps that are earlier than those before, because time has started anew."""
         self._backend.restart()
 
-    def _lapsed(self, event):
+    def _lapsed(self, event: Any) -> None:
         self._backend.shift = self._robot.reported.shift
         self._place(event.time_ns)
 
-    def _aimed(self, event):
+    def _aimed(self, event: Aimed) -> None:
         self._current_goal.send(lambda seq: self._in_global_frame.goal(seq, event.goal, event.height, event.quaternion,
                                                                        event.time_ns))
 
-    def show(self, now_ns):
+    def show(self, now_ns: int) -> None:
         """Publish the robot's pose at ``now_ns`` [ns] once more."""
         self._place(now_ns)
 
-    def _wheels_stopped(self, _event):
+    def _wheels_stopped(self, _event: WheelsStopped) -> None:
         self._cmd_vel.send(_stand_still)
 
-    def _recovers(self, event):
+    def _recovers(self, event: Recovery) -> None:
         self._recovery.publish(RecoveryStatus(
             pose_stamped=conversions.to_pose_stamped(event.pose, self._global_frame, event.time_ns),
             current_recovery_number=event.index, total_number_of_recoveries=len(event.behaviors),
             recovery_behavior_name=event.behaviors[event.index].name))
 
-    def close(self):
+    def close(self) -> None:
         """Publish nothing any more."""
         self._heartbeat.remove(self._beat)
         for told in self._told:
@@ -127,33 +146,33 @@ class RobotPublisher:
         for publisher in (self._current_goal, self._cmd_vel, self._recovery):
             publisher.unregister()
 
-    def _pose_hearers(self):
+    def _pose_hearers(self) -> List[Tuple[str, str]]:
         # Not every backend has this method. It is called only in lockstep, where the backend is a builtin one.
         return self._backend.hearers() + self._costmaps.hearers()
 
-    def _odometry_hearers(self):
+    def _odometry_hearers(self) -> List[Tuple[str, str]]:
         return self._backend.odometry_hearers()  # as above
 
-    def _is_odometry_heard(self):
+    def _is_odometry_heard(self) -> int:
         return self._backend.is_odometry_heard()
 
-    def _is_heard(self):
+    def _is_heard(self) -> int:
         heard = tf_hub.is_heard()
         return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard(), self._costmaps.is_heard())
 
-    def _update(self, due_ns, _now_ns):
+    def _update(self, due_ns: int, _now_ns: int) -> int:
         if self._pose_throttle.ready():
             self._place(due_ns, is_event=False)
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
-    def _still_stands(self, due_ns, _now_ns):
+    def _still_stands(self, due_ns: int, _now_ns: int) -> int:
         if not self._robot.reported.is_mute and self._pose_throttle.ready():
             with lockstep.sender(self._robot.index):
                 self._backend.rests(self._robot.pose_at(due_ns), due_ns)
         pause = self._pose_throttle.remaining()
         return self._clock.wall_to_ns(pause if self._backend.is_odometry_heard() else max(pause, _DEAF_SECONDS))
 
-    def _beat(self, now_ns):
+    def _beat(self, now_ns: int) -> None:
         """Publish the latest pose in tf, so that a look-up of the present need not wait for the next pose."""
         reported = self._robot.reported
         if not (self._updates_beat and self._robot.leg is not None) and not reported.is_mute:
@@ -162,5 +181,5 @@ class RobotPublisher:
                 self._costmaps.moved(reported.pose_at(now_ns), now_ns, is_event=False)
 
 
-def _stand_still(_seq):
+def _stand_still(_seq: int) -> bytes:
     return ZERO_TWIST

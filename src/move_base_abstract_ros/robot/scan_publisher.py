@@ -1,4 +1,8 @@
 """A robot's laser scans, which are computed if any node hears them, and the pose of the laser in tf."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from sensor_msgs.msg import LaserScan
 
 from move_base_abstract.common.units import NS_PER_S
@@ -10,6 +14,13 @@ from ..messages.outlets import Outlet
 from ..messages.packing import InFrame
 from ..transforms import tf_hub
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.motion.robot import Robot
+
+    from ..maps.robot_map import RobotMap
+    from .names import RobotNames
+
 
 class ScanPublisher:
     """Publishes scans at multiples of their period, and the pose of the laser in tf at the same instants.
@@ -17,7 +28,8 @@ class ScanPublisher:
     Whether any node hears the scans changes nothing in tf, nor in any other topic.
     """
 
-    def __init__(self, names, settings, host, robot, backend, robot_map):
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot: Robot, backend: Any,
+                 robot_map: RobotMap) -> None:
         values = settings.values
         self._robot = robot
         self._backend = backend
@@ -36,23 +48,23 @@ class ScanPublisher:
         self._told = host.rates.add('scans', lambda: settings.laser.rate, self._outlet.hearers)
         self.restart(host.clock.simulation.now_ns)
 
-    def restart(self, now_ns):
+    def restart(self, now_ns: int) -> None:
         """Start to scan at ``now_ns`` [ns], at whole multiples of the period."""
         period_ns = self._series.period_ns
         self._series.start(-(-now_ns // period_ns) * period_ns)
 
-    def close(self):
+    def close(self) -> None:
         """Stop scanning, and unregister the topic."""
         self._series.stop()
         self._rates.remove(self._told)
         tf_hub.forget(self._frame)
         self._outlet.unregister()
 
-    def _is_heard(self):
+    def _is_heard(self) -> int:
         heard = tf_hub.is_heard()
         return heard if heard == PARTICIPANTS else max(heard, self._outlet.is_heard())
 
-    def _tell(self, due_ns, _now_ns):
+    def _tell(self, due_ns: int, _now_ns: int) -> int:
         if self._throttle.ready():
             with lockstep.sender(self._robot.index):
                 if not self._robot.reported.is_mute:
@@ -62,7 +74,7 @@ class ScanPublisher:
                 self._outlet.send(lambda seq: self._pack(seq, due_ns))
         return self._clock.wall_to_ns(self._throttle.remaining())
 
-    def _pack(self, seq, stamp_ns):
+    def _pack(self, seq: int, stamp_ns: int) -> bytes:
         occupancy = None if self._map.check is None else self._map.check.occupancy
         scan = self._surroundings.scan(self._robot, self._laser, occupancy, stamp_ns)
         return self._in_laser.laser_scan(seq, scan, self._series.period_ns / NS_PER_S)

@@ -2,6 +2,10 @@
 
 With the parameter ``compatible_with`` also ``robot_pose``: the original package believes it, whichever node sends it.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Union
+
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import Header
@@ -14,11 +18,21 @@ from move_base_abstract.srv import SetPose, SetPoseResponse
 from ..backends import STAGE
 from ..messages import conversions
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.goals.navigator import Navigator
+    from move_base_abstract.motion.frames import RobotFrames
+
+    from ..clocks.lockstep_clock import LockstepClock
+    from ..clocks.ros_clock import RosClock
+    from .names import RobotNames
+
 
 class Teleport:
     """Listens for poses and passes them to ``navigator``. A pose that cannot be used moves nothing, and is reported."""
 
-    def __init__(self, names, settings, clock, navigator, frames, prefetch):
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock],
+                 navigator: Navigator, frames: RobotFrames, prefetch: Callable[..., Any]) -> None:
         self._names = names
         self._clock = clock
         self._navigator = navigator
@@ -40,13 +54,13 @@ class Teleport:
                 self._on_robot_pose, queue_size=1))
         self._service = rospy.Service(names.topic('set_robot_pose'), SetPose, self._serve)
 
-    def close(self):
+    def close(self) -> None:
         """Unregister the topics and the service."""
         for subscriber in self._subscribers:
             subscriber.unregister()
         self._service.shutdown('the robot is removed')
 
-    def _on_robot_pose(self, message):
+    def _on_robot_pose(self, message: Any) -> None:
         """Believe a pose from another node, if the robot stands. A robot that drives goes on as it was.
 
         In the original, too, such a robot soon publishes its own pose again.
@@ -54,16 +68,16 @@ class Teleport:
         if message._connection_header['callerid'] != rospy.get_name() and self._navigator.robot.leg is None:
             self._on_pose('robot_pose', getattr(message, 'header', Header()), getattr(message, 'pose', message))
 
-    def _on_pose(self, topic, header, pose, origin=Pose2D()):
+    def _on_pose(self, topic: str, header: Any, pose: Any, origin: Pose2D = Pose2D()) -> None:
         text = self.place(header, pose, origin)
         if text:
             rospy.logwarn('%s: %s is refused, the robot stays where it is: %s', self._names.robot, topic, text)
 
-    def _serve(self, request):
+    def _serve(self, request: Any) -> Any:
         text = self.place(request.pose.header, request.pose.pose)
         return SetPoseResponse(success=not text, message=text or 'The robot is there.')
 
-    def place(self, header, message, origin=Pose2D()):
+    def place(self, header: Any, message: Any, origin: Pose2D = Pose2D()) -> str:
         """Move the robot to a pose; return '' or the reason why it cannot be used.
 
         ``message`` (Pose) is seen from ``origin`` (Pose2D), which lies in the frame of ``header``.

@@ -1,6 +1,9 @@
 """The action PlaceTask of one robot: it passes messages to the core's PlaceTaskRunner, and publishes the answers."""
+from __future__ import annotations
+
 import struct
 import time
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 from geometry_msgs.msg import Pose
 
@@ -17,6 +20,14 @@ from move_base_abstract.tasks.place_tasks import PlaceTaskRunner
 from ..messages import conversions
 from .action_shell import ActionShell, ActionTypes
 
+if TYPE_CHECKING:
+    from move_base_abstract.engine.stream import Stream
+    from move_base_abstract.goals.ledger import GoalRecord
+    from move_base_abstract.goals.outcome import Outcome
+    from move_base_abstract.motion.robot import Robot
+    from move_base_abstract.tasks.room import Rooms
+
+
 #: name of the action below a robot's namespace
 ACTION = 'work'
 _NO_TASK = Task('', 0, '', Pose2D())
@@ -31,8 +42,9 @@ class WorkServer:
     ``has_failed()``: whether the robot cannot work now, as for PlaceTaskRunner.
     """
 
-    def __init__(self, ns, robot_name, robot_index, host, rooms, settings, stream, robot=None,
-                 has_failed=lambda: False):
+    def __init__(self, ns: str, robot_name: str, robot_index: int, host: Any, rooms: Rooms,
+                 settings: Any, stream: Stream, robot: Optional[Robot] = None,
+                 has_failed: Callable[..., Any] = lambda: False) -> None:
         """``settings``: seed, frame (of poses), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
         self._clock = host.clock
         self._frame = settings['frame']
@@ -50,30 +62,30 @@ class WorkServer:
         self._shell.listen(self._on_goal, self._on_cancel)
         self._clock.follow_restarts(self.tasks.restart)
 
-    def shut_down(self, outcome):
+    def shut_down(self, outcome: Outcome) -> None:
         """End the task that is under way with an Outcome, and send its answer."""
         with self._clock.lock:
             self.tasks.shut_down(outcome, self._clock.now_ns())
         self._shell.flush()
 
-    def close(self, outcome):
+    def close(self, outcome: Outcome) -> None:
         """Take no more tasks, end the one that is under way, and unregister all topics."""
         self.shut_down(outcome)
         with self._clock.lock:
             self._shell.close()
             self._clock.leave_restarts(self.tasks.restart)
 
-    def _waits(self, event):
+    def _waits(self, event: TaskWaits) -> None:
         if self._shell.has_feedback_listeners():
             self._shell.publish_feedback(self.tasks.ledger.active, pack_feedback(True, 0, 0.0), event.time_ns)
 
-    def progress(self, record, elapsed_ns, duration_ns, now_ns):
+    def progress(self, record: GoalRecord, elapsed_ns: int, duration_ns: int, now_ns: int) -> None:
         """Publish how much is done, as often as the cap in wall time allows, and at the end; see TaskClient."""
         is_last = elapsed_ns == duration_ns
         if self._shell.has_feedback_listeners() and (self._throttle.ready() or is_last):
             self._shell.publish_feedback(record, pack_feedback(False, elapsed_ns, elapsed_ns / duration_ns), now_ns)
 
-    def _on_goal(self, message):
+    def _on_goal(self, message: Any) -> None:
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self._shell.arrived(message.goal_id.id, time.monotonic())
@@ -84,7 +96,7 @@ class WorkServer:
                 task, fault = _NO_TASK, fault_text(error)
             self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
 
-    def _task_of(self, message, now_ns):
+    def _task_of(self, message: Any, now_ns: int) -> Any:
         """Return (Task of a message, what is wrong with it or None)."""
         frame = message.header.frame_id.lstrip('/')
         fault, pose = None, Pose2D()
@@ -102,24 +114,24 @@ class WorkServer:
         return Task(message.id, 0, message.place, pose, message.duration.to_nsec(), message.power, message.energy,
                     message.priority), fault
 
-    def _on_cancel(self, message):
+    def _on_cancel(self, message: Any) -> None:
         with self._clock.lock:
             self.tasks.cancel(message.id, message.stamp.to_nsec(), self._clock.now_ns())
 
-    def _ended(self, event):
+    def _ended(self, event: TaskEnded) -> None:
         now_ns, tasks = event.time_ns, self.tasks
         is_new = event.state is GoalState.RECALLED
         waited_ns, worked_ns = (0, 0) if is_new else (tasks.waited_ns(now_ns), tasks.elapsed_ns(now_ns))
         self._shell.publish_result(event, pack_result(waited_ns, worked_ns), now_ns)
 
 
-def pack_result(waited_ns, worked_ns):
+def pack_result(waited_ns: int, worked_ns: int) -> bytes:
     """Return the bytes of a PlaceTaskResult: how long the task waited, and how long it was worked on [ns]."""
     return struct.pack('<iiii', waited_ns // NS_PER_S, waited_ns % NS_PER_S, worked_ns // NS_PER_S,
                        worked_ns % NS_PER_S)
 
 
-def pack_feedback(is_waiting, elapsed_ns, progress):
+def pack_feedback(is_waiting: bool, elapsed_ns: int, progress: float) -> bytes:
     """Return the bytes of a PlaceTaskFeedback.
 
     ``is_waiting``: whether the task waits; ``elapsed_ns``: the time worked on it so far [ns]; ``progress``: the share

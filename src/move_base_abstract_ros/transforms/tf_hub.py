@@ -3,8 +3,11 @@
 Without heartbeats no later message says where a robot stands. A late listener can still learn it: on request, each new
 listener gets the latest transforms of all frames, as if /tf were latched.
 """
+from __future__ import annotations
+
 import threading
 from contextlib import contextmanager
+from typing import Any, Callable, Iterator, List, Sequence, Tuple
 
 from tf2_msgs.msg import TFMessage
 
@@ -18,21 +21,21 @@ from ..messages.outlets import Outlet, Packed
 class _TfOutlet(Outlet):
     """The publisher of /tf; ``greet(peer_publish)`` is called for each new listener."""
 
-    def __init__(self, greet):
-        self.greet = greet
+    def __init__(self, greet: Callable[..., Any]) -> None:
+        self.greet = greet  # type: ignore[method-assign]
         super().__init__('/tf', TFMessage, queue_size=100)
 
 
 class _Hub:
     """Publishes transforms, at once or collected."""
 
-    def __init__(self):
-        self._latest = None
+    def __init__(self) -> None:
+        self._latest: Any = None
         self._lock = threading.RLock()
-        self._outlet = None
-        self._collected = None
+        self._outlet: Any = None
+        self._collected: Any = None
 
-    def send(self, key, make):
+    def send(self, key: str, make: Callable[..., Any]) -> None:
         with self._lock:
             if self._latest is not None:
                 rollback.changes_entry(self._latest, key)
@@ -42,29 +45,29 @@ class _Hub:
             else:
                 self._collected.append(make)
 
-    def tell_newcomers(self):
+    def tell_newcomers(self) -> None:
         with self._lock:
             if self._latest is None:
                 self._latest = {}
 
-    def forget(self, key):
+    def forget(self, key: str) -> None:
         with self._lock:
             if self._latest is not None:
                 self._latest.pop(key, None)
 
-    def is_heard(self):
+    def is_heard(self) -> int:
         return NOBODY if self._outlet is None else self._outlet.is_heard()
 
-    def hearers(self):
+    def hearers(self) -> List[Tuple[str, str]]:
         return [] if self._outlet is None else self._outlet.hearers()
 
-    def _greet(self, peer_publish):
+    def _greet(self, peer_publish: Callable[..., Any]) -> None:
         with self._lock:
             if self._latest:
                 peer_publish(Packed(_packer(list(self._latest.values()))))
 
     @contextmanager
-    def batch(self):
+    def batch(self) -> Iterator[None]:
         with self._lock:
             self._collected = []
             try:
@@ -74,7 +77,7 @@ class _Hub:
                 if collected:
                     self._publish(collected)
 
-    def _publish(self, makes):
+    def _publish(self, makes: Sequence[Callable[..., Any]]) -> None:
         if self._outlet is None:
             self._outlet = _TfOutlet(self._greet)
         self._outlet.send(_packer(makes))
@@ -83,11 +86,11 @@ class _Hub:
 _HUB = _Hub()
 
 
-def _packer(makes):
+def _packer(makes: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
     return lambda _seq: packing.transforms([transform for make in makes for transform in make()])
 
 
-def send(key, make):
+def send(key: str, make: Callable[..., Any]) -> None:
     """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :func:`batch`.
 
     ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
@@ -95,26 +98,26 @@ def send(key, make):
     _HUB.send(key, make)
 
 
-def is_heard():
+def is_heard() -> int:
     """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf."""
     return _HUB.is_heard()
 
 
-def hearers():
+def hearers() -> List[Tuple[str, str]]:
     """Return ('/tf', name) of each node that hears /tf."""
     return _HUB.hearers()
 
 
-def tell_newcomers():
+def tell_newcomers() -> None:
     """Send each new listener the latest transforms of all frames, from now on."""
     _HUB.tell_newcomers()
 
 
-def forget(key):
+def forget(key: str) -> None:
     """Stop sending the transforms of ``key`` to new listeners."""
     _HUB.forget(key)
 
 
-def batch():
+def batch() -> Any:
     """Return a context that collects all transforms sent meanwhile, and publishes them as one message."""
     return _HUB.batch()

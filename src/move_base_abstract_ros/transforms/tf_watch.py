@@ -5,8 +5,11 @@ and tf does not say so. A permanent listener of /tf would take time for each mes
 only to new publishers of tf, each for a short while. It looks for them at the start, soon after it, and then once a
 minute.
 """
+from __future__ import annotations
+
 import itertools
 import threading
+from typing import AbstractSet, Any, Dict, Sequence, Set
 
 import rosgraph
 import rospy
@@ -22,15 +25,15 @@ _FIRST_PAUSES, _PAUSE = (1.0, 5.0, 20.0), 60.0  # s, wall
 class _Watch:
     """The watch of one process. Its thread starts with the first claim."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._claims = {}
-        self._known = set()
-        self._warned = set()
+        self._claims: Dict[Any, Any] = {}
+        self._known: Set[Any] = set()
+        self._warned: Set[Any] = set()
         self._end = threading.Event()
-        self._thread = None
+        self._thread: Any = None
 
-    def claim(self, robot, frames):
+    def claim(self, robot: str, frames: Sequence[str]) -> None:
         with self._lock:
             self._claims.update(dict.fromkeys(frames, robot))
             if self._thread is None:
@@ -38,12 +41,12 @@ class _Watch:
                 rospy.on_shutdown(self._end.set)
                 self._thread.start()
 
-    def release(self, frames):
+    def release(self, frames: Sequence[str]) -> None:
         with self._lock:
             for frame in frames:
                 self._claims.pop(frame, None)
 
-    def _run(self):
+    def _run(self) -> None:
         for pause in itertools.chain(_FIRST_PAUSES, itertools.repeat(_PAUSE)):
             if self._end.wait(pause):
                 return
@@ -52,7 +55,7 @@ class _Watch:
                 self._known |= new
                 self._listen(new)
 
-    def _listen(self, nodes):
+    def _listen(self, nodes: AbstractSet[str]) -> None:
         with bulk_registration.at_once:
             subscribers = [rospy.Subscriber(topic, TFMessage, self._on_message, nodes) for topic in TOPICS]
         self._end.wait(_LISTENING_SECONDS)
@@ -60,7 +63,7 @@ class _Watch:
             for subscriber in subscribers:
                 subscriber.unregister()
 
-    def _on_message(self, message, nodes):
+    def _on_message(self, message: Any, nodes: AbstractSet[str]) -> None:
         node = message._connection_header['callerid']
         if node not in nodes:
             return
@@ -76,7 +79,7 @@ class _Watch:
                               robot, node, frame, transform.header.frame_id)
 
 
-def _publishers():
+def _publishers() -> Set[str]:
     """Return the names of the other nodes that publish tf; an empty set if the ROS master does not answer."""
     try:
         published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
@@ -88,11 +91,11 @@ def _publishers():
 _WATCH = _Watch()
 
 
-def claim(robot, frames):
+def claim(robot: str, frames: Sequence[str]) -> None:
     """Warn from now on if another node publishes one of ``frames``, the frames of ``robot`` in tf."""
     _WATCH.claim(robot, frames)
 
 
-def release(frames):
+def release(frames: Sequence[str]) -> None:
     """Stop watching ``frames``."""
     _WATCH.release(frames)

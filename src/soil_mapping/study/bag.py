@@ -70,7 +70,7 @@ class BagRecorder:
     def _links(master: Any, node: Any) -> Any:
         """Return the topics that a node sends to the recorder."""
         try:
-            rows: Any = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo('/study')[2]  # type: ignore[index]
+            rows: Any = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo('/study')[2]
         except (rosgraph.MasterError, OSError):
             return set()
         return {row[4] for row in rows if row[1] == NODE and row[2] == 'o'}

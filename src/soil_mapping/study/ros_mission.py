@@ -37,4 +37,4 @@ def carry_out(spec: Any, node: Any, names: Any, topics: Any, ros: Any, stopwatch
 def leave() -> None:
     """Leave the run, if this process takes part."""
     if lockstep.participant() is not None:
-        lockstep.participant().leave('the mission is over')
+        lockstep.participant().leave('the mission is over')  # type: ignore[union-attr]

@@ -5,9 +5,12 @@ dynamic_reconfigure wait by the clock). Two kinds of code see the machine itself
 other processes, sockets and logs, and the code that makes rospy's own connections. The run is labelled only for what
 the program's own code does, by itself or by a library.
 """
+from __future__ import annotations
+
 import os
 import sysconfig
 from functools import lru_cache
+from typing import Any, Tuple
 
 from .own_code import OWN, is_library
 
@@ -31,7 +34,7 @@ _OF_SYSTEM = ('ctypes/util.py', 'platform.py', 'uuid.py')
 
 
 @lru_cache(maxsize=None)
-def _place(filename):
+def _place(filename: str) -> Tuple[str, bool]:
     """Return (first part of a file's module name, whether it is in Python's library); ('', True) for this package."""
     if filename.startswith(_FROZEN):
         return filename[len(_FROZEN):].rstrip('>').partition('.')[0], True
@@ -43,7 +46,7 @@ def _place(filename):
 
 
 @lru_cache(maxsize=None)
-def _is_machines(filename):
+def _is_machines(filename: str) -> bool:
     name, is_stdlib = _place(filename)
     if filename.endswith(_PROGRAMS):
         return False
@@ -51,37 +54,37 @@ def _is_machines(filename):
 
 
 @lru_cache(maxsize=None)
-def _is_between(filename):
+def _is_between(filename: str) -> bool:
     name, is_stdlib = _place(filename)
     return is_stdlib and name in _BETWEEN
 
 
-def asker(frame):
+def asker(frame: Any) -> Any:
     """Return the frame that asks, above those of modules that only pass requests on."""
     while frame is not None and _is_between(frame.f_code.co_filename):
         frame = frame.f_back
     return frame
 
 
-def sees_run(frame):
+def sees_run(frame: Any) -> bool:
     """Return whether the code of a frame sees the run's clocks and chance, not the machine's."""
     return frame is not None and not _is_machines(frame.f_code.co_filename)
 
 
-def is_own(frame):
+def is_own(frame: Any) -> bool:
     """Return whether a frame belongs to the program's own code."""
     return frame is not None and not is_library(frame.f_code.co_filename)
 
 
 @lru_cache(maxsize=None)
-def _ends_search(filename):
+def _ends_search(filename: str) -> bool:
     name, is_stdlib = _place(filename)
     if is_stdlib:
         return name in ('', 'importlib') or filename.endswith(_OF_SYSTEM)
     return name in _ROS or name in _ROS_TOOLS
 
 
-def own_frame(frame):
+def own_frame(frame: Any) -> Any:
     """Return the frame of the program's own code that calls, directly or by libraries, what ``frame`` does; or None.
 
     None means that ROS, this package, or the import of a library does it.

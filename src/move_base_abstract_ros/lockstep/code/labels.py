@@ -2,38 +2,44 @@
 
 Places that are noticed before the program takes part are reported when it does.
 """
+from __future__ import annotations
+
 import threading
+from typing import TYPE_CHECKING, Any, Dict, Tuple
 
 import rospy
+
+if TYPE_CHECKING:
+    pass
 
 
 class NoticedPlaces:
     """The participant of this process, and the places that have been noticed."""
 
-    def __init__(self):
-        self.participant = None
-        self._places = {}
-        self._lock = threading._allocate_lock()  # an ordinary lock, not one that gives the turn away
+    def __init__(self) -> None:
+        self.participant: Any = None
+        self._places: Dict[Any, Any] = {}
+        self._lock = threading._allocate_lock()  # type: ignore[attr-defined]  # an ordinary lock, not one that gives the turn away
 
-    def follow(self, participant):
+    def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         self.participant = participant
         for place in list(self._places):
             self._say(place)
 
-    def is_ordered(self):
+    def is_ordered(self) -> bool:
         """Return whether the actions of the calling thread have the same order in each run."""
         participant = self.participant
         if participant is None:
             return threading.current_thread() is threading.main_thread()
         return participant.scheduler.is_mine()
 
-    def is_over(self):
+    def is_over(self) -> bool:
         """Return whether the run is over, or about to be, so that nothing decides its result any more."""
         participant = self.participant
         return participant is not None and (participant.scheduler.is_closed or rospy.core.is_shutdown_requested())
 
-    def tell(self, frame, what, why):
+    def tell(self, frame: Any, what: str, why: str) -> None:
         """Report once that the code of ``frame`` does ``what``; ``why`` says why that is not repeatable.
 
         If ``frame`` is None, do nothing.
@@ -41,7 +47,7 @@ class NoticedPlaces:
         if frame is not None:
             self.tell_place((frame.f_code.co_filename, frame.f_lineno), what, why)
 
-    def tell_place(self, place, what, why):
+    def tell_place(self, place: Any, what: str, why: str) -> None:
         """Report once that ``what`` is done at ``place`` (file, line). If ``place`` is None, do nothing."""
         if place is None or self.is_over():
             return
@@ -53,7 +59,7 @@ class NoticedPlaces:
         if self.participant is not None:
             self._say(place)
 
-    def _say(self, place):
+    def _say(self, place: Tuple[str, str, int, str]) -> None:
         participant = self.participant
         if participant is not None:
             text = '{} in {}, line {}: {}'.format(*place)

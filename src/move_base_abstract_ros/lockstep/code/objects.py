@@ -3,19 +3,25 @@
 If the program goes through a set of objects for which that is not possible, a warning names file and line, and the run
 is labelled. :mod:`own_code` compiles the calls of this module into the program's classes and loops.
 """
+from __future__ import annotations
+
 import builtins
 import sys
 import weakref
+from typing import TYPE_CHECKING, AbstractSet, Any, List, Set, Tuple
 
 import rospy
 
 from move_base_abstract.lockstep.object_order import BASES, ORDER
 from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
 
+if TYPE_CHECKING:
+    pass
+
 _SHOWN = 3  # number of classes that a warning names
 
 
-def install():
+def install() -> Order:
     """Make the program's classes and loops call this module, before its first line runs. Return the Order."""
     order = Order()
     setattr(builtins, BASES, bases_of)
@@ -26,18 +32,18 @@ def install():
 class Order:
     """Checks the sets through which the program goes."""
 
-    def __init__(self):
-        self._participant = None
-        self._told = set()
-        self._early = []
+    def __init__(self) -> None:
+        self._participant: Any = None
+        self._told: Set[Any] = set()
+        self._early: List[Any] = []
 
-    def follow(self, participant):
+    def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on."""
         self._participant = participant
         for text in self._early:
             self._tell(text)
 
-    def see(self, value):
+    def see(self, value: Any) -> Any:
         """Return ``value``, through which the program goes. If its order is by addresses, warn once for each place."""
         kind = type(value)
         is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
@@ -48,7 +54,7 @@ class Order:
                 self._look(value, place)
         return value
 
-    def _look(self, value, place):
+    def _look(self, value: AbstractSet[Any], place: Tuple[str, int]) -> None:
         kinds = sorted({'{0.__module__}.{0.__qualname__}'.format(type(one)) for one in value
                         if is_hashed_by_address(one)})
         if not kinds:
@@ -63,6 +69,6 @@ class Order:
         else:
             self._tell(text)
 
-    def _tell(self, text):
+    def _tell(self, text: str) -> None:
         rospy.logwarn('%s: %s', rospy.get_name(), text)
         self._participant.label(text)

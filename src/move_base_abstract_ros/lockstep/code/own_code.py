@@ -7,6 +7,8 @@ dist-packages), and is not part of a distribution that is installed elsewhere. F
 catkin workspace are its own, too, except ROS's distribution and generated modules. The code that is compiled here is
 not kept: Python's own files of compiled modules stay as they are.
 """
+from __future__ import annotations
+
 import ast
 import os
 import re
@@ -14,6 +16,7 @@ import sys
 import sysconfig
 from functools import lru_cache
 from importlib import machinery
+from typing import Any, Dict
 
 import rospy
 
@@ -36,7 +39,7 @@ _RELAY = b'exec(compile(fh.read(), python_script'
 
 
 @lru_cache(maxsize=None)
-def is_library(filename):
+def is_library(filename: str) -> bool:
     """Return whether a file is not the program's own."""
     packages = _PACKAGES.search(filename)
     if filename.startswith(_LIBRARIES + OWN):
@@ -46,7 +49,7 @@ def is_library(filename):
     return is_installed(filename)
 
 
-def _is_of_workspace(filename, folder):
+def _is_of_workspace(filename: str, folder: str) -> bool:
     """Return whether a file in a folder of packages is a user's: installed by catkin, and not generated."""
     prefixes = os.environ.get('CMAKE_PREFIX_PATH', '').split(os.pathsep)
     return not _GENERATED.search(filename[len(folder):]) and not os.path.isdir(os.path.join(folder, 'rospy')) and any(
@@ -54,13 +57,13 @@ def _is_of_workspace(filename, folder):
         for prefix in prefixes)
 
 
-def install():
+def install() -> None:
     """Compile the program's own modules with the added calls, from now on."""
     sys.path_hooks.insert(0, _finder)
     sys.path_importer_cache.clear()
 
 
-def _finder(path):
+def _finder(path: str) -> Any:
     if not os.path.isdir(path or '.') or is_library(os.path.abspath(path) + '/'):
         raise ImportError('only folders of the program', path=path)
     return machinery.FileFinder(path, (machinery.ExtensionFileLoader, machinery.EXTENSION_SUFFIXES),
@@ -71,7 +74,7 @@ def _finder(path):
 class SourceFileLoader(machinery.SourceFileLoader):
     """Loads modules of the program from their source. It has the name of Python's own loader, which it replaces."""
 
-    def get_code(self, fullname):
+    def get_code(self, fullname: str) -> Any:
         """Return the compiled code of a module."""
         path = self.get_filename(fullname)
         if is_library(path):
@@ -79,12 +82,12 @@ class SourceFileLoader(machinery.SourceFileLoader):
         return compile_own(self.get_data(path), path)
 
 
-def compile_own(source, path):
+def compile_own(source: bytes, path: str) -> Any:
     """Return the code of a file of the program, compiled with the added calls.
 
     :raises SyntaxError: as compile does.
     """
-    tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
+    tree: Any = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
     try:
         tree, looking = instrument(tree)
         code = compile(hand_over_called(ask(follow_order(tree))), path, 'exec', dont_inherit=True)
@@ -95,12 +98,12 @@ def compile_own(source, path):
         return compile(source, path, 'exec', dont_inherit=True)
 
 
-def names_of_script(source):
+def names_of_script(source: bytes) -> Dict[Any, Any]:
     """Return {name: value} to be added to a script's names: ``compile``, if it is catkin's relay to the real script."""
     return {'compile': lambda text, path, mode: compile_own(text, path)} if _RELAY in source else {}
 
 
-def name_of_node(path):
+def name_of_node(path: str) -> str:
     """Return the name that a script gives to its node, or ''.
 
     It is '' unless the script has exactly one call of init_node, with a text as name, and not anonymous.

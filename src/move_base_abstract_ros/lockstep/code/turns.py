@@ -6,9 +6,12 @@ exactly as in a loop that looks at rospy. A loop that calls something unknown ma
 iterations in a row it is taken for one that waits, with a warning and a label. The same holds, after
 :data:`LONG_PATIENCE`, for a loop that computes, but nothing that would end it.
 """
+from __future__ import annotations
+
 import builtins
 import sys
 import types
+from typing import TYPE_CHECKING, Any, Callable, Dict, Set
 
 import rospy
 
@@ -16,16 +19,19 @@ from move_base_abstract.lockstep.instrument import ACT, CALLED, CALLS, COMPUTES,
 from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
+if TYPE_CHECKING:
+    pass
+
 #: number of iterations in a row, without a wait and without sending anything, for a loop that may compute
 PATIENCE = 1000000
 #: the same for a loop that computes in each iteration, but nothing that would end it
 LONG_PATIENCE = 10000000
 #: {(file name, name, line): whether it can return without computing} of the program's functions that such loops may
 #: call; if it can, it says so before it does more than look
-LOOKING = {}
+LOOKING: Dict[Any, Any] = {}
 
 
-def install():
+def install() -> Turns:
     """Make the program's loops call this module, before its first line runs. Return the Turns."""
     turns = Turns()
     setattr(builtins, LOOK, turns.look)
@@ -37,16 +43,16 @@ def install():
 class Turns:
     """The functions that the program's loops call."""
 
-    def __init__(self):
-        self._participant = None
-        self._waiting = set()
+    def __init__(self) -> None:
+        self._participant: Any = None
+        self._waiting: Set[Any] = set()
         self._late = 0
 
-    def follow(self, participant):
+    def follow(self, participant: Any) -> None:
         """Follow the loops of ``participant`` from now on."""
         self._participant = participant
 
-    def look(self, kind, line):
+    def look(self, kind: int, line: int) -> None:
         """Count an iteration of a loop of this ``kind``, which begins in this ``line``; it may give the turn away.
 
         :raises TurnLost: if lockstep is over, and the loop waits for ever.
@@ -69,7 +75,7 @@ class Turns:
         if task.turns % LOOKS == 0 and self._waits(task.turns, patience, sys._getframe(1).f_code.co_filename, line):
             scheduler.look_away(STEP_NS)
 
-    def act(self, computes):
+    def act(self, computes: bool) -> None:
         """Note that such a loop is about to do more than look; ``computes`` says whether it computes."""
         participant = self._participant
         if participant is not None and participant.scheduler.is_mine():
@@ -78,7 +84,7 @@ class Turns:
             if computes:
                 task.turns = 0
 
-    def called(self, function, is_known):
+    def called(self, function: Callable[..., Any], is_known: bool) -> Callable[..., Any]:
         """Note that such a loop is about to call ``function``, and return it.
 
         is_known: whether functions with the name by which it is called only look, unless they are the program's own.
@@ -90,7 +96,7 @@ class Turns:
             self.act(False)
         return function
 
-    def _waits(self, turns, patience, filename, line):
+    def _waits(self, turns: int, patience: int, filename: str, line: int) -> bool:
         """Return whether the loop is taken for one that waits. The first time, warn and label the run."""
         place = filename, line
         if place not in self._waiting:
@@ -103,7 +109,7 @@ class Turns:
             self._participant.label(text)
         return True
 
-    def _end(self):
+    def _end(self) -> None:
         """End a loop that waits, since nothing will come when lockstep is over. One that looks at rospy ends itself."""
         self._late += 1
         if self._late % LOOKS == 0 and rospy.core.is_shutdown():

@@ -1,4 +1,6 @@
 """How a node finds the time master: its parameters say its mode, its address and the run's secret."""
+from __future__ import annotations
+
 import time
 
 import rospy
@@ -10,7 +12,7 @@ from move_base_abstract.lockstep.secret import run_secret
 from .connection import Connection
 
 
-def connect():
+def connect() -> Connection:
     """Return a :class:`Connection` to the time master, at the address in its parameter. Wait for it if necessary.
 
     :raises ConfigurationError: if the time master is not in lockstep any more.
@@ -36,12 +38,12 @@ def connect():
     raise rospy.ROSInterruptException('ROS shutdown request')
 
 
-def secret():
+def secret() -> bytes:
     """Return the secret of the run (bytes), from the time master's parameters."""
     return run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
                       rospy.get_param('/time_master/lockstep_secret_file', ''))
 
 
-def is_lockstep():
+def is_lockstep() -> bool:
     """Return whether the time master is, or will be, in lockstep (parameter ``/time_master/mode``)."""
     return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'

@@ -1,8 +1,11 @@
 """The connection to the time master, which sends and receives whole frames."""
+from __future__ import annotations
+
 import _thread
 import socket
 import struct
 import time
+from typing import Any, Tuple
 
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.own_cores import own_cores
@@ -19,7 +22,7 @@ class Closed(Exception):
 class Connection:
     """A blocking connection that keeps the order of frames. Any thread may send; one thread at a time may receive."""
 
-    def __init__(self, host, port, timeout):
+    def __init__(self, host: str, port: int, timeout: float) -> None:
         """Connect to the time master.
 
         :raises OSError: if there is no time master at that address within ``timeout`` [s, wall].
@@ -27,10 +30,10 @@ class Connection:
         own_cores.remember()
         self._socket = _connect_locally(host, port) or _connect(host, port, timeout)
         # Recursive, since a signal may make the main thread leave in the middle of sending.
-        self._send_lock = _thread.RLock()
+        self._send_lock = _thread.RLock()  # type: ignore[attr-defined]
         self._buffer = bytearray()
 
-    def send(self, data):
+    def send(self, data: bytes) -> None:
         """Send whole frames.
 
         :raises Closed: if the connection has ended.
@@ -41,7 +44,7 @@ class Connection:
         except OSError as error:
             raise Closed(str(error)) from None
 
-    def receive(self):
+    def receive(self) -> Tuple[int, bytes]:
         """Wait for a frame and return (type, body).
 
         :raises Closed: if the connection has ended.
@@ -67,7 +70,7 @@ class Connection:
                 return data[4], data[5:]  # exactly one whole frame, as nearly always
             buffer += data
 
-    def close(self, at_exit=False):
+    def close(self, at_exit: bool = False) -> None:
         """End the connection; a thread that waits in :meth:`receive` gets :class:`Closed`.
 
         With ``at_exit`` the time master notices the end when this process has ended, not before.
@@ -80,13 +83,13 @@ class Connection:
             self._socket.close()
             own_cores.restore()
 
-    def forget(self):
+    def forget(self) -> None:
         """Close the connection in this process only, a forked child, whose parent goes on using it."""
         self._socket.close()
         own_cores.restore()
 
 
-def _connect_locally(host, port):
+def _connect_locally(host: str, port: int) -> Any:
     """Return a Unix socket to the time master, or None if it is on another computer or does not run."""
     connected = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connected.settimeout(None)  # a wait may be longer than the 60 s that rospy sets for all sockets of the process
@@ -98,7 +101,7 @@ def _connect_locally(host, port):
         return None
 
 
-def _connect(host, port, timeout):
+def _connect(host: str, port: int, timeout: float) -> Any:
     deadline = time.monotonic() + timeout
     while True:
         try:

@@ -4,10 +4,17 @@ Feedback, poses and heartbeats of robots follow from their travel. Until somethi
 messages are known; they go into the report, instant by instant. With the next grant the time master says how many of
 these turns have happened; the others are taken back.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List, Sequence, Union
+
 from move_base_abstract.lockstep import wire
 
 from . import rollback
 from .links import sender
+
+if TYPE_CHECKING:
+    from ...clocks.lockstep_clock import LockstepClock
 
 _MOST_TURNS = 64  # in one report; turns that are taken back were computed in vain
 _FEWEST_TURNS = 4
@@ -20,12 +27,12 @@ class Foresight:
     ``tell(due_ns, series)``, which sends the messages of an instant.
     """
 
-    def __init__(self, source):
+    def __init__(self, source: LockstepClock) -> None:
         self._source = source
-        self._turns = []  # (instant [ns], functions that take it back)
+        self._turns: List[Any] = []  # (instant [ns], functions that take it back)
         self._most = _MOST_TURNS
 
-    def tell(self, before_ns, items):
+    def tell(self, before_ns: int, items: List[Union[bytes, Callable[..., Any]]]) -> int:
         """Append the turns before ``before_ns`` [ns] to the report's ``items``; return the instant after them [ns]."""
         instants, after_ns = self._source.foresee(before_ns, self._most)
         for due_ns, series in instants:
@@ -42,7 +49,7 @@ class Foresight:
             self._turns.append((due_ns, rollback.end()))
         return after_ns
 
-    def came_to_pass(self, count):
+    def came_to_pass(self, count: int) -> None:
         """Keep the first ``count`` turns, which have happened, and take back the others, which never will."""
         turns, self._turns = self._turns, []
         for _due_ns, undos in reversed(turns[count:]):
@@ -52,6 +59,6 @@ class Foresight:
         self._most = min(2 * self._most, _MOST_TURNS) if count == len(turns) else max(count + 1, _FEWEST_TURNS)
 
 
-def _take_back(undos):
+def _take_back(undos: Sequence[Callable[..., Any]]) -> None:
     for undo in reversed(undos):
         undo()

@@ -3,13 +3,21 @@
 rospy's own topic objects stay in use. A publisher has one connection for all participants that listen, which writes
 into the report. A subscriber has one connection for each participant that publishes.
 """
+from __future__ import annotations
+
 import threading
 from collections import deque
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence
 
 import rospy
 
 from move_base_abstract.lockstep import wire
+
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.wire import Delivery
+
+    from ..participation.taking_part import Participant
 
 _local = threading.local()
 
@@ -22,20 +30,20 @@ class sender:  # noqa: N801 - it is called like a function
 
     __slots__ = ('_index', '_before')
 
-    def __init__(self, index):
+    def __init__(self, index: Optional[int]) -> None:
         self._index = index
         self._before = None
 
-    def __enter__(self):
+    def __enter__(self) -> None:
         self._before = getattr(_local, 'index', None)
         _local.index = self._index
 
-    def __exit__(self, *_error):
+    def __exit__(self, *_error: Any) -> None:
         _local.index = self._before
 
 
 @contextmanager
-def repetition():
+def repetition() -> Iterator[None]:
     """Give a context in which messages say nothing new, and go only to subscriptions that hear all messages."""
     _local.least = wire.Delivery.ALL
     try:
@@ -44,7 +52,7 @@ def repetition():
         _local.least = wire.Delivery.NEWS
 
 
-def creating_index():
+def creating_index() -> int:
     """Return the index of the robot to which objects belong that are created now; 0 outside of :class:`sender`."""
     return getattr(_local, 'index', None) or 0
 
@@ -54,88 +62,88 @@ class MemberLinks:
 
     direction, transport_type = 'o', 'LOCKSTEP'
     done = False
-    cleanup_cb = None
-    latch = None
+    cleanup_cb: Optional[Any] = None
+    latch: Optional[Any] = None
     is_latched = False
     stat_bytes = 0
     stat_num_msg = 0
     id = 0
     endpoint_id = callerid_pub = 'lockstep'
 
-    def __init__(self, participant, topic, sub, impl=None):
+    def __init__(self, participant: Participant, topic: int, sub: int, impl: Any = None) -> None:
         self._impl = impl
         self._participant = participant
         self._topic = topic
         self.sub = sub
         self.target = 0
-        self.members = []
-        self._delivery = {}  # {member: Delivery} of members that do not hear all messages
+        self.members: List[Any] = []
+        self._delivery: Dict[Any, Any] = {}  # {member: Delivery} of members that do not hear all messages
 
-    def is_latching(self):
+    def is_latching(self) -> bool:
         """Return whether the publisher's last message is kept for later listeners."""
         return self.target == 0 and self._impl is not None and self._impl.is_latch
 
-    def for_one(self, member):
+    def for_one(self, member: int) -> MemberLinks:
         """Return a connection to one of the participants."""
         link = MemberLinks(self._participant, self._topic, self.sub, self._impl)
         link.target = member
         link.members = [member]
         return link
 
-    def add(self, member):
+    def add(self, member: int) -> None:
         """Add a participant that begins to listen."""
         self.members = self.members + [member]
 
-    def remove(self, member):
+    def remove(self, member: int) -> None:
         """Remove a participant that stops listening."""
         self.members = [other for other in self.members if other != member]
         self._delivery.pop(member, None)
 
-    def choose(self, member, what):
+    def choose(self, member: Any, what: str) -> None:
         """Note which messages (wire.Delivery) have any effect at ``member``."""
         self._delivery[member] = what
 
-    def _hear(self, least):
+    def _hear(self, least: Delivery) -> List[int]:
         """Return the members whose Delivery is at least ``least``."""
         return [member for member in self.members if self._delivery.get(member, wire.Delivery.ALL) >= least]
 
     @property
-    def hearers(self):
+    def hearers(self) -> List[str]:
         """The names of the nodes on which messages have any effect."""
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.NEWS)]
 
     @property
-    def hearers_of_repetition(self):
+    def hearers_of_repetition(self) -> List[Any]:
         """The names of the nodes on which messages that say nothing new have any effect."""
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.ALL)]
 
     @property
-    def is_heard(self):
+    def is_heard(self) -> bool:
         """Whether a message that is sent now has any effect on any participant."""
         if not self._delivery:
             return bool(self.members)
         return bool(self._hear(getattr(_local, 'least', wire.Delivery.NEWS)))
 
     @property
-    def is_heard_again(self):
+    def is_heard_again(self) -> bool:
         """Whether a message that says nothing new has any effect on any participant."""
         return bool(self._hear(wire.Delivery.ALL))
 
     @property
-    def count(self):
+    def count(self) -> int:
         """The number of participants that listen."""
         return len(self.members)
 
-    def has_name(self, name):
+    def has_name(self, name: str) -> bool:
         """Return whether the node ``name`` is one of the participants that listen."""
         return any(self._participant.members.names.get(member) == name for member in self.members)
 
-    def write_data(self, data):
+    def write_data(self, data: bytes) -> bool:
         """Add a serialised message, which begins with its length, to the report."""
         self.write_message(data[4:])
         return True
 
-    def write_message(self, data):
+    def write_message(self, data: bytes) -> None:
         """Add a serialised message to the report."""
         self.stat_bytes += len(data)
         self.stat_num_msg += 1
@@ -145,22 +153,22 @@ class MemberLinks:
         for target in self._targets():
             self._participant.add(wire.send(self._topic, sub, target, data))
 
-    def _targets(self):
+    def _targets(self) -> Sequence[int]:
         if self._delivery:
             return self._hear(getattr(_local, 'least', wire.Delivery.NEWS))
         return self.members if self.is_latching() else (self.target,)
 
-    def fileno(self):
+    def fileno(self) -> None:
         """Return None, since there is no file."""
 
-    def set_cleanup_callback(self, callback):
+    def set_cleanup_callback(self, callback: Any) -> None:
         """Do nothing, since the connection is never closed from the other side."""
 
-    def get_transport_info(self):
+    def get_transport_info(self) -> str:
         """Return the text that rosnode shows."""
         return 'lockstep, through the time master'
 
-    def close(self):
+    def close(self) -> None:
         """Do nothing, since nothing is open."""
 
 
@@ -169,17 +177,17 @@ class PublisherLink(MemberLinks):
 
     direction = 'i'
 
-    def __init__(self, participant, topic, impl, member, header):
+    def __init__(self, participant: Participant, topic: int, impl: Any, member: int, header: Mapping[str, str]) -> None:
         super().__init__(participant, topic, 0, impl)
         self.members = [member]
         self.endpoint_id = participant.members.uris.get(header['callerid'], header['callerid'])
         self.callerid_pub = header['callerid']
         self.header = header
         self.is_latched = header['latching'] == '1'
-        self._backlog = deque()
+        self._backlog: Any = deque()
         self._is_busy = False
 
-    def take(self, data):
+    def take(self, data: bytes) -> None:
         """Call the callbacks with a serialised message, after the callbacks of earlier messages have returned."""
         if self._is_busy:
             self._backlog.append(data)
@@ -193,13 +201,13 @@ class PublisherLink(MemberLinks):
         finally:
             self._is_busy = False
 
-    def _trim(self):
+    def _trim(self) -> None:
         """Keep the newest messages, as many as the subscriber's queue_size, as rospy does when it reads a socket."""
         size = self._impl.queue_size
         while size is not None and len(self._backlog) > size:
             self._backlog.popleft()
 
-    def _deliver(self, data):
+    def _deliver(self, data: bytes) -> None:
         impl = self._impl
         if impl.closed:
             return

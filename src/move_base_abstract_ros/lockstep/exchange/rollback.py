@@ -3,7 +3,13 @@
 The code that sends periodic messages (feedback, poses, heartbeats) says so before it changes an attribute or an entry
 of a dictionary. Outside of foreseen turns nothing is noted. Not thread-safe: the calling thread must have the turn.
 """
+from __future__ import annotations
+
 from functools import partial
+from typing import TYPE_CHECKING, Any, Callable, Optional
+
+if TYPE_CHECKING:
+    pass
 
 _NOTHING = object()
 
@@ -15,41 +21,41 @@ class NotForeseeable(Exception):
 class _Journal:
     """The functions that take changes back; ``undos`` is None outside of a foreseen turn."""
 
-    undos = None
+    undos: Optional[Any] = None
 
 
 _journal = _Journal()
 
 
-def begin():
+def begin() -> None:
     """Note changes from now on."""
     _journal.undos = []
 
 
-def end():
+def end() -> Any:
     """Stop noting; return the functions that take the changes back, to be called from the last one to the first."""
     undos, _journal.undos = _journal.undos, None
     return undos
 
 
-def is_recording():
+def is_recording() -> bool:
     """Return whether changes are noted, as in a foreseen turn."""
     return _journal.undos is not None
 
 
-def changes(owner, attribute):
+def changes(owner: Any, attribute: str) -> None:
     """Note the present value of an attribute that the caller is about to change."""
     if _journal.undos is not None:
         _journal.undos.append(partial(setattr, owner, attribute, getattr(owner, attribute)))
 
 
-def changes_entry(entries, key):
+def changes_entry(entries: Any, key: str) -> None:
     """Note the present entry of a dictionary that the caller is about to change, add or remove."""
     if _journal.undos is not None:
         _journal.undos.append(partial(_put_back, entries, key, entries.get(key, _NOTHING)))
 
 
-def _put_back(entries, key, value):
+def _put_back(entries: Any, key: str, value: Callable[..., Any]) -> None:
     if value is _NOTHING:
         entries.pop(key, None)
     else:

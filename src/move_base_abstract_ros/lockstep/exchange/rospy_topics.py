@@ -1,12 +1,20 @@
 """The hooks by which rospy's own topics hand over to :class:`topics.Topics`: in its manager and its connections."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Optional, Sequence, Tuple, Union
+
 import rospy
 
 from ...replacing.replaced import replace
 
+if TYPE_CHECKING:
+    from .links import MemberLinks
+    from .topics import Topics
+
 _OWN = ('move_base_abstract_ros.', 'soil_mapping.')
 
 
-def install(topics):
+def install(topics: Topics) -> None:
     """Replace rospy's connections among participants by a participant's ``topics`` (Topics)."""
     _follow_manager(topics)
     _replace_receiving(topics)
@@ -15,15 +23,15 @@ def install(topics):
     _count_participants(topics)
 
 
-def _follow_manager(topics):
-    def adding(add):
-        def _add(self, impl, rmap, reg_type):
+def _follow_manager(topics: Topics) -> None:
+    def adding(add: Callable[..., Any]) -> Callable[..., Any]:
+        def _add(self: Any, impl: Any, rmap: Mapping[str, Any], reg_type: str) -> None:
             add(self, impl, rmap, reg_type)
             topics.added(impl, reg_type)
         return _add
 
-    def removing(remove):
-        def _remove(self, impl, rmap, reg_type):
+    def removing(remove: Callable[..., Any]) -> Callable[..., Any]:
+        def _remove(self: Any, impl: Any, rmap: Mapping[str, Any], reg_type: str) -> None:
             topics.removed(impl, reg_type)
             remove(self, impl, rmap, reg_type)
         return _remove
@@ -32,9 +40,9 @@ def _follow_manager(topics):
     replace('rospy.topics._TopicManager._remove', removing)
 
 
-def _replace_receiving(topics):
-    def receiving(receive_callback):
-        def _receive(self, messages, connection):
+def _replace_receiving(topics: Topics) -> None:
+    def receiving(receive_callback: Callable[..., Any]) -> Callable[..., Any]:
+        def _receive(self: Any, messages: Sequence[Any], connection: Any) -> None:
             if topics.is_link(connection):
                 receive_callback(self, messages, connection)
             else:
@@ -44,11 +52,11 @@ def _replace_receiving(topics):
     replace('rospy.topics._SubscriberImpl.receive_callback', receiving)
 
 
-def _replace_connecting(topics):
+def _replace_connecting(topics: Topics) -> None:
     participant = topics._participant
 
-    def adding(add_connection):
-        def _add_connection(self, connection):
+    def adding(add_connection: Callable[..., Any]) -> Callable[..., Any]:
+        def _add_connection(self: Any, connection: Any) -> bool:
             if self.resolved_name not in topics.excluded and participant.members.is_member(connection.endpoint_id):
                 connection.close()
                 return False
@@ -57,16 +65,17 @@ def _replace_connecting(topics):
             return _add_onlooker(self, connection)
         return _add_connection
 
-    def removing(remove_connection):
-        def _remove_connection(self, connection):
+    def removing(remove_connection: Callable[..., Any]) -> Callable[..., Any]:
+        def _remove_connection(self: Any, connection: Any) -> None:
             if not _is_onlooker(self, topics, connection):
                 remove_connection(self, connection)
             else:
                 _remove_onlooker(self, connection)
         return _remove_connection
 
-    def creating(create_transport):
-        def _create_transport(self, resolved_name, pub_uri, protocol_params):
+    def creating(create_transport: Callable[..., Any]) -> Callable[..., Any]:
+        def _create_transport(self: Any, resolved_name: str, pub_uri: str,
+                              protocol_params: Sequence[Union[int, str]]) -> Tuple[int, str, int]:
             if resolved_name not in topics.excluded and pub_uri in participant.members.uris.values():
                 return 1, 'through the time master', 0
             return create_transport(self, resolved_name, pub_uri, protocol_params)
@@ -77,9 +86,9 @@ def _replace_connecting(topics):
     replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
 
 
-def _replace_publishing(topics):
-    def publishing(publish):
-        def _publish(self, message, connection_override=None):
+def _replace_publishing(topics: Topics) -> None:
+    def publishing(publish: Callable[..., Any]) -> Callable[..., Any]:
+        def _publish(self: Any, message: Any, connection_override: Optional[MemberLinks] = None) -> Optional[bool]:
             receivers = self.connections if connection_override is None else (connection_override,)
             lock = self.publock  # None when the topic is closed; rospy then raises its own error
             if lock is None or any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers):
@@ -95,12 +104,12 @@ def _replace_publishing(topics):
     replace('rospy.topics._PublisherImpl.publish', publishing)
 
 
-def _is_onlooker(impl, topics, connection):
+def _is_onlooker(impl: Any, topics: Topics, connection: Any) -> bool:
     takes_part = topics.is_link(connection) or impl.resolved_name in topics.excluded
     return not takes_part and not topics._participant.scheduler.is_closed
 
 
-def _add_onlooker(impl, connection):
+def _add_onlooker(impl: Any, connection: Any) -> bool:
     """Add the connection of a node that does not take part, without telling the program, which might act upon it.
 
     Only this package's own listeners are told, since they show something to onlookers.
@@ -109,7 +118,7 @@ def _add_onlooker(impl, connection):
         connection = rospy.topics.QueuedConnection(connection, impl.queue_size)
     rospy.topics._TopicImpl.add_connection(impl, connection)
 
-    def publish_single(data):
+    def publish_single(data: bytes) -> None:
         impl.publish(data, connection_override=connection)
     for listener in _own_listeners(impl):
         listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
@@ -119,27 +128,27 @@ def _add_onlooker(impl, connection):
     return True
 
 
-def _remove_onlooker(impl, connection):
+def _remove_onlooker(impl: Any, connection: Any) -> None:
     rospy.topics._TopicImpl.remove_connection(impl, connection)
     for listener in _own_listeners(impl):
         listener.peer_unsubscribe(impl.resolved_name, impl.get_num_connections())
 
 
-def _own_listeners(impl):
+def _own_listeners(impl: Any) -> List[Any]:
     return [one for one in impl.subscriber_listeners if type(one).__module__.startswith(_OWN)]
 
 
-def _count_participants(topics):
+def _count_participants(topics: Topics) -> None:
     """Count a topic's one link to all participants as that many connections, and do not count onlookers."""
-    def counting(_original):
-        def _get_num_connections(self):
+    def counting(_original: Callable[..., Any]) -> Callable[..., Any]:
+        def _get_num_connections(self: Any) -> int:
             with_onlookers = (self.resolved_name in topics.excluded or not hasattr(self, 'subscriber_listeners')
                               or not topics._participant.scheduler.is_mine())
             return sum(getattr(connection, 'count', 1) for connection in self.connections
                        if with_onlookers or topics.is_link(connection))
         return _get_num_connections
 
-    def seeking(_original):
+    def seeking(_original: Callable[..., Any]) -> Callable[..., Any]:
         return lambda self, endpoint_id: any(
             connection.endpoint_id == endpoint_id or getattr(connection, 'has_name', _never)(endpoint_id)
             for connection in self.connections)
@@ -148,5 +157,5 @@ def _count_participants(topics):
     replace('rospy.topics._TopicImpl.has_connection', seeking)
 
 
-def _never(_name):
+def _never(_name: str) -> bool:
     return False

@@ -4,21 +4,30 @@ A call is handled in the next round, by a thread of its own as in rospy. The han
 Calls from other nodes come over rospy's connections and enter at the next grant. During a call to another node time
 stands still, unless the answer takes long: then the other node may be waiting for simulated time.
 """
+from __future__ import annotations
+
 import _thread
 import sys
 import time
 from functools import partial
 from io import BytesIO
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Set, Tuple, Union
 
 import rospy
 from rospy.impl import registration, tcpros_service
 
 from move_base_abstract.lockstep import wire
-from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import _make_lock
 
 from ...replacing.replaced import replace
 from ..ros_master.master_calls import aside
 from .links import creating_index
+
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
+
+    from ..participation.taking_part import Participant
 
 #: endings of the names of services that rospy itself offers in each node; they are not part of lockstep
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')
@@ -30,15 +39,15 @@ _PATIENCE = 5.0  # s, wall
 class Services:
     """The services that a participant offers and calls."""
 
-    def __init__(self, participant):
-        self._participant = participant
-        self._names = []
-        self._offered = {}
-        self._calls = {}
+    def __init__(self, participant: Participant) -> None:
+        self._participant: Any = participant
+        self._names: List[Any] = []
+        self._offered: Dict[Any, Any] = {}
+        self._calls: Dict[Any, Any] = {}
         self._call_count = 0
-        self._found = set()
+        self._found: Set[Any] = set()
 
-    def install(self):
+    def install(self) -> None:
         """Take over the node's present and future services, without those that rospy itself offers."""
         _patch(self)
         for name, service in sorted(registration.get_service_manager().map.items()):
@@ -47,7 +56,7 @@ class Services:
 
     # --- services of this node --------------------------------------------------------------------------------------
 
-    def register(self, name, service):
+    def register(self, name: str, service: Any) -> None:
         """Report a new service."""
         number = len(self._names)
         self._names.append(name)
@@ -55,17 +64,17 @@ class Services:
         service._lockstep_number = number
         self._participant.add(wire.serve(number, creating_index(), name))
 
-    def unregister(self, service):
+    def unregister(self, service: Any) -> None:
         """Report that a service is gone."""
         number = getattr(service, '_lockstep_number', None)
         if self._offered.pop(number, None) is not None:
             self._participant.add(wire.unserve(number))
 
-    def on_called(self, number, caller, call, data):
+    def on_called(self, number: int, caller: int, call: int, data: bytes) -> Callable[..., Any]:
         """Return the function that handles a participant's call and reports the response."""
         return lambda: self._handle(number, caller, call, data)
 
-    def _handle(self, number, caller, call, data):
+    def _handle(self, number: int, caller: int, call: int, data: bytes) -> None:
         service = self._offered.get(number)
         if service is None:
             name = self._names[number] if number < len(self._names) else number
@@ -74,12 +83,12 @@ class Services:
             is_ok, answer = _serve(service, data)
         self._participant.add(wire.response(caller, call, is_ok, answer))
 
-    def from_outside(self, service, handle):
+    def from_outside(self, service: Any, handle: Callable[..., Any]) -> None:
         """Run ``handle()``, a call of a node that does not take part, in the next round, and wait for its end."""
         over = _make_lock()
         over.acquire()
 
-        def run():
+        def run() -> None:
             self._participant.label('service {} was called by a node that does not take part'.format(
                 service.resolved_name))
             try:
@@ -93,7 +102,7 @@ class Services:
 
     # --- calls of this node -----------------------------------------------------------------------------------------
 
-    def call(self, name, request):
+    def call(self, name: str, request: bytes) -> Tuple[int, bytes]:
         """Call a participant's service; return (wire.CallStatus, bytes). Other threads and nodes go on meanwhile.
 
         :raises TurnLost: if the run ends meanwhile.
@@ -110,19 +119,19 @@ class Services:
         finally:
             del self._calls[number]
 
-    def on_answered(self, number, status, data):
+    def on_answered(self, number: int, status: int, data: bytes) -> Callable[..., Any]:
         """Return the function that hands the answer to the thread that waits for it."""
-        def take():
+        def take() -> None:
             if number in self._calls:
                 self._calls[number][1] = (status, data)
                 self._participant.scheduler.wake(self._calls[number][0])
         return take
 
-    def on_found(self, name):
+    def on_found(self, name: str) -> Callable[..., Any]:
         """Return the function that notes that a service is offered for which a thread waits."""
         return lambda: self._found.add(name)
 
-    def wait_for(self, name, timeout_ns):
+    def wait_for(self, name: str, timeout_ns: Optional[int]) -> bool:
         """Wait until a participant or another node offers the service; return False if it is not there in time.
 
         ``timeout_ns`` [ns, simulated] is None for no limit.
@@ -143,7 +152,7 @@ class Services:
         finally:
             sought.clear()
 
-    def _seek_outside(self, sought):
+    def _seek_outside(self, sought: Any) -> None:
         """Wake the thread that waits for a service when a node that does not take part offers it. Runs in a thread."""
         while sought and not self._participant.scheduler.is_closed:
             name = sought[0]
@@ -152,11 +161,11 @@ class Services:
                 return
             time.sleep(_SEEK_SECONDS)
 
-    def _found_outside(self, name):
+    def _found_outside(self, name: str) -> None:
         self._participant.label('service {} was waited for; a node offers it that does not take part'.format(name))
         self._found.add(name)
 
-    def call_outside(self, name, call):
+    def call_outside(self, name: str, call: Any) -> Any:
         """Return what ``call()`` returns, which calls a service of a node that does not take part; label the run.
 
         Simulated time stands still until the answer comes, at most for 5 s of wall time; then it goes on. (Calls of the
@@ -182,7 +191,7 @@ class Services:
                 raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
         return asked.result()
 
-    def is_offered_outside(self, name):
+    def is_offered_outside(self, name: str) -> bool:
         """Return whether the ROS master knows a node that offers the service and has never taken part.
 
         Present and former participants do not count: they register there at moments of the wall clock.
@@ -199,16 +208,16 @@ class Services:
 class _Asked:
     """A call in a thread of its own, which is not one of the application's threads."""
 
-    def __init__(self, call):
-        self.outcome = []  # when it is over: one (result, error), of which one is None
+    def __init__(self, call: Any) -> None:
+        self.outcome: List[Any] = []  # when it is over: one (result, error), of which one is None
         self.is_over = _make_lock()
         self.is_over.acquire()
-        self._then = []
+        self._then: List[Any] = []
         _thread.start_new_thread(self._ask, (call,))
 
-    def _ask(self, call):
+    def _ask(self, call: Any) -> None:
         try:
-            outcome = (call(), None)
+            outcome: Any = (call(), None)
         except BaseException as error:
             outcome = (None, error)
         self.outcome.append(outcome)
@@ -216,11 +225,11 @@ class _Asked:
         for then in self._then:
             then()
 
-    def when_over(self, then):
+    def when_over(self, then: Any) -> None:
         """Call ``then()`` in the call's thread when the call is over, unless it is over already."""
         self._then.append(then)
 
-    def result(self):
+    def result(self) -> Any:
         """Return what the call has returned, or raise what it has raised."""
         (result, error), = self.outcome
         if error is not None:
@@ -228,11 +237,11 @@ class _Asked:
         return result
 
 
-def _nothing():
+def _nothing() -> None:
     """Do nothing; the scheduler then checks the conditions of waiting threads."""
 
 
-def _serve(service, data):
+def _serve(service: Any, data: bytes) -> Tuple[int, bytes]:
     """Call a service's handler; return (1, response) or (0, text of the error), as rospy's own connections would."""
     request = service.request_class()
     try:
@@ -251,28 +260,28 @@ def _serve(service, data):
         return 0, 'error processing request: {}'.format(error).encode('utf-8')
 
 
-def _patch(services):
+def _patch(services: Services) -> None:
     """Replace rospy's connections among participants by this participant's services."""
     _replace_offering(services)
     _replace_calling(services, services._participant.scheduler)
 
 
-def _replace_offering(services):
-    def registering(register):
-        def _register(self, name, service):
+def _replace_offering(services: Services) -> None:
+    def registering(register: Callable[..., Any]) -> Callable[..., Any]:
+        def _register(self: Any, name: str, service: Any) -> None:
             register(self, name, service)
             if not name.endswith(_OF_ROSPY):
                 services.register(name, service)
         return _register
 
-    def unregistering(unregister):
-        def _unregister(self, name, service):
+    def unregistering(unregister: Callable[..., Any]) -> Callable[..., Any]:
+        def _unregister(self: Any, name: str, service: Any) -> None:
             services.unregister(service)
             unregister(self, name, service)
         return _unregister
 
-    def handling(handle_request):
-        def _handle_request(self, transport, request):
+    def handling(handle_request: Callable[..., Any]) -> Callable[..., Any]:
+        def _handle_request(self: Any, transport: Any, request: Any) -> None:
             if hasattr(self, '_lockstep_number') and not services._participant.scheduler.is_closed:
                 services.from_outside(self, lambda: handle_request(self, transport, request))
             else:
@@ -284,9 +293,9 @@ def _replace_offering(services):
     replace('rospy.impl.tcpros_service.ServiceImpl._handle_request', handling)
 
 
-def _replace_calling(services, scheduler):
-    def calling(call):
-        def _call(self, *args, **kwds):
+def _replace_calling(services: Services, scheduler: Scheduler) -> None:
+    def calling(call: Callable[..., Any]) -> Callable[..., Any]:
+        def _call(self: Any, *args: Union[bool, float, str], **kwds: bool) -> Any:
             if not scheduler.is_mine():
                 return call(self, *args, **kwds)
             request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
@@ -306,7 +315,7 @@ def _replace_calling(services, scheduler):
     replace('rospy.impl.tcpros_service.ServiceProxy.call', calling)
 
 
-def _answer(proxy, status, data):
+def _answer(proxy: Any, status: int, data: Any) -> Any:
     """Return the response, or raise the error that rospy would raise."""
     if status == wire.CallStatus.OK:
         return proxy.response_class().deserialize(data)

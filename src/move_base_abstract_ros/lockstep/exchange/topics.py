@@ -3,6 +3,10 @@
 rospy's own topic objects stay in use. Between participants they have connections of another kind, see :mod:`links`.
 Connections to all other nodes are rospy's own.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set
+
 from rospy.impl import registration
 from rospy.impl.registration import Registration
 
@@ -12,6 +16,9 @@ from . import rospy_topics
 from .delivery import Deliveries
 from .links import MemberLinks, PublisherLink, creating_index
 
+if TYPE_CHECKING:
+    from ..participation.taking_part import Participant
+
 
 class Topics:
     """The topics of a participant. The protocol has a number for each topic of a participant, not its name.
@@ -20,24 +27,24 @@ class Topics:
     :meth:`.Participant.constant`.
     """
 
-    def __init__(self, participant):
+    def __init__(self, participant: Participant) -> None:
         self._participant = participant
-        self.excluded = set()
-        self.constants = set()
-        self._numbers = {}
-        self._names = []
-        self._links = {}
-        self._publisher_links = {}
-        self._told_types = set()
+        self.excluded: Set[Any] = set()
+        self.constants: Set[Any] = set()
+        self._numbers: Dict[Any, Any] = {}
+        self._names: List[Any] = []
+        self._links: Dict[Any, Any] = {}
+        self._publisher_links: Dict[Any, Any] = {}
+        self._told_types: Set[Any] = set()
         self.deliveries = Deliveries(self)
 
-    def choose(self, impl, what):
+    def choose(self, impl: Any, what: str) -> None:
         """Report which messages (wire.Delivery) have any effect on the subscription ``impl``."""
         number = self._numbers.get(impl.resolved_name)
         if number is not None:
             self._participant.add(wire.choose_delivery(number, what))
 
-    def install(self):
+    def install(self) -> None:
         """Take over rospy's present and future topics."""
         manager = registration.get_topic_manager()
         rospy_topics.install(self)
@@ -46,7 +53,7 @@ class Topics:
             for impl in topics.values():
                 self.added(impl, reg_type)
 
-    def _number(self, name):
+    def _number(self, name: str) -> int:
         if name not in self._numbers:
             self._numbers[name] = len(self._names)
             self._names.append(name)
@@ -54,7 +61,7 @@ class Topics:
 
     # --- what this node does ----------------------------------------------------------------------------------------
 
-    def added(self, impl, reg_type):
+    def added(self, impl: Any, reg_type: str) -> None:
         """Report a new publisher or subscriber, unless its topic is excluded."""
         name = impl.resolved_name
         if name in self.excluded:
@@ -67,7 +74,7 @@ class Topics:
         # A function, since rospy says only after this whether the publisher is latched.
         self._participant.add(lambda: self._advertise(number, sub, impl))
 
-    def _advertise(self, number, sub, impl):
+    def _advertise(self, number: int, sub: int, impl: Any) -> bytes:
         """Return the item. It has the definition of the message type, some kilobytes, only the first time."""
         kind = impl.data_class
         md5 = kind._md5sum if kind else ''  # rospy forgets the class of a topic that has been closed again
@@ -75,7 +82,7 @@ class Topics:
         self._told_types.add(md5)
         return wire.advertise(number, sub, impl.resolved_name, impl.type or '', md5, impl.is_latch, definition)
 
-    def removed(self, impl, reg_type):
+    def removed(self, impl: Any, reg_type: str) -> None:
         """Report that a publisher or subscriber is gone."""
         number = self._numbers.get(impl.resolved_name)
         if number is None:
@@ -91,13 +98,14 @@ class Topics:
 
     # --- items of grants: each method returns the function to be called in the turn ----------------------------------
 
-    def on_publisher(self, number, member, type_name, md5, latched, definition):
+    def on_publisher(self, number: int, member: int, type_name: str, md5: str, latched: bool,
+                     definition: str) -> Callable[..., Any]:
         """Connect to a participant that publishes a topic to which this node listens."""
         return lambda: self._connect_publisher(number, member, {
             'callerid': self._participant.members.names.get(member, ''), 'topic': self._names[number],
             'type': type_name, 'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
 
-    def _connect_publisher(self, number, member, header):
+    def _connect_publisher(self, number: int, member: int, header: Mapping[str, str]) -> None:
         impl = registration.get_topic_manager().get_subscriber_impl(self._names[number])
         if impl is not None and (number, member) not in self._publisher_links:
             link = PublisherLink(self._participant, number, impl, member, header)
@@ -105,21 +113,21 @@ class Topics:
             with impl.c_lock:
                 impl.connections = impl.connections + [link]
 
-    def on_no_publisher(self, number, member):
+    def on_no_publisher(self, number: int, member: int) -> Callable[..., Any]:
         """Disconnect from a participant that stops publishing the topic."""
         return lambda: self._disconnect_publisher(number, member)
 
-    def _disconnect_publisher(self, number, member):
+    def _disconnect_publisher(self, number: int, member: int) -> None:
         link = self._publisher_links.pop((number, member), None)
         if link is not None and not link._impl.closed:
             with link._impl.c_lock:
                 link._impl.connections = [other for other in link._impl.connections if other is not link]
 
-    def on_subscriber(self, number, member):
+    def on_subscriber(self, number: int, member: int) -> Callable[..., Any]:
         """Connect a participant that listens to a topic that this node publishes."""
         return lambda: self._connect_subscriber(number, member)
 
-    def _connect_subscriber(self, number, member):
+    def _connect_subscriber(self, number: int, member: int) -> None:
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed:
@@ -130,7 +138,7 @@ class Topics:
                 impl.connections = impl.connections + [link]
         one = link.for_one(member)
 
-        def publish_single(data):
+        def publish_single(data: Any) -> None:
             impl.publish(data, connection_override=one)
         for listener in impl.subscriber_listeners:
             listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
@@ -138,11 +146,11 @@ class Topics:
             with impl.publock:
                 impl.publish(impl.latch, connection_override=one)
 
-    def on_no_subscriber(self, number, member):
+    def on_no_subscriber(self, number: int, member: int) -> Callable[..., Any]:
         """Disconnect a participant that stops listening to the topic."""
         return lambda: self._disconnect_subscriber(number, member)
 
-    def _disconnect_subscriber(self, number, member):
+    def _disconnect_subscriber(self, number: int, member: int) -> None:
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed:
@@ -155,11 +163,11 @@ class Topics:
         for listener in impl.subscriber_listeners:
             listener.peer_unsubscribe(impl.resolved_name, count)
 
-    def on_delivery_chosen(self, number, member, what):
+    def on_delivery_chosen(self, number: int, member: Any, what: str) -> Any:
         """Note which of this node's messages on a topic (wire.Delivery) have an effect on a participant."""
         return lambda: self._note_delivery(number, member, what)
 
-    def _note_delivery(self, number, member, what):
+    def _note_delivery(self, number: int, member: Any, what: str) -> None:
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed or member not in link.members:
@@ -169,9 +177,9 @@ class Topics:
             if hasattr(listener, 'begins_to_hear'):
                 listener.hears_less() if what == wire.Delivery.NOTHING else listener.begins_to_hear()
 
-    def on_deliver(self, number, member, data):
+    def on_deliver(self, number: int, member: int, data: bytes) -> Callable[..., Any]:
         """Take a participant's message."""
-        def deliver():
+        def deliver() -> None:
             link = self._publisher_links.get((number, member))
             if link is not None:
                 link.take(data)
@@ -179,7 +187,7 @@ class Topics:
 
     # --- other nodes ------------------------------------------------------------------------------------------------
 
-    def drop_connections_to(self, name):
+    def drop_connections_to(self, name: str) -> None:
         """Close rospy's connections to a node that has joined: its messages go through the time master from now on."""
         manager = registration.get_topic_manager()
         with manager.lock:
@@ -191,11 +199,11 @@ class Topics:
                         connection.close()
 
     @staticmethod
-    def is_link(connection):
+    def is_link(connection: Any) -> bool:
         """Return whether ``connection`` is one to participants, and not one of rospy's."""
         return isinstance(connection, MemberLinks)
 
-    def outside(self, impl, messages, connection, deliver):
+    def outside(self, impl: Any, messages: Sequence[Any], connection: Any, deliver: Callable[..., Any]) -> None:
         """Take messages that have come over a connection of rospy's own.
 
         On an excluded topic, or a constant one in the first round, they are delivered at once. Those of other nodes
@@ -210,7 +218,7 @@ class Topics:
         if participant.members.is_member(connection.callerid_pub):
             return
 
-        def take():
+        def take() -> None:
             if participant.members.is_member(connection.callerid_pub):
                 return  # it has joined in the meantime
             participant.label('a message on {} came from {}, which does not take part'.format(

@@ -4,8 +4,11 @@ rospy, actionlib and Python itself show such an exception and go on, so that the
 The event log does (``uncaught``), and the judgement on the run uses that (``runs.ends``). An exception that comes after
 the node was told to end, or when the run is over, is no event.
 """
+from __future__ import annotations
+
 import os
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Callable
 
 import rospy
 
@@ -15,10 +18,13 @@ from move_base_abstract.runs.failures import UNCAUGHT, words_of
 from ...replacing.replaced import replace
 from ..code.own_code import is_library
 
+if TYPE_CHECKING:
+    from ..participation.taking_part import Participant
+
 _state = SimpleNamespace(participant=None)
 
 
-def install(participant):
+def install(participant: Participant) -> None:
     """Write uncaught exceptions of this process into the event log from now on."""
     _state.participant = participant
     replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
@@ -31,13 +37,13 @@ def install(participant):
     replace('sys.unraisablehook', _ignored)
 
 
-def tell(error, where):
+def tell(error: Any, where: str) -> None:
     """Log the uncaught exception ``error``, once; ``where`` is a text for what was called."""
     if not rospy.core.is_shutdown_requested():
         _tell(error, where)
 
 
-def _tell_last(error, where):
+def _tell_last(error: Any, where: str) -> None:
     """Log an uncaught exception of a function that is called when the node ends by itself.
 
     Many programs write their results in such a function.
@@ -46,7 +52,7 @@ def _tell_last(error, where):
         _tell(error, where)
 
 
-def _tell(error, where):
+def _tell(error: Any, where: str) -> None:
     participant = _state.participant
     if participant is None or participant.scheduler.is_closed:
         return
@@ -56,7 +62,7 @@ def _tell(error, where):
     participant.log(rospy.get_name(), UNCAUGHT, [type(error).__name__, '{}, {}'.format(where, place_of(error))])
 
 
-def is_failure(error):
+def is_failure(error: Any) -> bool:
     """Return whether an uncaught exception is a failure of the program, and not just the end of the run or of a job.
 
     ``sys.exit`` with an error is a failure: outside of the main thread it ends a callback and not the program. An
@@ -67,7 +73,7 @@ def is_failure(error):
     return isinstance(error, BaseException) and not isinstance(error, (TurnLost, KeyboardInterrupt))
 
 
-def place_of(error):
+def place_of(error: Any) -> str:
     """Return 'FILE, line N' of the innermost place in an exception's traceback; the program's own code comes first."""
     found, trace = None, error.__traceback__
     while trace is not None:
@@ -81,19 +87,19 @@ def place_of(error):
 class _Again:
     """Stands in for a callback that has failed: rospy calls it, and shows the error under the callback's own name."""
 
-    def __init__(self, callback, error):
+    def __init__(self, callback: Callable[..., Any], error: Any) -> None:
         self._callback = callback
         self._error = error
 
-    def __call__(self, *_):
+    def __call__(self, *_: Any) -> None:
         raise self._error.with_traceback(self._error.__traceback__.tb_next)  # where the callback begins
 
-    def __str__(self):
+    def __str__(self) -> str:
         return str(self._callback)
 
 
-def _invoking(invoke_callback):
-    def _invoke_callback(self, message, callback, arguments):
+def _invoking(invoke_callback: Callable[..., Any]) -> Callable[..., Any]:
+    def _invoke_callback(self: Any, message: Any, callback: Callable[..., Any], arguments: Any) -> None:
         try:
             if arguments is None:
                 callback(message)
@@ -105,30 +111,30 @@ def _invoking(invoke_callback):
     return _invoke_callback
 
 
-def _handling(error_handler):
-    def _error_handler(self, error, *about):
+def _handling(error_handler: Callable[..., Any]) -> Callable[..., Any]:
+    def _error_handler(self: Any, error: Any, *about: Any) -> None:
         tell(error, 'the handler of service {}'.format(self.resolved_name))
         error_handler(self, error, *about)
     return _error_handler
 
 
-def _executing(init):
-    def _init(self, *args, **kwds):
+def _executing(init: Callable[..., Any]) -> Callable[..., Any]:
+    def _init(self: Any, *args: Any, **kwds: bool) -> None:
         init(self, *args, **kwds)
         if self.execute_callback:
             self.execute_callback = told(self.execute_callback, "an action's execute callback")
     return _init
 
 
-def _registering(register, where):
-    def _register(self, cb):
+def _registering(register: Callable[..., Any], where: str) -> Callable[..., Any]:
+    def _register(self: Any, cb: Callable[..., Any]) -> None:
         register(self, None if cb is None else told(cb, where))
     return _register
 
 
-def told(function, where, tell_it=tell):
+def told(function: Callable[..., Any], where: str, tell_it: Callable[..., Any] = tell) -> Callable[..., Any]:
     """Return a function that calls ``function`` and logs an exception that leaves it; ``where`` is a text for it."""
-    def call(*args):
+    def call(*args: Any) -> Any:
         try:
             return function(*args)
         except BaseException as error:
@@ -137,14 +143,14 @@ def told(function, where, tell_it=tell):
     return call
 
 
-def follow_hooks():
+def follow_hooks() -> None:
     """Log uncaught exceptions of the functions that rospy is about to call as the node shuts down."""
     hooks = rospy.core._client_shutdown_hooks
     hooks[:] = [told(hook, 'a function of rospy.on_shutdown', _tell_last) for hook in hooks]
 
 
-def _ignored(hook):
-    def unraisablehook(args):
+def _ignored(hook: Callable[..., Any]) -> Callable[..., Any]:
+    def unraisablehook(args: Any) -> None:
         about = args.err_msg or ''
         if 'atexit' in about:
             _tell_last(args.exc_value, 'a function of atexit')
@@ -154,8 +160,8 @@ def _ignored(hook):
     return unraisablehook
 
 
-def _in_threads(excepthook):
-    def _excepthook(args):
+def _in_threads(excepthook: Callable[..., Any]) -> Callable[..., Any]:
+    def _excepthook(args: Any) -> None:
         if args.exc_value is not None:
             is_ours = getattr(args.thread, 'name', '').startswith('lockstep_')
             tell(args.exc_value, 'a callback' if is_ours else words_of(args.thread))
@@ -163,6 +169,6 @@ def _in_threads(excepthook):
     return _excepthook
 
 
-def run_of(thread):
+def run_of(thread: Any) -> Callable[..., Any]:
     """Return ``thread.run`` as a function that logs an uncaught exception while the thread still has its turn."""
     return told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))

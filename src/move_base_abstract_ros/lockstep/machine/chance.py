@@ -4,12 +4,15 @@ Python's and numpy's global generators are seeded so. So are the bytes that the 
 that is made of it (secrets, SystemRandom, generators without a seed, also numpy's, uuid, temporary names). Threads that
 lockstep does not order draw from other bytes, so that they do not disturb the others, and label the run.
 """
+from __future__ import annotations
+
 import os
 import random
 import sys
 import tempfile
 import uuid
 import zlib
+from typing import Any, Callable
 
 from move_base_abstract.lockstep.machine_view import Entropy
 
@@ -22,7 +25,7 @@ _BITS = 32  # number of bytes that seed a generator
 _MULTICAST = 1 << 40  # bit in the node of uuid.uuid1: the node is not an address of hardware
 
 
-def install(text, present_ns):
+def install(text: str, present_ns: Callable[..., Any]) -> Callable[..., Any]:
     """Seed the global generators, and make the program draw from the run's chance.
 
     :param text: the seed and the node's name.
@@ -44,7 +47,7 @@ def install(text, present_ns):
     return chance.draw_in_turn
 
 
-def _seed_numpy(number):
+def _seed_numpy(number: int) -> None:
     try:
         import numpy
     except ImportError:
@@ -55,15 +58,15 @@ def _seed_numpy(number):
 class _Chance:
     """The run's chance of this process: bytes for ordered threads, and other bytes for all others."""
 
-    def __init__(self, text):
+    def __init__(self, text: str) -> None:
         self._ordered = Entropy(text + '\nentropy')
         self._strays = Entropy(text + '\nstrays')
 
-    def draw_in_turn(self, size):
+    def draw_in_turn(self, size: int) -> Any:
         """Return ``size`` bytes for the calling thread, whichever code asks."""
         return (self._ordered if told.is_ordered() else self._strays).draw(size)
 
-    def draw(self, size, frame):
+    def draw(self, size: int, frame: Any) -> Any:
         """Return ``size`` bytes for the code of a frame; None if it sees the machine's."""
         frame = asker(frame)
         if not sees_run(frame):
@@ -73,23 +76,24 @@ class _Chance:
         return self.draw_in_turn(size)
 
 
-def _or_else(drawn, machine, *given):
+def _or_else(drawn: Any, machine: Any, *given: Any) -> Any:
     return machine(*given) if drawn is None else drawn
 
 
-def _seeding(original, chance):
-    def seed(self, a=None, version=2):
+def _seeding(original: Callable[..., Any], chance: _Chance) -> Callable[..., Any]:
+    def seed(self: random.Random, a: Any = None, version: int = 2) -> None:
         """Seed as random.Random.seed does; without a number, from the run's chance."""
         drawn = chance.draw(_BITS, sys._getframe(1)) if a is None else None
         original(self, a if drawn is None else int.from_bytes(drawn, 'little'), version)
     return seed
 
 
-def _dated_identifier(machine, chance, present_ns):
+def _dated_identifier(machine: Callable[..., Any], chance: _Chance,
+                      present_ns: Callable[..., Any]) -> Callable[..., Any]:
     """Return uuid1 with the run's date. If no node is given, it is drawn, since each computer has another address."""
     ticks_to_1970, last = 0x01b21dd213814000, [0]  # 100 ns since 1582, RFC 4122
 
-    def uuid1(node=None, clock_seq=None):
+    def uuid1(node: Any = None, clock_seq: Any = None) -> Any:
         frame = sys._getframe(1)
         now_ns = present_ns(frame)
         drawn = None if now_ns is None else chance.draw(8, frame)
@@ -108,13 +112,13 @@ class _Names:
 
     _LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'
 
-    def __init__(self, draw):
+    def __init__(self, draw: Any) -> None:
         self._draw = draw
 
-    def __iter__(self):
+    def __iter__(self) -> Any:
         return self
 
-    def __next__(self):
+    def __next__(self) -> str:
         number = int.from_bytes(self._draw(8), 'little')
         letters = []
         for _ in range(8):
@@ -123,9 +127,9 @@ class _Names:
         return ''.join(letters)
 
 
-def _naming(machine, chance):
-    def names():
-        frame = sys._getframe(1)
+def _naming(machine: Callable[..., Any], chance: _Chance) -> Callable[..., Any]:
+    def names() -> Any:
+        frame: Any = sys._getframe(1)
         while frame is not None and frame.f_globals.get('__name__') == tempfile.__name__:
             frame = frame.f_back
         if not is_own(frame):
@@ -134,7 +138,7 @@ def _naming(machine, chance):
     return names
 
 
-def is_taken(path, frame):
+def is_taken(path: str, frame: Any) -> None:
     """Label the run if a file with the name of a new temporary file exists: tempfile then takes the next name."""
     frame = own_frame(frame)
     if frame is not None and isinstance(path, (str, bytes)) and os.path.lexists(path):

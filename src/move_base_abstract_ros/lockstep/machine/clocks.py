@@ -1,7 +1,10 @@
 """Python's clocks as the program sees them. They go on with simulated time, from the program's first line on."""
+from __future__ import annotations
+
 import datetime
 import sys
 import time
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep import machine_view as view
@@ -12,13 +15,18 @@ from ...replacing.replaced import replace
 from ..code.callers import asker, is_own, sees_run
 from ..code.labels import told
 
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.machine_view import SeenClocks
+
+    from ..participation.taking_part import Participant
+
 _STRAY = 'reads a clock in a thread that lockstep does not order'
 _KINDS = {'time': view.DATE, 'monotonic': view.UPTIME, 'perf_counter': view.UPTIME, 'process_time': view.PROCESSOR,
           'thread_time': view.PROCESSOR}
 _SPLIT = ('localtime', 'gmtime', 'ctime')  # without an argument they are about the present
 
 
-def install(seed, is_simulated, slept_ns):
+def install(seed: int, is_simulated: bool, slept_ns: Any) -> _Clocks:
     """Make the program see the run's clocks, from before its first line. Return these clocks.
 
     ``seed`` is the run's; ``is_simulated`` says whether time.sleep takes simulated time; ``slept_ns`` is that of
@@ -33,17 +41,18 @@ def install(seed, is_simulated, slept_ns):
     for name in _SPLIT:
         replace('time.' + name, lambda machine: _Split(clocks, machine, machine, 0))
     for name, place in (('time.asctime', 0), ('time.strftime', 1)):
-        replace(name, lambda machine, place=place: _Split(clocks, machine, time.localtime.machine, place))
+        replace(name, lambda machine, place=place: _Split(
+            clocks, machine, time.localtime.machine, place))  # type: ignore[attr-defined]
     return clocks
 
 
 class _Clocks:
     """The clocks, and what they show to the code that reads them."""
 
-    def __init__(self, clocks):
+    def __init__(self, clocks: SeenClocks) -> None:
         self._clocks = clocks
 
-    def read(self, kind, frame):
+    def read(self, kind: str, frame: Any) -> Optional[int]:
         """Return what a clock of a kind shows [ns] to the code of a frame; None if it sees the machine's."""
         frame = asker(frame)
         if not sees_run(frame):
@@ -58,16 +67,16 @@ class _Clocks:
             self._clocks.look()
         return self.now(kind)
 
-    def now(self, kind):
+    def now(self, kind: str) -> int:
         """Return what a clock of a kind shows [ns]; this does not count as a look of the program."""
-        participant = told.participant
+        participant: Any = told.participant
         return self._clocks.read(kind, 0 if participant is None else participant.now_ns)
 
-    def start(self, kind):
+    def start(self, kind: str) -> int:
         """Return what a clock of a kind showed at the start [ns]."""
         return self._clocks.start(kind)
 
-    def _look(self, participant):
+    def _look(self, participant: Optional[Participant]) -> None:
         if participant is None:
             self._clocks.look()
             return
@@ -76,20 +85,20 @@ class _Clocks:
         except TurnLost:
             pass  # lockstep is over
 
-    def add_sleep(self, seconds):
+    def add_sleep(self, seconds: float) -> None:
         """Move the clocks on by ``seconds``, for which the program has slept in wall time."""
         self._clocks.add_sleep(seconds_to_ns(seconds))
 
-    def date_ns(self, frame):
+    def date_ns(self, frame: str) -> Any:
         """Return the date [ns] that the code of a frame sees; None if it sees the machine's."""
         return self.read(view.DATE, frame)
 
-    def moment(self, kind, name, frame):
+    def moment(self, kind: Any, name: str, frame: str) -> Any:
         """Return the function that replaces the method ``name``, which asks for the present, of ``kind``.
 
         ``kind`` is datetime or date, or derived from them; ``name`` is 'now', 'utcnow' or 'today'.
         """
-        def present(zone=None):
+        def present(zone: Optional[str] = None) -> Any:
             now_ns = self.read(view.DATE, frame)
             if now_ns is None:
                 return getattr(kind, name)(*([] if zone is None else [zone]))
@@ -98,7 +107,7 @@ class _Clocks:
                 return kind.fromtimestamp(seconds, datetime.timezone.utc).replace(tzinfo=None)
             return kind.fromtimestamp(seconds) if zone is None else kind.fromtimestamp(seconds, zone)
 
-        def today():
+        def today() -> Any:
             return present()
         if name == 'now':
             return lambda tz=None: present(tz)
@@ -110,10 +119,10 @@ class _Clock:
 
     __slots__ = ('_clocks', '_kind', '_machine', '_in_unit')
 
-    def __init__(self, clocks, kind, machine, in_unit):
+    def __init__(self, clocks: _Clocks, kind: str, machine: Callable[..., Any], in_unit: Callable[..., Any]) -> None:
         self._clocks, self._kind, self._machine, self._in_unit = clocks, kind, machine, in_unit
 
-    def __call__(self):
+    def __call__(self) -> float:
         now_ns = self._clocks.read(self._kind, sys._getframe(1))
         return self._machine() if now_ns is None else self._in_unit(now_ns)
 
@@ -121,10 +130,10 @@ class _Clock:
 class _ClockOfKernel:
     """Replaces time.clock_gettime and time.clock_gettime_ns."""
 
-    def __init__(self, clocks, machine, in_unit):
+    def __init__(self, clocks: _Clocks, machine: Callable[..., Any], in_unit: Callable[..., Any]) -> None:
         self._clocks, self._machine, self._in_unit = clocks, machine, in_unit
 
-    def __call__(self, clock_id, /):
+    def __call__(self, clock_id: int, /) -> Any:
         machine = self._machine(clock_id)
         now_ns = self._clocks.read(view.kind_of(clock_id), sys._getframe(1))
         return machine if now_ns is None else self._in_unit(now_ns)
@@ -133,10 +142,10 @@ class _ClockOfKernel:
 class _Split:
     """Replaces time.localtime and similar functions, which take the present if no time is given at ``place``."""
 
-    def __init__(self, clocks, machine, split, place):
+    def __init__(self, clocks: _Clocks, machine: Callable[..., Any], split: Callable[..., Any], place: int) -> None:
         self._clocks, self.machine, self._split, self._place = clocks, machine, split, place
 
-    def __call__(self, *given):
+    def __call__(self, *given: Any) -> Any:
         is_present = len(given) == self._place or self.machine is self._split and given == (None,)
         now_ns = self._clocks.read(view.DATE, sys._getframe(1)) if is_present else None
         if now_ns is None:
@@ -145,7 +154,7 @@ class _Split:
         return self.machine(*given[:self._place], present if self.machine is self._split else self._split(present))
 
 
-def is_moment(function):
+def is_moment(function: Any) -> bool:
     """Return whether a function is a method of datetime or date that asks for the present."""
     kind = getattr(function, '__self__', None)
     is_date = isinstance(kind, type) and issubclass(kind, datetime.date)

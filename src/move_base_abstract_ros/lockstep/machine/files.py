@@ -4,14 +4,20 @@ If two participants open a file, and one of them writes it, that bypasses the or
 opens for itself, and those that are read for an import, are not reported. The time master decides which of the others
 do not matter, for programs in C++, too.
 """
+from __future__ import annotations
+
 import os
 import sys
+from typing import TYPE_CHECKING, Any, Dict
 from urllib.parse import parse_qs, unquote
 
 from move_base_abstract.lockstep import wire
 
 from ..code.callers import own_frame
 from ..code.labels import told
+
+if TYPE_CHECKING:
+    pass
 
 _READS, _WRITES = (wire.NoteKind.READS,), (wire.NoteKind.WRITES,)
 _BOTH = _READS + _WRITES
@@ -23,28 +29,28 @@ _IN_MEMORY = ':memory:'
 class Files:
     """The files that this process has opened; each is reported once."""
 
-    def __init__(self):
-        self._noted = {}
+    def __init__(self) -> None:
+        self._noted: Dict[Any, Any] = {}
         self._participant = None
 
-    def follow(self, participant):
+    def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         self._participant = participant
         for note in list(self._noted):
             self._say(note)
 
-    def audit(self, event, arguments):
+    def audit(self, event: Any, arguments: Any) -> None:
         """Look at an event of sys.audit, before it happens. This never raises an error."""
         if event in _FILES:
             path, kinds = _FILES[event](*arguments)
             if own_frame(sys._getframe(2)) is not None:
                 self._note(path, kinds)
 
-    def connected(self, database, *_args, **_kwds):
+    def connected(self, database: Any, *_args: Any, **_kwds: Any) -> None:
         """Note the file of a database. Our replacement of sqlite3.connect calls this with the program's arguments."""
         self._note(*_database(database))
 
-    def _note(self, path, kinds):
+    def _note(self, path: str, kinds: Any) -> None:
         if path is None or told.is_over():
             return
         try:
@@ -56,13 +62,13 @@ class Files:
                 self._noted[kind, text] = True
                 self._say((kind, text))
 
-    def _say(self, note):
+    def _say(self, note: Any) -> None:
         if self._participant is not None:
             add = self._participant.add_aside if told.is_ordered() else self._participant.add
             add(wire.note(*note))
 
 
-def _text(path):
+def _text(path: str) -> Any:
     """Return a path, which may be any bytes, as a text that can be sent. Programs in C++ do the same."""
     name = os.fsencode(path)
     try:
@@ -71,7 +77,7 @@ def _text(path):
         return name.decode('ascii', 'backslashreplace')
 
 
-def _path(given):
+def _path(given: Any) -> Any:
     """Return a given path as a text; None if it is not a path, but for example the number of an open file."""
     try:
         return os.fsdecode(given)
@@ -79,7 +85,7 @@ def _path(given):
         return None
 
 
-def _opened(given, mode, flags):
+def _opened(given: Any, mode: str, flags: Any) -> Any:
     """Return (path or None, kinds of note) for open() and os.open().
 
     A file that is missing is noted, too, since another run may find it.
@@ -92,13 +98,13 @@ def _opened(given, mode, flags):
     return path, _BOTH if access == os.O_RDWR else _WRITES if access else _READS
 
 
-def _renamed(_source, to, _source_folder=-1, folder=-1):
+def _renamed(_source: Any, to: Any, _source_folder: int = -1, folder: int = -1) -> Any:
     """Return (path or None, kinds of note) for os.rename(): the new name counts as written."""
     path = _path(to)
     return (path if path is None or folder == -1 or os.path.isabs(path) else None), _WRITES
 
 
-def _database(given, *_others):
+def _database(given: Any, *_others: Any) -> Any:
     """Return (path or None, kinds of note) for sqlite3.connect(), which takes a path or a URI."""
     path = _path(given)
     if path in (None, '', _IN_MEMORY):
@@ -112,7 +118,7 @@ def _database(given, *_others):
 
 
 #: {event of sys.audit: function of its arguments that returns (path or None, kinds of note)}
-_FILES = {'open': _opened, 'os.rename': _renamed, 'sqlite3.connect': _database}
+_FILES: Dict[str, Any] = {'open': _opened, 'os.rename': _renamed, 'sqlite3.connect': _database}
 
 #: the files of this process
 files = Files()

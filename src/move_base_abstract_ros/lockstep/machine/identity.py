@@ -4,10 +4,13 @@ Threads without a name get numbers as the program makes them; rospy's own thread
 are not counted. A pool has as many threads as on a computer with :data:`CORES` cores. Records of the program's log have
 the run's date.
 """
+from __future__ import annotations
+
 import itertools
 import os
 import sys
 import threading
+from typing import Any, Callable, Union
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.machine_view import DATE, UPTIME
@@ -22,7 +25,7 @@ _THREADS = 'Thread-%d'
 _FOREIGN = ('rospy.impl.', 'rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'move_base_abstract_ros.')
 
 
-def install(clocks):
+def install(clocks: Any) -> None:
     """Install the replacements, before the program's first line runs. ``clocks`` are the clocks that it sees."""
     replace('threading._newname', _Names)
     for name in ('os.cpu_count', 'os.process_cpu_count'):
@@ -34,24 +37,24 @@ def install(clocks):
 class _Names:
     """Makes the names of threads that are made without one."""
 
-    def __init__(self, machine):
+    def __init__(self, machine: Callable[..., Any]) -> None:
         self._machine = machine
         self._numbers = itertools.count(1)
 
-    def __call__(self, template=_THREADS):
+    def __call__(self, template: str = _THREADS) -> str:
         is_counted = template == _THREADS and told.is_ordered() and not _is_foreign(sys._getframe(1))
         return template % next(self._numbers) if is_counted else self._machine(template)
 
 
-def _is_foreign(frame):
+def _is_foreign(frame: Any) -> bool:
     """Return whether the code that makes a thread is that of a module whose threads come and go by the wall clock."""
     while frame is not None and frame.f_globals.get('__name__') == threading.__name__:
         frame = frame.f_back
     return frame is None or (frame.f_globals.get('__name__') or '').startswith(_FOREIGN)
 
 
-def _recording(make, clocks):
-    def record(*args, **kwds):
+def _recording(make: Any, clocks: Any) -> Callable[..., Any]:
+    def record(*args: Union[int, str], **kwds: Any) -> Any:
         made = make(*args, **kwds)
         if told.is_ordered() and sees_run(_Source(made.pathname)):
             now_ns = clocks.now(DATE)
@@ -65,6 +68,6 @@ def _recording(make, clocks):
 class _Source:
     """Stands in for a frame of which only the file is known."""
 
-    def __init__(self, filename):
+    def __init__(self, filename: str) -> None:
         self.f_code = self
         self.co_filename = filename

@@ -5,10 +5,13 @@ and ctypes call. This module is its Python side. It tells the library the time a
 it, and reports at the end of a turn what the library has noticed. The numbers that both sides read and write lie in the
 library's memory.
 """
+from __future__ import annotations
+
 import atexit
 import ctypes
 import os
 import sys
+from typing import TYPE_CHECKING, Any
 
 import rospy
 
@@ -19,6 +22,9 @@ from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
 from ..code.labels import told
 from ..code.own_code import is_library
 from ..programs import native_library
+
+if TYPE_CHECKING:
+    from ..participation.taking_part import Participant
 
 #: numbers of the library, in the order of src/python_shim/run.h
 _NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _CELLS = range(11)
@@ -53,18 +59,19 @@ ABSENT = ('the library that stands in front of libc for extension modules is not
 class Native:
     """The Python side of the library. Without the library it does nothing."""
 
-    def __init__(self):
-        self._library = ctypes.PyDLL(None) if native_library.is_loaded() else None
-        self.cells = None if self._library is None else self._find_cells()
-        self._sleep = self._callback = None
+    def __init__(self) -> None:
+        self._library: Any = ctypes.PyDLL(None) if native_library.is_loaded() else None
+        self.cells: Any = None if self._library is None else self._find_cells()
+        self._sleep: Any = None
+        self._callback: Any = None
         self._told = 0
 
-    def _find_cells(self):
+    def _find_cells(self) -> memoryview:
         find = self._library.move_base_abstract_native_cells
         find.restype = ctypes.c_void_p
         return memoryview((ctypes.c_int64 * _CELLS).from_address(find())).cast('B').cast('q')
 
-    def install(self, text, clocks, sleep):
+    def install(self, text: str, clocks: Any, sleep: Any) -> None:
         """Make libraries see the run's time and chance from now on. Call this in the main thread.
 
         :param text: the seed and the node's name.
@@ -85,10 +92,10 @@ class Native:
         self.cells[_MAY_CALL] = self.cells[_IS_FOLLOWED] = 1
         atexit.register(self._end)
 
-    def _end(self):
+    def _end(self) -> None:
         self.cells[_MAY_CALL] = 0
 
-    def follow(self, participant):
+    def follow(self, participant: Participant) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         if participant is None:
             if self.cells is not None:
@@ -102,20 +109,20 @@ class Native:
         participant.last_words.append(self._tell)
 
     @property
-    def is_there(self):
+    def is_there(self) -> bool:
         """Whether this process has the library."""
         return self.cells is not None
 
-    def slept_ns(self):
+    def slept_ns(self) -> Any:
         """Return a sequence of one number, which both sides use: how far the clocks have gone on by themselves [ns]."""
         return [0] if self.cells is None else self.cells[_SLEPT:_SLEPT + 1]
 
-    def _thread_changes(self, begins):
+    def _thread_changes(self, begins: bool) -> None:
         """Tell the library that the calling thread begins to take turns, or ends to."""
         self.cells[_EPOCH] = _AS_NODE
         self._library.move_base_abstract_native_enter(int(begins))
 
-    def _wait(self, duration_ns):
+    def _wait(self, duration_ns: int) -> int:
         """Sleep for a library, in the thread that has the turn. The library calls this. Return 1 if it was interrupted.
 
         A negative ``duration_ns`` means that the library looks at a clock again and again.
@@ -130,7 +137,7 @@ class Native:
             return 1
         return 0
 
-    def _tell(self):
+    def _tell(self) -> None:
         """Label the run for the library's new notices."""
         while self._told < self.cells[_NOTICES]:
             path, offset = ctypes.create_string_buffer(_PATH_SIZE), ctypes.c_size_t()
@@ -142,7 +149,7 @@ class Native:
             _tell(what, os.fsdecode(path.value), offset.value)
 
 
-def _tell(what, path, offset):
+def _tell(what: Any, path: str, offset: Any) -> None:
     participant = told.participant
     if what in _OF_OWN and (not path or path.startswith(_SYSTEMS) or is_library(os.path.realpath(path))):
         return
@@ -154,7 +161,7 @@ def _tell(what, path, offset):
     participant.label(text)
 
 
-def _look_away(step_ns):
+def _look_away(step_ns: int) -> None:
     """Let simulated time go on by ``step_ns`` [ns], since a library looks at a clock again and again."""
     participant = told.participant
     try:
@@ -166,13 +173,13 @@ def _look_away(step_ns):
     native.cells[_SLEPT] += step_ns
 
 
-def _thread_interrupt():
+def _thread_interrupt() -> None:
     """Make Python raise KeyboardInterrupt again when the library returns to it."""
     import _thread
     _thread.interrupt_main()
 
 
-def _limit():
+def _limit() -> float:
     """Return how long a thread may compute between two of its waits [s of the processor]."""
     try:
         limit = float(os.environ.get(_LIMIT, _DEFAULT_LIMIT))

@@ -3,8 +3,11 @@
 SQLite's functions for them are replaced in each connection by functions of this module. Those for dates pass calls that
 are not about the present on to SQLite itself.
 """
+from __future__ import annotations
+
 import datetime
 import sys
+from typing import Any, Callable
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.machine_view import DATE
@@ -18,18 +21,18 @@ _DATES = ('date', 'time', 'datetime', 'julianday', 'unixepoch')
 _NOW = 'now'
 
 
-def install(clocks, draw):
+def install(clocks: Any, draw: Callable[..., Any]) -> None:
     """Replace sqlite3.connect as soon as sqlite3 is imported. ``draw(size)`` returns bytes of the run's chance."""
     when_imported('sqlite3', lambda: _install(_Functions(clocks, draw)))
 
 
-def _install(functions):
+def _install(functions: Any) -> None:
     for name in ('sqlite3.connect', 'sqlite3.dbapi2.connect'):
         replace(name, lambda connect: _connecting(connect, functions))
 
 
-def _connecting(connect, functions):
-    def connect_(*args, **kwds):
+def _connecting(connect: Any, functions: Any) -> Any:
+    def connect_(*args: Any, **kwds: Any) -> Any:
         made = connect(*args, **kwds)
         if own_frame(sys._getframe(1)) is not None:
             functions.give(made, connect)
@@ -41,11 +44,11 @@ def _connecting(connect, functions):
 class _Functions:
     """The replacements of the functions of SQLite that ask the machine."""
 
-    def __init__(self, clocks, draw):
+    def __init__(self, clocks: Any, draw: Any) -> None:
         self._clocks, self._draw = clocks, draw
-        self._plain = None
+        self._plain: Any = None
 
-    def give(self, connection, connect):
+    def give(self, connection: Any, connect: Any) -> None:
         """Install the replacements in a connection."""
         if self._plain is None:
             self._plain = connect(':memory:', check_same_thread=False)
@@ -59,12 +62,12 @@ class _Functions:
             made(name, -1, self._dating(name, 0), deterministic=True)
         made('strftime', -1, self._dating('strftime', 1), deterministic=True)
 
-    def _present(self):
+    def _present(self) -> Any:
         return datetime.datetime.fromtimestamp(self._clocks.now(DATE) / NS_PER_S, datetime.timezone.utc)
 
-    def _dating(self, name, place):
+    def _dating(self, name: str, place: Any) -> Any:
         """Return the replacement of the date function ``name``; its instant is the argument at ``place``."""
-        def function(*given):
+        def function(*given: Any) -> Any:
             words = list(given)
             if len(words) == place:
                 words.append(_NOW)

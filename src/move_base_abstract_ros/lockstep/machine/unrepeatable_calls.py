@@ -3,6 +3,8 @@
 These are other processes, connections and devices, figures about the processor and the machine, waits in the kernel,
 and addresses. Only calls of the program's own code count, not those that ROS or Python's library make for themselves.
 """
+from __future__ import annotations
+
 import builtins
 import getpass  # noqa: F401 - replaced by name, as the others
 import os
@@ -16,6 +18,7 @@ import sys
 import threading
 import time
 import types
+from typing import Any, Callable, List, Optional, Sequence, Tuple, Union
 
 import rosgraph
 import rospy
@@ -82,7 +85,7 @@ _FOLLOWED_OF_C = frozenset((
     'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf', 'arc4random_uniform'))
 
 
-def install():
+def install() -> None:
     """Begin to watch, before the program's first line runs, and after its clocks are installed."""
     replace('os.sched_getaffinity', own_cores.seen)
     replace('os.sched_setaffinity', own_cores.chosen)
@@ -103,7 +106,7 @@ def install():
     sys.addaudithook(_audit)
 
 
-def hand_on(clocks):
+def hand_on(clocks: Any) -> None:
     """Replace functions made in C, such as ``id``, where the program's own code names them.
 
     ``clocks`` are the clocks that the program sees.
@@ -113,8 +116,8 @@ def hand_on(clocks):
     setattr(builtins, HASHED, _hashed)
 
 
-def _telling(function, name, why):
-    def call(*args, **kwds):
+def _telling(function: Any, name: str, why: str) -> Callable[..., Any]:
+    def call(*args: Any, **kwds: Any) -> Union[List[Any], int]:
         frame = sys._getframe(1)
         if is_own(frame):
             told.tell(frame, name, why)
@@ -122,10 +125,10 @@ def _telling(function, name, why):
     return call
 
 
-def _asking_parameter(getitem):
+def _asking_parameter(getitem: Callable[..., Any]) -> Callable[..., Any]:
     """Return ``MasterProxy.__getitem__`` that labels the run for parameters that roslaunch sets anew in each run."""
-    def get(self, key):
-        frame = sys._getframe(1)
+    def get(self: Any, key: str) -> Any:
+        frame: Any = sys._getframe(1)
         while frame is not None and not is_own(frame):
             frame = frame.f_back
         _tell_of_roslaunch(rospy.resolve_name(key), frame)
@@ -133,10 +136,10 @@ def _asking_parameter(getitem):
     return get
 
 
-def _asking_master(get_param):
+def _asking_master(get_param: Callable[..., Any]) -> Callable[..., Any]:
     """Return ``Master.getParam`` of rosgraph that does the same; calls of ROS and of this package do not count."""
-    def getParam(self, key):  # noqa: N802
-        frame = sys._getframe(1)
+    def getParam(self: Any, key: str) -> Any:  # noqa: N802
+        frame: Any = sys._getframe(1)
         while frame.f_globals.get('__name__') == 'rosparam':
             frame = frame.f_back
         if is_own(frame):
@@ -145,14 +148,14 @@ def _asking_master(get_param):
     return getParam
 
 
-def _tell_of_roslaunch(name, frame):
+def _tell_of_roslaunch(name: str, frame: Any) -> None:
     if name in ('/', '/run_id') or (name + '/').startswith('/roslaunch/'):
         told.tell(frame, 'rospy.get_param', 'of {}: roslaunch sets another one in each run'.format(name))
 
 
-def _spawning(fork_exec):
+def _spawning(fork_exec: Callable[..., Any]) -> Callable[..., Any]:
     """Return ``fork_exec`` that labels the run for processes of multiprocessing; for subprocess, sys.audit does it."""
-    def call(*args):
+    def call(*args: Any) -> Any:
         frame = sys._getframe(1)
         if frame.f_globals.get('__name__') != 'subprocess':
             told.tell(own_frame(frame), '_posixsubprocess.fork_exec', _PROCESS)
@@ -161,9 +164,10 @@ def _spawning(fork_exec):
     return call
 
 
-def _selecting(select_):
+def _selecting(select_: Callable[..., Any]) -> Callable[..., Any]:
     """Return ``select.select`` that labels the run; without any file it is a sleep."""
-    def call(rlist, wlist, xlist, timeout=None, /):
+    def call(rlist: Sequence[Any], wlist: Sequence[Any], xlist: Sequence[Any], timeout: Optional[float] = None,
+             /) -> Tuple[List[Any], List[Any], List[Any]]:
         frame = sys._getframe(1)
         if is_own(frame):
             if timeout is not None and isinstance(rlist, (list, tuple)) and not (rlist or wlist or xlist):
@@ -174,15 +178,15 @@ def _selecting(select_):
     return call
 
 
-def _listing(listdir):
+def _listing(listdir: Callable[..., Any]) -> Callable[..., Any]:
     """Return ``os.listdir`` that sorts the names; otherwise their order is the file system's."""
-    def in_order(path='.'):
+    def in_order(path: str = '.') -> List[str]:
         _tell_of_device(path, sys._getframe(1))
         return sorted(listdir(path))
     return in_order
 
 
-def _tell_of_device(path, frame):
+def _tell_of_device(path: str, frame: Any) -> None:
     path = os.fsdecode(path) if isinstance(path, (bytes, os.PathLike)) else path
     if isinstance(path, str) and (path + '/').startswith(_DEVICES) and not path.startswith(_HARMLESS):
         told.tell(own_frame(frame), 'open', 'of {}: what the machine says there differs from run to run'.format(path))
@@ -191,29 +195,29 @@ def _tell_of_device(path, frame):
 class _Scan:
     """Replaces the result of os.scandir, with the entries in the order of their names."""
 
-    def __init__(self, entries):
+    def __init__(self, entries: Any) -> None:
         with entries:
             self._entries = iter(sorted(entries, key=lambda entry: entry.name))
 
-    def __iter__(self):
+    def __iter__(self) -> Any:
         return self
 
-    def __next__(self):
+    def __next__(self) -> Any:
         return next(self._entries)
 
-    def __enter__(self):
+    def __enter__(self) -> _Scan:
         return self
 
-    def __exit__(self, *_error):
+    def __exit__(self, *_error: Any) -> None:
         self.close()
 
-    def close(self):
+    def close(self) -> None:
         """Close it, as the result of os.scandir."""
         self._entries = iter(())
 
 
-def _scanning(scandir):
-    def in_order(path='.'):
+def _scanning(scandir: Callable[..., Any]) -> Callable[..., Any]:
+    def in_order(path: str = '.') -> _Scan:
         _tell_of_device(path, sys._getframe(1))
         return _Scan(scandir(path))
     return in_order
@@ -222,7 +226,7 @@ def _scanning(scandir):
 _IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
 
 
-def _audit(event, arguments):
+def _audit(event: Any, arguments: Any) -> None:
     files.audit(event, arguments)
     if event in EVENTS:
         told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
@@ -241,10 +245,10 @@ def _audit(event, arguments):
 class _Asking:
     """Replaces names of C functions in the program's own code."""
 
-    def __init__(self, clocks):
+    def __init__(self, clocks: Any) -> None:
         self._clocks = clocks
 
-    def ask(self, what):
+    def ask(self, what: Any) -> Callable[..., Any]:
         """Return what the program gets instead of ``what``."""
         kind = type(what)
         if kind is types.BuiltinFunctionType:
@@ -264,19 +268,19 @@ class _Asking:
 _id, _hash = id, hash
 
 
-def _file_time(value):
+def _file_time(value: Any) -> Any:
     if type(value) in (int, float):
         told.tell(sys._getframe(1), 'os.stat', _WRITTEN)
     return value
 
 
-def _hashed(value):
+def _hashed(value: Any) -> Any:
     if is_hashed_by_address(value):
         told.tell(sys._getframe(1), 'hash', _ADDRESS)
     return value
 
 
-def _hash_of(value, /):
+def _hash_of(value: Any, /) -> Any:
     if is_hashed_by_address(value):
         told.tell(own_frame(sys._getframe(1)), 'hash', _ADDRESS)
     return _hash(value)

@@ -4,10 +4,13 @@ The other nodes may be held in their own init_node until this program takes part
 not offered, a question to the ROS master gets an answer by chance, and time stands still for ever. So the first such
 call makes the program take part. All that it has done until then, and init_node itself, belong to its first round.
 """
+from __future__ import annotations
+
 import atexit
 import socket
 import threading
 from contextlib import ExitStack
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Union
 
 import rosgraph
 import rospy
@@ -33,17 +36,17 @@ class Early:
     ``name`` is the node's name, '' if it is not known; ``join(name, uri)`` takes part.
     """
 
-    def __init__(self, name, join):
+    def __init__(self, name: str, join: Callable[..., Any]) -> None:
         self._name = name
         self._join = join
         self._stack = ExitStack()
-        self._reserved = None
+        self._reserved: Any = None
         self._uri = ''
-        self._looks = {}
+        self._looks: Dict[Any, Any] = {}
         self._is_told = False
         self._is_over = False
 
-    def install(self):
+    def install(self) -> None:
         """Begin to watch for calls that wait for other nodes."""
         enter = self._stack.enter_context
         enter(replaced_within(tcpros_service.wait_for_service, lambda wait: self._before(
@@ -53,19 +56,19 @@ class Early:
         for function in (rospy.client.get_param, rospy.client.has_param):
             enter(replaced_within(function, lambda look, function=function: self._looking(function, look)))
 
-    def _before(self, what, present, original):
-        def call(*args, **kwds):
+    def _before(self, what: str, present: Callable[..., Any], original: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: str, **kwds: Any) -> Any:
             return (present() if self.take_part(what) else original)(*args, **kwds)
         return call
 
-    def _looking(self, function, original):
-        def look(name, *args, **kwds):
+    def _looking(self, function: Callable[..., Any], original: Callable[..., Any]) -> Callable[..., Any]:
+        def look(name: str, *args: Union[Sequence[Any], bool, str], **kwds: Any) -> Union[List[str], bool, str]:
             self._looks[name] = self._looks.get(name, 0) + 1
             is_loop = self._looks[name] > _LOOKS and self.take_part('a loop that looks at parameter {}'.format(name))
             return (function if is_loop else original)(name, *args, **kwds)
         return look
 
-    def take_part(self, what):
+    def take_part(self, what: str) -> bool:
         """Take part now, before the call ``what``; return whether that was possible.
 
         It is possible once, in the main thread, if the node's name is known.
@@ -81,19 +84,19 @@ class Early:
         atexit.register(lambda: rospy.core.is_initialized() or rospy.signal_shutdown('the program has ended'))
         return True
 
-    def end(self):
+    def end(self) -> None:
         """Stop watching, since the program takes part."""
         self._is_over = True
         self._stack.close()
 
-    def _tell(self, what):
+    def _tell(self, what: str) -> None:
         if not self._is_told:
             self._is_told = True
             rospy.logwarn('lockstep: %s comes before rospy.init_node, in a program whose name is not known yet. If it '
                           'waits for a participant, that participant waits for this program, and time stands still: '
                           'give the program __name:=NAME, or call rospy.init_node first', what)
 
-    def _reserve_address(self):
+    def _reserve_address(self) -> None:
         """Reserve a port for the node's XML-RPC server, so that its address is known now."""
         family = socket.AF_INET6 if network.use_ipv6() else socket.AF_INET
         self._reserved = socket.socket(family, socket.SOCK_STREAM)
@@ -101,7 +104,7 @@ class Early:
         self._reserved.bind((network.get_bind_address(), 0))
         self._uri = network.create_local_xmlrpc_uri(self._reserved.getsockname()[1])
 
-    def init_node(self, init_node, args, kwds):
+    def init_node(self, init_node: Callable[..., Any], args: Tuple[str], kwds: Mapping[Any, Any]) -> None:
         """Call ``init_node``, with the reserved port if there is one.
 
         :raises rospy.ROSInitException: if the node has another name or address than the one that takes part.
@@ -121,7 +124,7 @@ class Early:
             raise rospy.ROSInitException('{} takes part in lockstep since before rospy.init_node, with the address {}; '
                                          'now it is {} with {}'.format(self._name, self._uri, *there))
 
-    def program_has_ended(self, code):
+    def program_has_ended(self, code: int) -> None:
         """Tell the time master, if it waits for this program, that the program has ended before it took part.
 
         ``code`` is the exit code.
@@ -133,7 +136,7 @@ class Early:
         except (OSError, Closed, rosgraph.MasterException, KeyError, ValueError):
             pass  # there is no time master to be told
 
-    def _say_goodbye(self, reason):
+    def _say_goodbye(self, reason: str) -> None:
         named = rospy.get_param('/time_master/participants', [])
         if not isinstance(named, list) or self._name.strip('/') not in [str(name).strip('/') for name in named]:
             return

@@ -3,6 +3,8 @@
 If it has lost the run, it ends with an error, whatever its main thread returns. Threads that only wait for others do
 not keep it alive.
 """
+from __future__ import annotations
+
 import atexit
 import logging
 import os
@@ -10,6 +12,7 @@ import select
 import sys
 import threading
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Type, Union
 
 import rospy
 
@@ -19,6 +22,9 @@ from ...process.process_end import leave
 from ...replacing.replaced import replace
 from ..failing import uncaught
 from ..waiting.waits import replace_within
+
+if TYPE_CHECKING:
+    from .taking_part import Participant
 
 _OWN_SIGNAL_SECONDS = 1.0  # wall; a program that ends all processes may have ended the time master before this one
 _STUCK_SECONDS = 5.0  # wall
@@ -34,18 +40,18 @@ _state = SimpleNamespace(code=None, ending=None, is_watched=False)
 _INTERRUPTS = ('signal-', 'keyboard interrupt')
 
 
-def install(participant):
+def install(participant: Participant) -> None:
     """Make the process leave the run in an orderly way when its main thread has ended."""
-    def shutdown(original):
-        def _shutdown():
+    def shutdown(original: Callable[..., Any]) -> Callable[..., Any]:
+        def _shutdown() -> None:
             """Wait for the application's threads. Python calls this when the main thread has ended."""
             _end_executors()
             _await_others(participant)
             original()
         return _shutdown
 
-    def excepthook(original):
-        def _excepthook(kind, error, trace):
+    def excepthook(original: Callable[..., Any]) -> Callable[..., Any]:
+        def _excepthook(kind: Union[Type[Any], Type[TurnLost]], error: Any, trace: Any) -> None:
             """Show an uncaught error, but not TurnLost: the end of lockstep is no error of the application."""
             if issubclass(kind, TurnLost) and _state.code is None:
                 _state.code = 0  # the run is over, as wished, and that is no error of the program either
@@ -56,8 +62,8 @@ def install(participant):
                 original(kind, error, trace)
         return _excepthook
 
-    def signal_shutdown(original):
-        def _signal_shutdown(reason):
+    def signal_shutdown(original: Callable[..., Any]) -> Callable[..., Any]:
+        def _signal_shutdown(reason: str) -> None:
             if _REPLACED in str(reason):
                 _fail('another node of its name has taken its place: {}'.format(reason))
             if str(reason).startswith(_INTERRUPTS) or not participant.scheduler.is_mine():
@@ -71,7 +77,7 @@ def install(participant):
     replace('sys.excepthook', excepthook)
 
 
-def end_node(reason, as_wished):
+def end_node(reason: str, as_wished: bool) -> None:
     """Shut the node down, in another thread, because the run is over for it. For any thread.
 
     If the run is not over ``as_wished``, that is an error, unless a signal ends this process at the same time.
@@ -80,7 +86,7 @@ def end_node(reason, as_wished):
     threading.Thread.start(_state.ending)
 
 
-def _end_node(reason, as_wished):
+def _end_node(reason: str, as_wished: bool) -> None:
     if not as_wished:
         _await_own_signal()
     if not rospy.core.is_shutdown_requested():
@@ -92,19 +98,19 @@ def _end_node(reason, as_wished):
     end_what_is_stuck()
 
 
-def _await_own_signal():
+def _await_own_signal() -> None:
     for _ in range(int(_OWN_SIGNAL_SECONDS / _LOOK_SECONDS)):
         if rospy.core.is_shutdown_requested():
             return
         select.select([], [], [], _LOOK_SECONDS)
 
 
-def _fail(reason):
+def _fail(reason: str) -> None:
     _state.code = 1
     rospy.logfatal('%s: %s', rospy.get_name(), reason)
 
 
-def exit_code():
+def exit_code() -> Optional[int]:
     """Return the code with which the process must end, or None for the program's own code."""
     if _state.ending is not None:
         _state.ending.join(_OWN_SIGNAL_SECONDS + _STUCK_SECONDS)
@@ -112,7 +118,7 @@ def exit_code():
 
 
 @atexit.register
-def _leave_with_code():
+def _leave_with_code() -> None:
     """End the process with :func:`exit_code`, if there is one. Python itself cannot change its code at this point."""
     code = exit_code()
     if code is not None:
@@ -120,14 +126,14 @@ def _leave_with_code():
         leave(code)
 
 
-def end_what_is_stuck():
+def end_what_is_stuck() -> None:
     """Watch the process from now on, and end it when only threads that wait for others keep it alive."""
     if not _state.is_watched:
         _state.is_watched = True
         threading.Thread.start(threading.Thread(target=_end_what_is_stuck, daemon=True))
 
 
-def _end_what_is_stuck():
+def _end_what_is_stuck() -> None:
     looks = 0
     while looks * _LOOK_SECONDS < _STUCK_SECONDS:
         select.select([], [], [], _LOOK_SECONDS)
@@ -138,12 +144,12 @@ def _end_what_is_stuck():
           'is ended: {}'.format(rospy.get_name(), _STUCK_SECONDS, ', '.join(waiting)))
 
 
-def _waiting():
+def _waiting() -> Tuple[List[str], List[str]]:
     """Return (threads that keep the process alive, those of them that wait), each as a text with name and place."""
     frames = sys._current_frames()
     alive, waiting = [], []
     for thread in threading.enumerate():
-        inner = frames.get(thread.ident)
+        inner = frames.get(thread.ident or 0)
         frame = inner
         while frame is not None and os.path.basename(frame.f_code.co_filename) in _WAITING:
             frame = frame.f_back
@@ -155,7 +161,7 @@ def _waiting():
     return alive, waiting
 
 
-def _end_executors():
+def _end_executors() -> None:
     """Call the functions that Python calls first at its end. They end the threads of executors, which wait for work."""
     hooks = getattr(threading, '_threading_atexits', [])
     while hooks:
@@ -165,7 +171,7 @@ def _end_executors():
             pass
 
 
-def _await_others(participant):
+def _await_others(participant: Participant) -> None:
     scheduler = participant.scheduler
     if not scheduler.is_mine():
         return

@@ -4,24 +4,30 @@ SIGTERM ends it, like any process that handles no signals. Otherwise it would in
 process. ``with multiprocessing.Pool()`` ends its workers by SIGTERM: with rospy's handler it would sometimes wait for
 them for ever (without lockstep, too), and the run with it.
 """
+from __future__ import annotations
+
 import os
 import signal
 import threading
+from typing import TYPE_CHECKING
 
 import rospy.core
 
+if TYPE_CHECKING:
+    from .taking_part import Participant
 
-def install(participant):
+
+def install(participant: Participant) -> None:
     """Make a forked child drop the connection and rospy's signal handler; the parent keeps both."""
     before = threading.local()
 
-    def hold():
+    def hold() -> None:
         before.mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
 
-    def go_on():
+    def go_on() -> None:
         signal.pthread_sigmask(signal.SIG_SETMASK, before.mask)
 
-    def let_go():
+    def let_go() -> None:
         participant.scheduler.abandon()
         participant.connection.forget()
         if getattr(signal.getsignal(signal.SIGTERM), '__module__', None) == rospy.core.__name__:

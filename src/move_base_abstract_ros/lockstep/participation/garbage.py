@@ -3,8 +3,11 @@
 The number of objects depends on what rospy's threads do by the wall clock. So it would depend on the wall clock when
 ``__del__`` of an object in a cycle, or the callback of a weak reference, is called. Rounds are the same in each run.
 """
+from __future__ import annotations
+
 import gc
 from types import SimpleNamespace
+from typing import Any, Callable, List
 
 from ...replacing.replaced import replace
 
@@ -14,7 +17,7 @@ _EVERY = ((16384, 2), (1024, 1), (64, 0))
 _state = SimpleNamespace(is_ours=False, is_wanted=True, rounds=0)
 
 
-def install():
+def install() -> None:
     """Collect garbage by rounds from now on. The program can still switch that off and on by gc.disable and enable."""
     gc.disable()
     _state.is_ours = True
@@ -22,7 +25,7 @@ def install():
     replace('gc.enable', lambda _enable: _go_on)
 
 
-def due():
+def due() -> List[Callable[..., Any]]:
     """Count one more round; return the functions to be called in it: [] or one that collects."""
     if not _state.is_ours:
         return []
@@ -33,11 +36,11 @@ def due():
     return [lambda: gc.collect(generation)]
 
 
-def _stop():
+def _stop() -> None:
     """Stand in for gc.disable."""
     _state.is_wanted = False
 
 
-def _go_on():
+def _go_on() -> None:
     """Stand in for gc.enable."""
     _state.is_wanted = True

@@ -1,7 +1,10 @@
 """How a node joins the run: ``lockstep.join`` and its two halves."""
+from __future__ import annotations
+
 import os
 import time
 from types import SimpleNamespace
+from typing import Any, Optional
 
 import rosgraph
 import rospy
@@ -24,12 +27,12 @@ from .taking_part import Participant
 _state = SimpleNamespace(joined=None)
 
 
-def participant():
+def participant() -> Optional[Participant]:
     """Return this process's :class:`Participant`, or None if it has not joined."""
     return _state.joined
 
 
-def join(rank=None, own_threads=True):
+def join(rank: Optional[int] = None, own_threads: bool = True) -> Participant:
     """Take part in lockstep; return the :class:`Participant`, or None if the time master is not in lockstep.
 
     Call this after ``rospy.init_node``, before topics, threads and locks are made. (Topics that exist already are
@@ -48,7 +51,7 @@ def join(rank=None, own_threads=True):
     return joining
 
 
-def take_part(name, uri, rank, own_threads=True):
+def take_part(name: str, uri: str, rank: Optional[int], own_threads: bool = True) -> Participant:
     """Take part as the node ``name`` with the address ``uri``; this is the first half of :func:`join`.
 
     The node may not exist yet. If ``rank`` is None, the parameter ``lockstep_rank`` counts.
@@ -80,14 +83,14 @@ def take_part(name, uri, rank, own_threads=True):
     return joining
 
 
-def _follow_master_calls(joining, asks):
+def _follow_master_calls(joining: Any, asks: bool) -> None:
     """Order the setting and reading of parameters by the rounds; if ``asks``, also questions about nodes and topics."""
     master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
     joining.parameters = Parameters(joining, master)
     calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **joining.parameters.answers()})
 
 
-def node_is_there(joining):
+def node_is_there(joining: Participant) -> None:
     """Finish :func:`join` when ``rospy.init_node`` has returned; this is its second half."""
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
@@ -95,7 +98,7 @@ def node_is_there(joining):
     _warn(joining)
 
 
-def _warn(joined):
+def _warn(joined: Participant) -> None:
     if replaced.unknown():
         rospy.logwarn('%s: %s', rospy.get_name(), replaced.unknown())
     if not rospy.get_param('/use_sim_time', False):

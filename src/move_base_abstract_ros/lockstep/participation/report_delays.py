@@ -6,10 +6,13 @@ at most MILLISECONDS. The seed and the node's name determine which reports these
 ``MOVE_BASE_ABSTRACT_FIRST_TURNS`` is COUNT:MILLISECONDS. Each of the first COUNT turns then begins MILLISECONDS later,
 so that calls of several nodes to the ROS master at one instant come in another order.
 """
+from __future__ import annotations
+
 import os
 import random
 import re
 from time import sleep  # the real one, by the wall clock: the launcher replaces the name in the module
+from typing import Any
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
@@ -20,7 +23,7 @@ ONE_IN = 16
 _FORM = re.compile(r'([0-9]{1,9}):([0-9]{1,4})\Z', re.ASCII)
 
 
-def _read(name, variable, form):
+def _read(name: str, variable: str, form: str) -> Any:
     """Return (first number as a text, seconds) of an environment variable, or None if it is not set.
 
     :raises ConfigurationError: if it has another form than ``form``.
@@ -35,7 +38,7 @@ def _read(name, variable, form):
     return found.group(1), int(found.group(2)) * 1e-3
 
 
-def make_delay(name):
+def make_delay(name: str) -> Any:
     """Return a function that delays some reports of the node ``name``; None if no delays are asked for.
 
     :raises ConfigurationError: if the environment variable has another form.
@@ -45,13 +48,13 @@ def make_delay(name):
         return None
     chance = random.Random('{}:{}'.format(found[0], name))
 
-    def delay():
+    def delay() -> None:
         if chance.randrange(ONE_IN) == 0:
             sleep(chance.random() * found[1])
     return delay
 
 
-def make_beginning(name):
+def make_beginning(name: str) -> Any:
     """Return a function to be called in each turn of the node ``name``, which delays the first turns.
 
     Return None if no delays are asked for.
@@ -63,7 +66,7 @@ def make_beginning(name):
         return None
     left = [int(found[0])]
 
-    def begin():
+    def begin() -> None:
         if left[0] > 0:
             left[0] -= 1
             sleep(found[1])

@@ -2,6 +2,10 @@
 
 With a window (:mod:`move_base_abstract.lockstep.window`) it goes through several turns by itself before it reports.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
@@ -15,6 +19,11 @@ from . import finish, garbage
 from .report_delays import make_beginning, make_delay
 from .rospy_time import set_rostime
 
+if TYPE_CHECKING:
+    from ...clocks.lockstep_clock import LockstepClock
+    from ..exchange.connection import Connection
+    from .taking_part import Participant
+
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 
 
@@ -24,37 +33,38 @@ class Rounds:
     ``last_words`` are functions that are called when a turn is over, before it is reported.
     """
 
-    def __init__(self, participant, connection, charge):
+    def __init__(self, participant: Participant, connection: Connection, charge: Any) -> None:
         self.scheduler = Scheduler(self)
         self.charge = charge
         self.window = Window()
-        self.last_words = []
+        self.last_words: List[Any] = []
         self.number = 0
         self.is_granted = self.is_at_rest = False
         self.is_starting = True
         self._participant = participant
         self._connection = connection
-        self._items = []
+        self._items: List[Any] = []
         self._is_charged = type(charge) is not NoCharge
-        self._foresight = self._source_is_background = None
+        self._foresight: Any = None
+        self._source_is_background: Any = None
         self._has_mail = False
         self._told = ''
         self._delay = self._begin = None
-        self._handlers = {}
+        self._handlers: Dict[Any, Any] = {}
 
-    def prepare(self, name):
+    def prepare(self, name: str) -> None:
         """Read how reports of the node ``name`` are delayed, before it says hello.
 
         :raises ConfigurationError: if an environment variable for that has a wrong form.
         """
         self._delay, self._begin = make_delay(name), make_beginning(name)
 
-    def begin(self, handlers):
+    def begin(self, handlers: Mapping[int, Callable[..., Any]]) -> None:
         """Wait for the first grant; ``handlers`` is {kind of a grant's item: function that handles it}."""
         self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
         self.await_grant()
 
-    def set_source(self, source, foresees):
+    def set_source(self, source: LockstepClock, foresees: Callable[..., Any]) -> None:
         """Drive the events of ``source`` by the grants, see :meth:`.Participant.set_source`.
 
         ``foresees()`` returns whether foreseen turns are reported; it is called if the source can foresee.
@@ -64,7 +74,7 @@ class Rounds:
         if not self._is_charged and hasattr(source, 'foresee') and foresees():
             self._foresight = Foresight(source)
 
-    def add(self, item):
+    def add(self, item: Union[bytes, Callable[..., Any]]) -> None:
         """Add ``item`` to the next report: bytes, or a function that returns them at the end of the round.
 
         Any thread may call this. For a thread without the turn the item comes a round later.
@@ -74,7 +84,7 @@ class Rounds:
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))
 
-    def add_aside(self, item):
+    def add_aside(self, item: Union[bytes, Callable[..., Any]]) -> None:
         """Add ``item`` to the next report, but do not count that as work: the thread may still only wait by looking.
 
         (:meth:`add` counts as work: the thread does something on which others may wait.)
@@ -82,11 +92,11 @@ class Rounds:
         self._items.append(item)
 
     @property
-    def granted(self):
+    def granted(self) -> Optional[int]:
         """The number of the present round, or None if this participant has no grant at the moment. For any thread."""
         return self.number if self.is_granted and not self.scheduler.is_closed else None
 
-    def exchange(self):
+    def exchange(self) -> List[Callable[..., Any]]:
         """Report and wait for the next grant; return the functions to be called in it, in order. For the scheduler."""
         pools.await_results(self.scheduler)
         deferred = self.let_time_pass()
@@ -101,7 +111,7 @@ class Rounds:
             self._has_mail or self.scheduler.has_outside or next_ns <= self.scheduler.now_ns)
         return deferred + actions + garbage.due()
 
-    def goes_on_to(self, due_ns):
+    def goes_on_to(self, due_ns: int) -> bool:
         """Begin the turn at ``due_ns`` [ns] without an exchange, if an exchange would bring nothing but time.
 
         Return whether that is so.
@@ -116,7 +126,7 @@ class Rounds:
             return True
         return False
 
-    def let_time_pass(self):
+    def let_time_pass(self) -> List[Any]:
         """Let the round's charged time pass, if it has sent anything; return the functions of grants meanwhile."""
         try:
             cost_ns = self.charge.cost_ns(self.scheduler.now_ns) if self._is_charged and self._sends else 0
@@ -129,11 +139,11 @@ class Rounds:
         return self._compute(cost_ns) if cost_ns > 0 else []
 
     @property
-    def _sends(self):
+    def _sends(self) -> bool:
         """Whether this round has sent messages, calls or responses."""
         return any(not callable(item) and item[0] in _SENDS for item in self._items)
 
-    def _compute(self, cost_ns):
+    def _compute(self, cost_ns: int) -> List[Any]:
         """Let ``cost_ns`` [ns] pass before the round's items leave; return the functions of grants meanwhile."""
         held = self._items[:]
         self._items.clear()
@@ -145,17 +155,17 @@ class Rounds:
         self._items[:0] = held
         return deferred
 
-    def take_items(self):
+    def take_items(self) -> List[bytes]:
         """Return the items (bytes) of all turns since the last report."""
         self._end_turn()
         return self.window.take_walked(self._items)
 
-    def _end_turn(self):
+    def _end_turn(self) -> None:
         for tell in self.last_words:
             tell()
         self._items[:] = [item() if callable(item) else item for item in self._items]
 
-    def _report(self, next_ns, may_foresee=False):
+    def _report(self, next_ns: int, may_foresee: bool = False) -> None:
         is_background = may_foresee and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
         if self.window.is_open:
             self.is_starting = may_foresee = False
@@ -186,12 +196,12 @@ class Rounds:
         except Closed as error:
             self._participant.lost(str(error))
 
-    def _is_background(self):
+    def _is_background(self) -> bool:
         """Return whether only onlookers would notice if time did not go on to the next event."""
         return (self._source_is_background is not None and self.scheduler.can_foresee
                 and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
 
-    def await_grant(self):
+    def await_grant(self) -> List[Callable[..., Any]]:
         """Wait for the next grant, and return its items as functions to be called in this order."""
         if self.window.walks_to_ns is not None:
             return self._begin_turn(*self.window.next_turn())
@@ -207,7 +217,7 @@ class Rounds:
         except (Closed, wire.WireError) as error:
             return self._participant.lost(str(error))
 
-    def _begin_turn(self, now_ns, items):
+    def _begin_turn(self, now_ns: int, items: Sequence[Tuple[Any, ...]]) -> List[Callable[..., Any]]:
         self.is_granted, self._has_mail = True, any(item[0] != wire.CHANGED for item in items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
@@ -220,11 +230,11 @@ class Rounds:
                 actions.append(action)
         return actions
 
-    def _on_happened(self, count):
+    def _on_happened(self, count: int) -> None:
         """Take back the foreseen turns that have not happened. This comes before all other items."""
         self._foresight.came_to_pass(count)
 
-    def knock(self):
+    def knock(self) -> None:
         """Ask the time master for a grant. For any thread."""
         try:
             self._connection.send(wire.frame(wire.KNOCK))

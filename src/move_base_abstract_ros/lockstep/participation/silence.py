@@ -1,12 +1,18 @@
 """If a participant works on one grant for long, it tells the time master where: the stack of the turn's thread."""
+from __future__ import annotations
+
 import os
 import select
 import sys
 import threading
 import time
+from typing import TYPE_CHECKING, Any
 
 import move_base_abstract
 from move_base_abstract.lockstep.wire import NEVER
+
+if TYPE_CHECKING:
+    from .taking_part import Participant
 
 _MOST_FRAMES = 12
 _LOOKS_PER_LIMIT = 10
@@ -18,7 +24,7 @@ _START = 'threading.py'
 _LAUNCHER = os.path.join(_LOCKSTEP, 'program.py')
 
 
-def watch(participant, limit_ns):
+def watch(participant: Participant, limit_ns: int) -> None:
     """Start a thread that tells the time master, once for each grant on which this process works longer than a limit.
 
     ``limit_ns`` [ns, wall] may be NEVER.
@@ -28,7 +34,7 @@ def watch(participant, limit_ns):
                                                 name='lockstep_silence'))
 
 
-def _watch(participant, limit):
+def _watch(participant: Participant, limit: float) -> None:
     round_number, since, told = None, 0.0, None
     while not participant.scheduler.is_closed:
         select.select([], [], [], min(_LONGEST_GAP, limit / _LOOKS_PER_LIMIT))
@@ -40,7 +46,7 @@ def _watch(participant, limit):
             participant.tell_busy(granted, stack(participant.scheduler.turn_ident))
 
 
-def stack(ident):
+def stack(ident: Any) -> Any:
     """Return a text with the functions of a thread, the innermost last, each with file and line.
 
     Functions of this package, and of Python's start of a thread, are left out if there are others.

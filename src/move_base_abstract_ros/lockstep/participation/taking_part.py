@@ -1,15 +1,19 @@
 """A participant of lockstep: how its process says hello, which calls it offers to the program, and how it leaves."""
+from __future__ import annotations
+
 import json
 import os
 import threading
 import time
 from math import isfinite
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Set
 
 import rospy
 
 from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.lockstep import wire
-from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import _make_lock
 
 from ..exchange.access import secret
 from ..exchange.connection import Closed
@@ -17,6 +21,10 @@ from ..exchange.services import Services
 from ..exchange.topics import Topics
 from . import finish, silence
 from .rounds import Rounds
+
+if TYPE_CHECKING:
+    from ...clocks.lockstep_clock import LockstepClock
+    from ..exchange.connection import Connection
 
 _LOOK_SECONDS = 0.05  # wall; a thread that waits for something else notices the end of lockstep within this time
 _encode = json.JSONEncoder(separators=(',', ':')).encode
@@ -30,7 +38,7 @@ class Participant:
     move; both are known when :func:`join` returns.
     """
 
-    def __init__(self, connection, charge):
+    def __init__(self, connection: Connection, charge: Any) -> None:
         self.connection = connection
         self.charge = charge
         self.rounds = Rounds(self, connection, charge)
@@ -49,26 +57,26 @@ class Participant:
     # --- for the program --------------------------------------------------------------------------------------------
 
     @property
-    def now_ns(self):
+    def now_ns(self) -> int:
         """The simulated time of the present grant [ns]."""
         return self.scheduler.now_ns
 
-    def log(self, robot, kind, values=(), sub=0):
+    def log(self, robot: str, kind: str, values: Sequence[Any] = (), sub: int = 0) -> None:
         """Add a line to the run's event log: a name, the kind of event, and details (numbers and texts).
 
         ``sub`` is the index of the robot in this process, by which lines of one instant are put in order.
         """
         self.add(wire.log(sub, robot, kind, _to_json(values)))
 
-    def label(self, text):
+    def label(self, text: str) -> None:
         """Label the run as not repeatable; ``text`` is the reason."""
         self.add(wire.note(wire.NoteKind.NOT_REPEATABLE, text))
 
-    def be_strict(self):
+    def be_strict(self) -> None:
         """Make the run end with an error at the first label of any participant."""
         self.add(wire.note(wire.NoteKind.STRICT, ''))
 
-    def constant(self, topic):
+    def constant(self, topic: str) -> None:
         """Treat what non-participants publish on ``topic`` as there from the beginning.
 
         In this node's first round, while time stands still, a message on it is delivered at once, in rospy's own
@@ -76,11 +84,12 @@ class Participant:
         """
         self.topics.constants.add(rospy.resolve_name(topic))
 
-    def exclude(self, topic):
+    def exclude(self, topic: str) -> None:
         """Leave ``topic`` out of lockstep: it goes over rospy's own connections, at moments of the wall clock."""
         self.topics.excluded.add(rospy.resolve_name(topic))
 
-    def wait_until(self, condition, timeout=None, what='something'):
+    def wait_until(self, condition: Callable[..., Any], timeout: Optional[float] = None,
+                   what: str = 'something') -> bool:
         """Let others go on until ``condition()`` holds, or ``timeout`` [s, simulated] is over; return whether it holds.
 
         The condition is checked whenever something has happened in this process. ``what`` names it where ``why``
@@ -94,7 +103,7 @@ class Participant:
         except TurnLost:
             raise rospy.ROSInterruptException('lockstep has ended') from None
 
-    def set_source(self, source):
+    def set_source(self, source: LockstepClock) -> None:
         """Drive the events of ``source`` by the grants.
 
         ``source.next_due_ns()`` returns the next instant [ns] or None, and ``source.run(now_ns)`` runs what is due. A
@@ -102,11 +111,11 @@ class Participant:
         """
         self.rounds.set_source(source, lambda: rospy.get_param('~foresee', True) is not False)
 
-    def serve(self):
+    def serve(self) -> None:
         """Give the turn away for good: callbacks and events go on, and the calling thread takes no more turns."""
         self.scheduler.finish()
 
-    def leave(self, reason='it has left'):
+    def leave(self, reason: str = 'it has left') -> None:
         """Leave the run. Simulated time stands still in this process from then on, so call this at its end only.
 
         Any thread may call it.
@@ -133,7 +142,7 @@ class Participant:
         if self.is_told_to_end:
             finish.end_what_is_stuck()
 
-    def interrupted(self, reason):
+    def interrupted(self, reason: str) -> None:
         """Tell the time master that the node has been told to end, before that has any effect. For any thread."""
         if self.scheduler.is_closed or self.is_told_to_end:
             return
@@ -143,12 +152,12 @@ class Participant:
         except Closed:
             pass
 
-    def _leave_in_turn(self, reason):
+    def _leave_in_turn(self, reason: str) -> None:
         """Leave in a round, after the last messages of shutdown hooks. Do not wait longer than the leave limit."""
         over = _make_lock()
         over.acquire()
 
-        def leave():
+        def leave() -> None:
             self.leave(reason)
             over.release()
         self.scheduler.from_outside(leave)
@@ -158,14 +167,14 @@ class Participant:
 
     # --- for the other modules --------------------------------------------------------------------------------------
 
-    def tell_busy(self, round_number, where):
+    def tell_busy(self, round_number: int, where: str) -> None:
         """Tell the time master where in its code the thread with the turn is. For any thread."""
         try:
             self.connection.send(wire.busy(round_number, where))
         except Closed:
             pass
 
-    def present(self, name, uri, rank):
+    def present(self, name: str, uri: str, rank: Optional[int]) -> None:
         """Say hello and wait for the first grant, which gives the turn to the calling thread.
 
         ``rank`` is None if the node has none of its own.
@@ -184,7 +193,7 @@ class Participant:
             wire.CHANGED: lambda: self.parameters and self.parameters.forget()})
         self.scheduler.adopt_caller(threading.current_thread().name)
 
-    def take_in(self, kind, body):
+    def take_in(self, kind: int, body: bytes) -> None:
         """Handle a frame of the time master that is not a grant: about the participants, or the end of the run."""
         if kind == wire.END:
             reason, as_wished = wire.read_frame(kind, body)
@@ -200,14 +209,14 @@ class Participant:
         elif kind == wire.GONE:
             self.members.left(body)
 
-    def lost(self, reason):
+    def lost(self, reason: str) -> Any:
         """End the node, since the time master is gone, and time would stand still for ever.
 
         :raises TurnLost: always.
         """
         return self._give_up('the time master has ended lockstep: {}'.format(reason))
 
-    def _give_up(self, reason, as_wished=False):
+    def _give_up(self, reason: str, as_wished: bool = False) -> None:
         """Leave the run and end the node, with an error unless the run has ended ``as_wished``."""
         if not self.scheduler.is_closed:
             self.scheduler.close()
@@ -225,26 +234,26 @@ class Participant:
 class Members:
     """The participants: ``names`` {number: name}, with this process's own name also at 0, and ``uris`` {name: URI}."""
 
-    def __init__(self):
-        self.names = {}
-        self.uris = {}
-        self.gone = set()  # names of participants that have left
+    def __init__(self) -> None:
+        self.names: Dict[Any, Any] = {}
+        self.uris: Dict[Any, Any] = {}
+        self.gone: Set[Any] = set()  # names of participants that have left
 
     @property
-    def own_name(self):
+    def own_name(self) -> Any:
         """The name of this process's node."""
         return self.names[0]
 
     @property
-    def there(self):
+    def there(self) -> Any:
         """The names of all present participants."""
         return set(self.names.values()) - self.gone
 
-    def is_member(self, name):
+    def is_member(self, name: str) -> bool:
         """Return whether the node ``name`` takes part, or has taken part."""
         return name in self.uris
 
-    def came(self, body):
+    def came(self, body: bytes) -> Any:
         """Note the new participant in the ``body`` of a MEMBER frame; return its name."""
         number, name, uri = wire.read_frame(wire.MEMBER, body)
         self.names[number] = name
@@ -252,7 +261,7 @@ class Members:
         self.gone.discard(name)
         return name
 
-    def left(self, body):
+    def left(self, body: bytes) -> None:
         """Note that the participant in the ``body`` of a GONE frame has left.
 
         Its connections are closed by items of a grant. Its name and URI are kept: its process ends at some moment of
@@ -262,7 +271,7 @@ class Members:
         self.gone.add(self.names.get(number, ''))
 
 
-def _to_json(values):
+def _to_json(values: Any) -> str:
     """Return the ``values`` of a line of the event log as JSON; each by itself, in a third of json.dumps' time."""
     parts = []
     for value in values:

@@ -3,7 +3,10 @@
 Otherwise the system chooses the addresses at random for each process. The environment variable
 ``MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT`` chooses between the two: ``fixed`` or ``random``.
 """
+from __future__ import annotations
+
 import ctypes
+from typing import Any
 
 from move_base_abstract.common.shown import shown
 
@@ -17,7 +20,7 @@ _NO_RANDOMIZE = 0x0040000  # of personality(2)
 _KERNEL = '/proc/sys/kernel/randomize_va_space'
 
 
-def wanted(environment):
+def wanted(environment: Any) -> str:
     """Return the layout that the environment asks for: FIXED (the default) or RANDOM.
 
     :raises ValueError: if the variable has another value.
@@ -29,7 +32,7 @@ def wanted(environment):
     return layout
 
 
-def choose(environment):
+def choose(environment: Any) -> bool:
     """Give the wanted layout to the programs that this process becomes or starts. Return whether that is a change.
 
     :raises ValueError: as :func:`wanted` does.
@@ -39,7 +42,7 @@ def choose(environment):
     return now >= 0 and new != now and _personality(new) >= 0
 
 
-def is_as_wanted(environment):
+def is_as_wanted(environment: Any) -> bool:
     """Return False if the layout should be fixed, and is not."""
     if environment.get(VARIABLE, FIXED) == RANDOM or _personality(_ASK) & _NO_RANDOMIZE:
         return True
@@ -50,7 +53,7 @@ def is_as_wanted(environment):
         return False
 
 
-def _personality(number):
+def _personality(number: int) -> int:
     """Set the process's personality, and return the one before; -1 if the system does not allow it."""
     try:
         return ctypes.CDLL(None, use_errno=True).personality(ctypes.c_ulong(number))

@@ -2,12 +2,15 @@
 
 docs/lockstep_roscpp.md says what is exact then.
 """
+from __future__ import annotations
+
 import os
 import shutil
 import stat
 import struct
 import subprocess
 import sys
+from typing import Any, List, Mapping, Sequence, Tuple
 
 from . import recorders
 
@@ -30,7 +33,7 @@ _LOAD, _DYNAMIC = 1, 2
 _NEEDED, _STRING_TABLE = 1, 5
 
 
-def execute(path, arguments, options):
+def execute(path: str, arguments: Any, options: Any) -> None:
     """Become the program, by exec; this does not return. If the binary cannot take part, exit with a message."""
     try:
         environment = prepare(path, options.rank, options.sleep, os.environ)
@@ -45,7 +48,7 @@ def execute(path, arguments, options):
     os.execve(path, [path] + arguments, environment)
 
 
-def prepare(path, rank, sleep, environment):
+def prepare(path: str, rank: int, sleep: Any, environment: Any) -> Any:
     """Return the environment in which the binary takes part.
 
     :param path: the path of the binary.
@@ -70,7 +73,7 @@ def prepare(path, rank, sleep, environment):
     return result
 
 
-def loopback_only(environment):
+def loopback_only(environment: Any) -> Tuple[str, str]:
     """Return (name, value) of the variable by which a roscpp onlooker listens on 127.0.0.1 only, if that is its ROS_IP.
 
     :raises ValueError: as :func:`find_shim` does.
@@ -78,11 +81,11 @@ def loopback_only(environment):
     return _PRELOAD, _preloaded(_LOOPBACK_ONLY, environment)
 
 
-def _preloaded(library, environment):
+def _preloaded(library: str, environment: Any) -> str:
     return ' '.join([find_shim(environment, library)] + environment.get(_PRELOAD, '').split())
 
 
-def node_name(path, arguments, environment):
+def node_name(path: str, arguments: Sequence[str], environment: Any) -> str:
     """Return a node's name as its command line has it, without a name that the program may choose later itself."""
     name, namespace = os.path.basename(path), environment.get('ROS_NAMESPACE', '')
     for word in arguments:
@@ -93,7 +96,7 @@ def node_name(path, arguments, environment):
     return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
 
 
-def _parameter(name):
+def _parameter(name: str) -> Any:
     """Return a parameter of the time master, or None if it is not set or the ROS master cannot be asked."""
     try:
         from xmlrpc.client import ServerProxy  # only now: it takes a while
@@ -103,7 +106,7 @@ def _parameter(name):
         return None  # the program itself will find out, or fail
 
 
-def find_shim(environment, library=SHIM):
+def find_shim(environment: Mapping[str, str], library: str = SHIM) -> str:
     """Return the path of a library to preload, in catkin's devel or install space.
 
     :raises ValueError: if it is in none of the folders.
@@ -121,7 +124,7 @@ def find_shim(environment, library=SHIM):
         library, ', '.join(folders)))
 
 
-def links_to_roscpp(path):
+def links_to_roscpp(path: str) -> bool:
     """Return whether a program needs roscpp, directly or through the libraries that it needs.
 
     :raises ValueError: as :func:`needed_libraries` does.
@@ -134,7 +137,7 @@ def links_to_roscpp(path):
     return any(name.startswith(_ROSCPP) for name in needed)
 
 
-def needed_libraries(path):
+def needed_libraries(path: str) -> List[str]:
     """Return the names of the shared libraries that an ELF file needs.
 
     :raises ValueError: if it is not a 64-bit little-endian ELF file, or is damaged.
@@ -149,7 +152,7 @@ def needed_libraries(path):
         raise ValueError("'{}' is a damaged ELF program".format(path)) from None
 
 
-def _needed(data):
+def _needed(data: bytes) -> List[str]:
     header = _HEADER.unpack_from(data)
     at, size, count = header[5], header[9], header[10]
     segments = [_SEGMENT.unpack_from(data, at + size * k) for k in range(count)]
@@ -164,7 +167,7 @@ def _needed(data):
     return [_text(data, begin + value) for tag, value in entries if tag == _NEEDED]
 
 
-def _offset(address, segments):
+def _offset(address: int, segments: Sequence[Tuple[int, ...]]) -> int:
     """Return the offset in the file of a memory address."""
     for kind, _flags, offset, virtual, _physical, length, _memory, _align in segments:
         if kind == _LOAD and virtual <= address < virtual + length:
@@ -172,5 +175,5 @@ def _offset(address, segments):
     raise IndexError(address)
 
 
-def _text(data, begin):
+def _text(data: bytes, begin: int) -> str:
     return data[begin:data.index(b'\0', begin)].decode('utf-8')

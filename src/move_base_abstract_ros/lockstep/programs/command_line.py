@@ -1,8 +1,11 @@
 """The program that the launcher's command line runs: its path, its kind, and the Python that runs it."""
+from __future__ import annotations
+
 import os
 import re
 import shutil
 import sys
+from typing import Any, Optional, Sequence
 
 from . import shell_scripts
 
@@ -10,7 +13,7 @@ PYTHON = re.compile(r'python[0-9.]*$')
 _WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is the next word
 
 
-def own_words(words):
+def own_words(words: Sequence[str]) -> int:
     """Return the number of words that are options of the launcher: those before the program or its ``-m``."""
     at = 0
     while at < len(words) and words[at].startswith('-') and words[at] != '-m':
@@ -19,7 +22,7 @@ def own_words(words):
     return min(at, len(words))
 
 
-def split_interpreter(command):
+def split_interpreter(command: Sequence[str]) -> Any:
     """Return ([Python, its options...], words of the program) of a command line.
 
     The Python is the one that runs this, unless the command line names another one by its path, or the first line of a
@@ -38,10 +41,10 @@ def split_interpreter(command):
         at += 2 if command[at] in _WITH_VALUE else 1
     if at >= len(command):
         raise ValueError('a Python interpreter needs a script or -m MODULE here')
-    return [command[0] if '/' in command[0] else sys.executable] + command[1:at], command[at:]
+    return [command[0] if '/' in command[0] else sys.executable, *command[1:at]], command[at:]
 
 
-def _of_script(path):
+def _of_script(path: str) -> str:
     """Return the Python in a script's first line if it is that of a virtual environment; otherwise this Python."""
     with open(path, 'rb') as stream:
         first = stream.readline(500)
@@ -52,7 +55,7 @@ def _of_script(path):
     return python if is_other else sys.executable
 
 
-def find(command, is_script=False):
+def find(command: Sequence[str], is_script: bool = False) -> Any:
     """Return ('module' | 'script' | 'shell' | 'binary', name or path, arguments) of a command line.
 
     ``is_script``: the command came after a Python interpreter, so any file is taken for a script.
@@ -73,7 +76,7 @@ def find(command, is_script=False):
     return kind, path, command[1:]
 
 
-def script_of(words):
+def script_of(words: Sequence[str]) -> Optional[str]:
     """Return the path of the Python script that the launcher would run with these words, or None."""
     command = words[own_words(words):]
     try:
@@ -83,13 +86,13 @@ def script_of(words):
     return path if kind == 'script' else None
 
 
-def path_of(word):
+def path_of(word: str) -> Any:
     """Return the path of a program, which is given by its path or its name in PATH; None if there is none."""
     path = word if os.path.isfile(word) else shutil.which(word)
     return path if path is not None and os.path.isfile(path) else None
 
 
-def kind_of(path):
+def kind_of(path: str) -> Optional[str]:
     """Return the kind of the program in a file: 'binary', 'shell' or 'script' (of Python), or None."""
     with open(path, 'rb') as stream:
         begin = stream.read(200)

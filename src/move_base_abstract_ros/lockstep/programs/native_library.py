@@ -3,8 +3,11 @@
 Its source is src/python_shim. It takes itself out of the environment, so that programs that this one starts do not
 have it. :mod:`native` is its Python side.
 """
+from __future__ import annotations
+
 import ctypes
 import os
+from typing import Dict
 
 from . import binary
 
@@ -13,12 +16,12 @@ _PRELOAD = 'LD_PRELOAD'
 _CELLS = 'move_base_abstract_native_cells'
 
 
-def is_loaded():
+def is_loaded() -> bool:
     """Return whether this process has the library."""
     return hasattr(ctypes.PyDLL(None), _CELLS)
 
 
-def preload(environment):
+def preload(environment: Dict[str, str]) -> bool:
     """Add the library to the environment of a Python that is about to start; return whether that is a change."""
     words = environment.get(_PRELOAD, '').replace(':', ' ').split()
     if any(os.path.basename(word) == LIBRARY for word in words):

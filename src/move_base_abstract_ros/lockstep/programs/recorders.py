@@ -2,9 +2,12 @@
 
 A recorder that takes part writes the same bytes in each run, as long as it records only topics of lockstep.
 """
+from __future__ import annotations
+
 import os
 import re
 from types import SimpleNamespace
+from typing import Any, List, Sequence, Tuple
 
 PAST_LOCKSTEP = ('/clock', '/rosout', '/rosout_agg')
 _TIME_MASTERS = '/time_master/.*'
@@ -17,17 +20,17 @@ _FOLLOWED = re.compile(rb'^[ \t]*(exec[ \t]+rosbag[ \t]+record\b.*|rosbag[ \t]+r
 _LARGEST = 1 << 20  # number of bytes of a script that are searched
 
 
-def is_recorder(node):
+def is_recorder(node: Any) -> bool:
     """Return whether a roslaunch Node is rosbag's recorder."""
     return (node.package, node.type) == ('rosbag', 'record')
 
 
-def is_program(path):
+def is_program(path: str) -> bool:
     """Return whether a path is that of rosbag's recorder."""
     return path.endswith('/rosbag/record')
 
 
-def starts_recorder(path):
+def starts_recorder(path: str) -> bool:
     """Return whether a script contains a call of rosbag's recorder."""
     try:
         with open(path, 'rb') as stream:
@@ -37,7 +40,7 @@ def starts_recorder(path):
     return text.startswith(b'#!') and _SCRIPT.search(text) is not None
 
 
-def becomes_recorder(text):
+def becomes_recorder(text: bytes) -> bool:
     """Return whether a shell script's text makes its node ``rosbag record``; ``rosrun rosbag`` is not followed."""
     return _FOLLOWED.search(text) is not None
 
@@ -45,11 +48,11 @@ def becomes_recorder(text):
 class Words:
     """The command line of a recorder: the topics that it names, whether it finds others, and those it leaves out."""
 
-    def __init__(self, words):
+    def __init__(self, words: Sequence[str]) -> None:
         self.words = list(words)
         self.topics = []
         self.finds = False
-        self.exclude = None  # (index of the word, the regular expression)
+        self.exclude: Any = None  # (index of the word, the regular expression)
         skip = False
         for at, word in enumerate(self.words):
             if skip:
@@ -61,7 +64,7 @@ class Words:
             elif ':=' not in word:
                 self.topics.append(word)
 
-    def _take_long(self, at, word):
+    def _take_long(self, at: int, word: str) -> bool:
         """Take a long option; return whether the next word is its value. rosbag takes shortened options, too."""
         name, equals, value = word.partition('=')
         self.finds = self.finds or name in ('--all', '--regex') or name.startswith(('--a', '--reg', '--node'))
@@ -70,7 +73,7 @@ class Words:
             return not equals
         return not equals and name.startswith(_LONG_WITH_VALUE)
 
-    def _take_short(self, at, word):
+    def _take_short(self, at: int, word: str) -> bool:
         for place, letter in enumerate(word[1:], 1):
             self.finds = self.finds or letter in 'ae'
             if letter in _WITH_VALUE:
@@ -80,10 +83,10 @@ class Words:
                 return not value
         return False
 
-    def _word(self, at):
+    def _word(self, at: int) -> str:
         return self.words[at] if at < len(self.words) else ''
 
-    def without(self, expressions):
+    def without(self, expressions: Any) -> Any:
         """Return the words, changed so that the recorder leaves out topics that match one of these expressions."""
         words = list(self.words)
         if self.exclude is None:
@@ -96,7 +99,8 @@ class Words:
         return words
 
 
-def past_lockstep(arguments, namespace, excluded=()):
+def past_lockstep(arguments: Sequence[str], namespace: str,
+                  excluded: Sequence[Any] = ()) -> Tuple[List[str], List[str]]:
     """Return the topics of a recorder that bypass lockstep: (those left out if it takes part, those that it names).
 
     :param arguments: the recorder's words.
@@ -112,7 +116,7 @@ def past_lockstep(arguments, namespace, excluded=()):
                 if ns_join(namespace, topic) in past or re.match(_TIME_MASTERS, topic)]
 
 
-def without_past_lockstep(arguments, excluded=()):
+def without_past_lockstep(arguments: Any, excluded: Any = ()) -> Any:
     """Return a recorder's words, changed so that it does not look for topics that bypass lockstep.
 
     Messages on these differ from run to run. Topics that the words name stay.
@@ -124,7 +128,7 @@ def without_past_lockstep(arguments, excluded=()):
     return words.without([*map(re.escape, past), _TIME_MASTERS])
 
 
-def behind_front_end(path, arguments):
+def behind_front_end(path: str, arguments: Any) -> Any:
     """Return (program, words) of the recorder that rosbag's own script ``rosbag record`` would start.
 
     Return None if ``path`` is another script.
@@ -134,7 +138,7 @@ def behind_front_end(path, arguments):
     from rosbag import rosbag_main
     found = []
 
-    def take(command):
+    def take(command: Any) -> Any:
         found.append(command)
         return SimpleNamespace(wait=lambda: None)
     rosbag_main.subprocess = SimpleNamespace(Popen=take)  # rosbag itself translates the options for the program

@@ -5,10 +5,13 @@ in FOLDER. That has the launcher run the program if this Python is the node: if 
 (``exec python3 ...``), or has the node's ``__name:=`` on its command line. Binaries that a shell script starts are not
 followed.
 """
+from __future__ import annotations
+
 import json
 import os
 import re
 import sys
+from typing import Any, Iterator
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'follow')
 FOLLOW = 'MOVE_BASE_ABSTRACT_LOCKSTEP_FOLLOW'
@@ -19,17 +22,17 @@ _RUN = re.compile(r'\brosrun\s+([\w-]+)\s+([\w./-]+)')
 _NAME = '__name:='
 
 
-def is_shell(first_line):
+def is_shell(first_line: bytes) -> bool:
     """Return whether the first line of a file (bytes) says that a shell runs it."""
     return _SHELL.match(first_line) is not None
 
 
-def is_shell_word(word):
+def is_shell_word(word: str) -> bool:
     """Return whether ``word``, the first one of a command line, is a shell."""
     return is_shell(b'#!' + os.fsencode(word))
 
 
-def execute(path, arguments, launcher):
+def execute(path: str, arguments: Any, launcher: Any) -> None:
     """Become the shell script, by exec. ``launcher`` are the launcher's words, to precede the Python program later."""
     names = [word for word in arguments if word.startswith(_NAME)]
     environment = dict(os.environ)
@@ -38,7 +41,7 @@ def execute(path, arguments, launcher):
     os.execve(path, [path, *arguments], environment)
 
 
-def programs_in(path, text, find_package, find_node):
+def programs_in(path: str, text: str, find_package: Any, find_node: Any) -> Iterator[Any]:
     """Yield the paths of the files that a shell script's ``text`` names, as far as the text can be understood.
 
     They are looked for in the script's own folder, and in those of packages that it names.

@@ -4,8 +4,11 @@ Answers that are lists, or trees, come in the order of the names' bytes. Stock a
 have registered, which differs from run to run. Calls of the thread that has the turn are answered by :mod:`queries`
 (nodes, topics, services) and :mod:`parameters`.
 """
+from __future__ import annotations
+
 import threading
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Sequence, Tuple, Union
 from urllib.parse import urlsplit
 
 import rosgraph
@@ -14,6 +17,9 @@ import rospy.core  # noqa: F401 - replaced by name
 from move_base_abstract.lockstep.parameters import in_order
 
 from ...replacing.replaced import replace
+
+if TYPE_CHECKING:
+    pass
 
 QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
 CHANGES = ('setParam', 'deleteParam')
@@ -26,13 +32,13 @@ _local = threading.local()
 class MasterCalls:
     """The calls of this process, and the functions that answer them once it takes part."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._is_installed = False
         self.before = None  # take_part(what), for a program that is not a node yet
         self._participant = None
-        self._answers = {}
+        self._answers: Dict[Any, Any] = {}
 
-    def install(self):
+    def install(self) -> None:
         """Put a hook in front of XML-RPC requests."""
         if not self._is_installed:
             self._is_installed = True
@@ -40,7 +46,7 @@ class MasterCalls:
             # In front of its lock: a thread that waits for other nodes must not hold it, since others may need it.
             replace('rospy.core._LockedServerProxy._ServerProxy__request', self._following)
 
-    def follow(self, participant, answers):
+    def follow(self, participant: Any, answers: Any) -> None:
         """Answer calls of the thread that has the turn, from now on; ``answers`` is {method: answer(ask, *arguments)}.
 
         ``ask()`` sends the request to the ROS master.
@@ -49,9 +55,9 @@ class MasterCalls:
         replace('rospy.msproxy.MasterProxy.get_param_cached', lambda _cached: _get_param)
         self._participant, self._answers = participant, answers
 
-    def _following(self, request):
-        def _request(proxy, method, arguments):
-            def ask(*others):
+    def _following(self, request: Callable[..., Any]) -> Callable[..., Any]:
+        def _request(proxy: Any, method: str, arguments: Sequence[Any]) -> List[Any]:
+            def ask(*others: Sequence[Dict[str, Union[Tuple[str, ...], str]]]) -> List[Any]:
                 with aside():
                     return request(proxy, method, others or arguments)
             if method not in _METHODS or getattr(_local, 'is_aside', False) or not _is_of_ros_master(proxy):
@@ -59,7 +65,7 @@ class MasterCalls:
             return self._call(ask, method, arguments)
         return _request
 
-    def _call(self, ask, method, arguments):
+    def _call(self, ask: Callable[..., Any], method: str, arguments: Sequence[Any]) -> List[Any]:
         if self.before is not None and method in QUESTIONS + CHANGES:
             self.before('a call of the ROS master ({})'.format(method))
         participant = self._participant
@@ -74,7 +80,7 @@ class MasterCalls:
         answer = self._answers.get(method)
         return _in_order(method, ask()) if answer is None else answer(ask, *arguments)
 
-    def _multicall(self, ask, calls):
+    def _multicall(self, ask: Callable[..., Any], calls: Sequence[Dict[str, Any]]) -> List[Any]:
         """Answer the calls that change parameters here, and let the ROS master answer all others in one request."""
         others = [call for call in calls if call['methodName'] not in CHANGES]
         answers = iter(ask(others) if others else ())
@@ -87,7 +93,7 @@ calls = MasterCalls()
 
 
 @contextmanager
-def aside():
+def aside() -> Iterator[None]:
     """Give a context in which the calling thread's requests go to the ROS master as without lockstep."""
     before, _local.is_aside = getattr(_local, 'is_aside', False), True
     try:
@@ -96,23 +102,23 @@ def aside():
         _local.is_aside = before
 
 
-def _get_param(self, key):
+def _get_param(self: Any, key: str) -> Any:
     value = self[key]
     if isinstance(value, dict) and not value:
         raise KeyError(key)  # as rospy does: the ROS master answers {} for a parameter that is not set, too
     return value
 
 
-def _is_of_ros_master(proxy):
+def _is_of_ros_master(proxy: Any) -> bool:
     return proxy._ServerProxy__host == urlsplit(rosgraph.get_master_uri()).netloc
 
 
-def _label_stray(participant, arguments):
+def _label_stray(participant: Any, arguments: Any) -> None:
     participant.label('parameter {} is set or deleted by a thread that lockstep does not order'.format(
         rosgraph.names.resolve_name(arguments[1], arguments[0])))
 
 
-def _in_order(method, answer):
+def _in_order(method: str, answer: Sequence[Any]) -> Any:
     """Return an answer of the ROS master with its lists of names in order."""
     code, message, value = answer
     if code != 1:

@@ -4,8 +4,11 @@ A new value goes to the time master with the report, and to the ROS master when 
 at once. So a participant reads what earlier rounds have set, whichever node was faster. If a node that does not take
 part sets a parameter that a participant reads, the run is labelled: the time master is told which names are read.
 """
+from __future__ import annotations
+
 import xmlrpc.client
 from collections import deque
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Set, Tuple, Union
 
 import rosgraph
 import rospy.core
@@ -15,6 +18,9 @@ from move_base_abstract.lockstep.parameters import MISSING, PendingParameters, i
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .master_calls import aside
+
+if TYPE_CHECKING:
+    from ..participation.taking_part import Participant
 
 _BEGIN, _END = '<value>', '</value>'
 #: parameters in which roslaunch notes its own addresses: their names contain port numbers
@@ -27,25 +33,25 @@ class Parameters:
     ``master`` is a proxy of the ROS master.
     """
 
-    def __init__(self, participant, master):
+    def __init__(self, participant: Participant, master: Any) -> None:
         self._participant = participant
         self._master = master
         self._pending = PendingParameters()
-        self._untold = deque()  # the pending changes as calls of the ROS master
-        self._asked = set()
-        self._kept = {}  # {(method, name): answer of the ROS master}
+        self._untold: Any = deque()  # the pending changes as calls of the ROS master
+        self._asked: Set[Any] = set()
+        self._kept: Dict[Any, Any] = {}  # {(method, name): answer of the ROS master}
         self._keeps = True
 
-    def answers(self):
+    def answers(self) -> Dict[str, Callable[..., Any]]:
         """Return {method: answer(ask, *arguments)}."""
         return {'setParam': self._set, 'deleteParam': self._delete, 'getParam': self._get, 'hasParam': self._has,
                 'searchParam': self._search, 'getParamNames': self._names, 'subscribeParam': self._subscribe}
 
-    def forget(self):
+    def forget(self) -> None:
         """Forget the kept answers of the ROS master: the time master says that parameters may have changed."""
         self._kept.clear()
 
-    def settle(self):
+    def settle(self) -> None:
         """Tell the ROS master the values set in this turn, since a node that takes no part may now read them.
 
         That node may also set parameters, of which the time master hears only later. So answers are not kept any more.
@@ -58,7 +64,7 @@ class Parameters:
             except TurnLost:
                 self.flush()
 
-    def flush(self):
+    def flush(self) -> None:
         """Tell the ROS master of the changes at once, since no round follows in which the time master would do it."""
         if not self._untold:
             return
@@ -71,7 +77,8 @@ class Parameters:
 
     # --- changes ----------------------------------------------------------------------------------------------------
 
-    def _set(self, _ask, caller, key, value):
+    def _set(self, _ask: Callable[..., Any], caller: str, key: str,
+             value: Union[bool, int, str]) -> List[Union[int, str]]:
         name = _resolved(caller, key)
         text = xmlrpc.client.dumps((value,))  # raises the same errors as the request
         (value,), _ = xmlrpc.client.loads(text)
@@ -80,7 +87,7 @@ class Parameters:
                      ('setParam', name, value))
         return [1, 'parameter {} set'.format(name), 0]
 
-    def _delete(self, _ask, caller, key):
+    def _delete(self, _ask: Any, caller: str, key: str) -> Any:
         name = _resolved(caller, key)
         if not self._is_set(name):
             return [-1, 'parameter [{}] is not set'.format(name), 0]
@@ -88,10 +95,10 @@ class Parameters:
         self._report(wire.parameter(name, False, ''), ('deleteParam', name))
         return [1, 'parameter {} deleted'.format(name), 0]
 
-    def _report(self, item, call):
+    def _report(self, item: bytes, call: Any) -> None:
         self._untold.append(call)
 
-        def told():
+        def told() -> bytes:
             self._pending.first_is_told()
             self.forget()
             self._untold.popleft()
@@ -100,7 +107,7 @@ class Parameters:
 
     # --- questions --------------------------------------------------------------------------------------------------
 
-    def _ask(self, method, name):
+    def _ask(self, method: str, name: str) -> Tuple[int, Any]:
         """Return (code, value) of the ROS master's answer, and report to the time master that ``name`` is read."""
         self._note(name)
         kept = self._kept.get((method, name))
@@ -110,33 +117,33 @@ class Parameters:
             kept = self._kept[method, name] = code, value
         return kept
 
-    def _note(self, name):
+    def _note(self, name: str) -> None:
         if name not in self._asked:
             self._asked.add(name)
             self._participant.add_aside(wire.asks(name))
 
-    def _value(self, name):
+    def _value(self, name: str) -> Any:
         """Return the value of a parameter as this process sees it, or MISSING."""
         code, value = self._ask('getParam', name)
         return self._pending.seen(name, value if code == 1 else MISSING)
 
-    def _is_set(self, name):
+    def _is_set(self, name: str) -> bool:
         if self._pending.concern(name):
             return self._value(name) is not MISSING
         return self._ask('hasParam', name) == (1, True)
 
-    def _get(self, _ask, caller, key):
+    def _get(self, _ask: Callable[..., Any], caller: str, key: str) -> List[Any]:
         name = _resolved(caller, key)
         value = self._value(name)
         if value is MISSING:
             return [-1, 'Parameter [{}] is not set'.format(name), 0]
         return [1, 'Parameter [{}]'.format(name), in_order(value)]
 
-    def _has(self, _ask, caller, key):
+    def _has(self, _ask: Callable[..., Any], caller: str, key: str) -> List[Union[bool, int, str]]:
         name = _resolved(caller, key)
         return [1, name, self._is_set(name)]
 
-    def _search(self, ask, caller, key):
+    def _search(self, ask: Callable[..., Any], caller: str, key: str) -> List[Union[int, str]]:
         if not key or key.startswith('~'):
             return ask()  # refused
         found = search(caller, key, self._is_set)
@@ -144,18 +151,18 @@ class Parameters:
             return [-1, 'Cannot find parameter [{}] in an upwards search'.format(key), '']
         return [1, 'Found [{}]'.format(found), found]
 
-    def _names(self, ask, _caller):
+    def _names(self, ask: Any, _caller: str) -> Any:
         self._note('/')
         code, message, names = ask()
         if code == 1:
             names = sorted(name for name in self._pending.names(names) if not name.startswith(_OF_ROSLAUNCH + '/'))
         return [code, message, names]
 
-    def _subscribe(self, ask, caller, api, key):
+    def _subscribe(self, ask: Any, caller: str, api: Any, key: str) -> Any:
         self._participant.label('it has the ROS master tell it of parameter {}: that comes at some moment of the '
                                 'wall clock'.format(_resolved(caller, key)))
         return ask()
 
 
-def _resolved(caller, key):
+def _resolved(caller: str, key: str) -> str:
     return rosgraph.names.resolve_name(key, caller)

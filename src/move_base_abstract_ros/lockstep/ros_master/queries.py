@@ -7,11 +7,20 @@ the other has done because of its answer.
 
 An answer names participants, and of the other nodes those that offer something. Such a name labels the run.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple, Union
+
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .master_calls import aside
+
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
+
+    from ..participation.taking_part import Participant
 
 #: number of rounds that are enough for new connections, the latched messages on them, and an answer
 ROUNDS = 10
@@ -22,12 +31,12 @@ ASKED = 100
 class _Asked:
     """Counts questions in a row. Between them at most as much simulated time passes as in a loop that asks."""
 
-    def __init__(self, scheduler):
+    def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = scheduler
         self._last_ns = 0
         self._count = 0
 
-    def once_more(self):
+    def once_more(self) -> None:
         """Count a question. In a loop that asks without a sleep, let time go on as in one that waits by looking."""
         now_ns = self._scheduler.now_ns
         self._count = self._count + 1 if now_ns <= self._last_ns + STEP_NS else 1
@@ -36,7 +45,7 @@ class _Asked:
         self._last_ns = self._scheduler.now_ns
 
 
-def settle(scheduler):
+def settle(scheduler: Scheduler) -> None:
     """Let messages that are on their way at this instant arrive, before the calling thread waits in wall time."""
     for _ in range(ROUNDS):
         scheduler.wait_round()
@@ -45,20 +54,20 @@ def settle(scheduler):
 class Queries:
     """The questions of one participant; for its thread that has the turn. ``master`` is a proxy of the ROS master."""
 
-    def __init__(self, participant, master):
-        self._participant = participant
+    def __init__(self, participant: Participant, master: Any) -> None:
+        self._participant: Any = participant
         self._master = master
-        self._told = set()
+        self._told: Set[Any] = set()
         self._asked = _Asked(participant.scheduler)
 
-    def answers(self):
+    def answers(self) -> Dict[str, Callable[..., Any]]:
         """Return {method: answer(ask, *arguments)}."""
         return {'getPublishedTopics': self._after_others(self._published), 'getTopicTypes':
                 self._after_others(self._types), 'getSystemState': self._after_others(self._state),
                 'lookupNode': self._after_others(self._node), 'lookupService': self._after_others(self._service)}
 
-    def _after_others(self, answer):
-        def ask_who(ask, *arguments):
+    def _after_others(self, answer: Callable[..., Any]) -> Callable[..., Any]:
+        def ask_who(ask: Callable[..., Any], *arguments: str) -> List[Union[List[List[str]], int, str]]:
             scheduler = self._participant.scheduler
             try:
                 self._asked.once_more()
@@ -70,14 +79,14 @@ class Queries:
                 return ask()
         return ask_who
 
-    def _registrations(self):
+    def _registrations(self) -> Tuple[Registrations, List[List[List[Any]]]]:
         """Return (the Registrations to be shown, the state that the ROS master knows)."""
         with aside():
             code, _, state = self._master.getSystemState(self._participant.members.own_name)
         state = state if code == 1 else [[], [], []]
         return Registrations(state, self._participant.members.there, self._participant.members.gone), state
 
-    def _published(self, ask, *_arguments):
+    def _published(self, ask: Callable[..., Any], *_arguments: str) -> List[Union[List[List[str]], int, str]]:
         code, message, pairs = ask()
         if code == 1:
             there, _ = self._registrations()
@@ -85,7 +94,7 @@ class Queries:
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
 
-    def _types(self, ask, *_arguments):
+    def _types(self, ask: Any, *_arguments: Any) -> Any:
         code, message, pairs = ask()
         if code == 1:
             there, _ = self._registrations()
@@ -93,7 +102,7 @@ class Queries:
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
 
-    def _state(self, ask, *_arguments):
+    def _state(self, ask: Any, *_arguments: Any) -> Any:
         code, message, state = ask()
         if code == 1:
             there = Registrations(state, self._participant.members.there, self._participant.members.gone)
@@ -101,7 +110,7 @@ class Queries:
             self._tell(there.strangers())
         return [code, message, state]
 
-    def _node(self, ask, _caller, node):
+    def _node(self, ask: Callable[..., Any], _caller: str, node: str) -> List[Union[int, str]]:
         participant = self._participant
         if node in participant.members.gone:
             return [-1, 'unknown node [{}]'.format(node), '']
@@ -109,13 +118,13 @@ class Queries:
             self._tell([node])
         return ask()
 
-    def _service(self, ask, _caller, service):
+    def _service(self, ask: Any, _caller: str, service: str) -> Any:
         there, state = self._registrations()
         if there.only_gone_serve(service, state):
             return [-1, 'no provider', '']
         return ask()
 
-    def _tell(self, strangers):
+    def _tell(self, strangers: Sequence[Any]) -> None:
         for node in strangers:
             if node not in self._told:
                 self._told.add(node)

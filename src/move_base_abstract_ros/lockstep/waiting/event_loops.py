@@ -5,19 +5,23 @@ lockstep: the timer's instant is simulated time, and the other thread has the tu
 and signals of the kernel, are handled as without lockstep: they come by the wall clock, and label the run. Nothing is
 replaced before the program imports asyncio.
 """
+from __future__ import annotations
+
 import importlib
 import itertools
 import signal
 import sys
 import threading
 import types
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.machine_view import UPTIME
 from move_base_abstract.lockstep.open_waits import WORK
-from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.stable_hash import Numbered
+from move_base_abstract.lockstep.task import _make_lock
 from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing.replaced import replace
@@ -26,6 +30,9 @@ from ..code.imports import when_imported
 from ..code.labels import told
 from ..failing import outcomes
 from .waits import replace_within, until_shutdown
+
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
 
 _WAITS_FOR = 'a callback of its event loop'
 _OUTSIDE = 'gets data over a connection or a pipe, at some moment of the wall clock'
@@ -36,7 +43,7 @@ _LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; within the first, new connections
 _numbers = itertools.count()
 
 
-def install(clocks, take_part):
+def install(clocks: Any, take_part: Callable[..., Any]) -> None:
     """Make event loops use the run's clocks, ``clocks``, as soon as asyncio is imported.
 
     ``take_part(what)`` is called if a program that is not a node yet waits, as in :mod:`watchdog`.
@@ -44,7 +51,7 @@ def install(clocks, take_part):
     when_imported('asyncio', lambda: _install(clocks, take_part))
 
 
-def _install(clocks, take_part):
+def _install(clocks: Any, take_part: Callable[..., Any]) -> None:
     loops = 'asyncio.selector_events.BaseSelectorEventLoop.'
     replace(loops + '__init__', lambda init: _making(init, clocks, take_part))
     replace(loops + '_write_to_self', _waking)
@@ -66,8 +73,8 @@ def _install(clocks, take_part):
 # --- the loop's clock -----------------------------------------------------------------------------------------------
 
 
-def _telling_time(machine, clocks):
-    def time(self):
+def _telling_time(machine: Callable[..., Any], clocks: Any) -> Callable[..., Any]:
+    def time(self: Any) -> float:
         """Return the time of the loop's clock [s]: the program's time.monotonic."""
         selector = self.__dict__.get('_selector')
         if not told.is_ordered() and not (told.is_over() and getattr(selector, 'is_ordered', False)):
@@ -83,14 +90,18 @@ class _When(float):
 
     __slots__ = ('number',)
 
-    def __lt__(self, other):
+    number: int
+
+    def __lt__(self, other: float) -> bool:
         if float.__eq__(self, other):
             return self.number < getattr(other, 'number', -1)
         return float.__lt__(self, other)
 
 
-def _in_order_of_creation(init):
-    def init_in_order(self, when, *args, **kwds):
+def _in_order_of_creation(init: Callable[..., Any]) -> Callable[..., Any]:
+    def init_in_order(self: Any, when: Any,
+                      *args: Optional[Union[Sequence[Optional[Union[bool, int, str]]], Callable[..., Any]]],
+                      **kwds: Any) -> None:
         if type(when) is float:
             when = _When(when)
             when.number = next(_numbers)
@@ -101,8 +112,8 @@ def _in_order_of_creation(init):
 # --- the loop's wait ------------------------------------------------------------------------------------------------
 
 
-def _making(init, clocks, take_part):
-    def init_with_selector(self, selector=None):
+def _making(init: Callable[..., Any], clocks: Any, take_part: Callable[..., Any]) -> Callable[..., Any]:
+    def init_with_selector(self: Any, selector: Any = None) -> None:
         if selector is None:
             selector = importlib.import_module('selectors').DefaultSelector()
         frame = own_frame(sys._getframe(1))
@@ -110,20 +121,20 @@ def _making(init, clocks, take_part):
     return init_with_selector
 
 
-def _place_of(frame):
+def _place_of(frame: Any) -> Optional[Tuple[str, int]]:
     return frame and (frame.f_code.co_filename, frame.f_lineno)
 
 
-def _waking(write):
-    def _write_to_self(self):
+def _waking(write: Callable[..., Any]) -> Callable[..., Any]:
+    def _write_to_self(self: Any) -> None:
         selector = self._selector
         if not isinstance(selector, _Selector) or not selector.wake():
             write(self)
     return _write_to_self
 
 
-def _signalled(handle):
-    def handle_signal(self, number):
+def _signalled(handle: Callable[..., Any]) -> Callable[..., Any]:
+    def handle_signal(self: Any, number: int) -> None:
         if number not in _ENDS and isinstance(self._selector, _Selector):
             told.tell_place(self._selector.place, 'asyncio', '{} comes when it comes'.format(
                 signal.Signals(number).name))
@@ -134,22 +145,23 @@ def _signalled(handle):
 class _Selector:
     """Stands in for a loop's selector."""
 
-    def __init__(self, selector, loop, place, clocks, take_part):
+    def __init__(self, selector: Any, loop: Any, place: Any, clocks: Any,
+                 take_part: Callable[..., Any]) -> None:
         self._selector = selector
         self._loop = loop
         self.place = place
         self._clocks, self._take_part = clocks, take_part
         self._own = None  # the loop's own end of a pair of sockets
-        self._places = {}
+        self._places: Dict[Any, Any] = {}
         self._waiting = None  # the task of the thread that waits here
-        self._watch = None
+        self._watch: Any = None
         self.is_ordered = False
         self.has_yielded = False
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Callable[..., Any]:
         return getattr(self._selector, name)
 
-    def register(self, fileobj, events, data=None):
+    def register(self, fileobj: int, events: int, data: Optional[Tuple[None, None]] = None) -> Any:
         """Register a file, as selectors.BaseSelector does."""
         key = self._selector.register(fileobj, events, data)
         if self._own is None:
@@ -157,7 +169,7 @@ class _Selector:
         self._places[key.fd] = _place_of(own_frame(sys._getframe(1))) or self.place
         return key
 
-    def select(self, timeout=None):
+    def select(self, timeout: Optional[float] = None) -> List[Tuple[Any, int]]:
         """Wait for a file, as selectors.BaseSelector does; the time-out [s] is simulated time."""
         participant = told.participant
         if participant is None:
@@ -173,7 +185,7 @@ class _Selector:
             self._look(scheduler)
         return self._told_of(ready)
 
-    def _wait(self, scheduler, timeout):
+    def _wait(self, scheduler: Scheduler, timeout: Optional[float]) -> List[Tuple[Any, int]]:
         wake_ns = NEVER if timeout is None else scheduler.now_ns + max(1, seconds_to_ns(timeout))
         self._waiting = scheduler.current()
         if self._has_outside:
@@ -190,17 +202,17 @@ class _Selector:
         return self._told_of(self._selector.select(0))
 
     @property
-    def _has_outside(self):
+    def _has_outside(self) -> bool:
         """Whether something may come from outside of the program, by connections, pipes or signals."""
         return len(self._selector.get_map()) > 1 or bool(getattr(self._loop, '_signal_handlers', None))
 
-    def _told_of(self, ready):
+    def _told_of(self, ready: Sequence[Tuple[Any, int]]) -> Any:
         for key, _events in ready:
             if key.fd != self._own:
                 told.tell_place(self._places.get(key.fd), 'asyncio', _OUTSIDE)
         return ready
 
-    def _look(self, scheduler):
+    def _look(self, scheduler: Scheduler) -> None:
         """Count a look: the loop goes round without waiting, because a task sleeps for 0 s, as with time.sleep(0)."""
         self.has_yielded = False
         step_ns = STEP_NS
@@ -211,7 +223,7 @@ class _Selector:
         except TurnLost:
             pass  # lockstep is over
 
-    def wake(self):
+    def wake(self) -> bool:
         """Wake the loop for another thread; return False if the thread must write to the loop's socket, too."""
         participant = told.participant
         if participant is None or not self.is_ordered:
@@ -223,11 +235,11 @@ class _Selector:
             participant.scheduler.from_outside(self._wake)
         return False
 
-    def _wake(self):
+    def _wake(self) -> None:
         if self._waiting is not None:
             told.participant.scheduler.wake(self._waiting)
 
-    def _before_node(self, timeout):
+    def _before_node(self, timeout: Any) -> List[Any]:
         """Wait when the program does not take part yet: it takes part from here on, or waits in wall time."""
         if timeout and not self._has_outside and self._take_part('a wait of asyncio'):
             return self.select(timeout)
@@ -236,7 +248,7 @@ class _Selector:
             self._clocks.add_sleep(timeout)
         return ready
 
-    def _in_the_end(self, timeout):
+    def _in_the_end(self, timeout: Optional[float]) -> List[Any]:
         """Wait in wall time when lockstep is over and the node is about to end.
 
         :raises TurnLost: if nothing came, and there is no time-out.
@@ -253,14 +265,14 @@ class _Selector:
 class _Watch:
     """A thread that checks in wall time whether something has come from outside for a loop that waits."""
 
-    def __init__(self, selector, wake):
+    def __init__(self, selector: Any, wake: Callable[..., Any]) -> None:
         self._selector, self._wake = selector, wake
         self._go = _make_lock()
         self._go.acquire()
         self._is_wanted = False
         threading.Thread(target=self._live, name='lockstep_event_loop', daemon=True).start()
 
-    def begin(self):
+    def begin(self) -> None:
         """Check from now on."""
         self._is_wanted = True
         try:
@@ -268,11 +280,11 @@ class _Watch:
         except RuntimeError:
             pass  # it was released before
 
-    def end(self):
+    def end(self) -> None:
         """Stop checking."""
         self._is_wanted = False
 
-    def _live(self):
+    def _live(self) -> None:
         while True:
             self._go.acquire()
             while self._is_wanted:
@@ -288,7 +300,7 @@ class _Watch:
 # --- tasks ----------------------------------------------------------------------------------------------------------
 
 
-def _numbered(kind):
+def _numbered(kind: Any) -> Any:
     """Return a class of tasks or futures that hashes by number: asyncio cancels and counts them in the order of sets.
 
     Its objects also note their outcome.
@@ -299,26 +311,26 @@ def _numbered(kind):
 
 
 @types.coroutine
-def _sleep0():
+def _sleep0() -> Iterator[None]:
     loop = sys.modules['asyncio.events']._get_running_loop()
     if isinstance(getattr(loop, '_selector', None), _Selector):
         loop._selector.has_yielded = True
     yield
 
 
-def _completing(complete):
-    def as_completed(fs, *args, **kwds):
+def _completing(complete: Callable[..., Any]) -> Callable[..., Any]:
+    def as_completed(fs: Sequence[Any], *args: Any, **kwds: Any) -> Iterator[Any]:
         return complete(_in_order(fs, kwds.get('loop'), sys._getframe(2)), *args, **kwds)
     return as_completed
 
 
-def _waiting(wait):
-    async def wait_for_all(fs, *args, **kwds):
+def _waiting(wait: Any) -> Any:
+    async def wait_for_all(fs: Any, *args: Any, **kwds: Any) -> Any:
         return await wait(_in_order(fs, kwds.get('loop'), sys._getframe(1)), *args, **kwds)
     return wait_for_all
 
 
-def _in_order(some, loop, frame):
+def _in_order(some: Sequence[Any], loop: Any, frame: Any) -> Any:
     """Return tasks of coroutines in the order in which they are given. asyncio would first make a set of them."""
     tasks = sys.modules['asyncio.tasks']
     if isinstance(some, (set, frozenset)) and sum(map(tasks.coroutines.iscoroutine, some)) > 1:

@@ -4,8 +4,11 @@ They look by functions of rospy and actionlib. After a number of looks in a row 
 (:meth:`Scheduler.look`), so that what it looks for can happen. Looks are counted and not timed, so a run with such
 loops is as repeatable as any other.
 """
+from __future__ import annotations
+
 import sys
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Callable, Optional, Set
 
 import rospy
 import rospy.client
@@ -17,12 +20,17 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .waits import replace_within
 
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
+
+    from ..participation.taking_part import Participant
+
 #: the weight of a look at a parameter at which the thread has looked before, since its last wait
 AGAIN = 250
 _ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
 
 
-def install(participant):
+def install(participant: Participant) -> None:
     """Count the looks of the application's threads."""
     scheduler = participant.scheduler
     for function in (rospy.core.is_shutdown, rospy.topics.Topic.get_num_connections):
@@ -42,11 +50,11 @@ def install(participant):
 class _Parameters:
     """Looks at parameters. Each takes a millisecond, by a call of the ROS master, so a repeated one weighs more."""
 
-    def __init__(self, scheduler):
+    def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = scheduler
-        self._names = set()
+        self._names: Set[Any] = set()
 
-    def weight_of(self, name, *_args, **_kwds):
+    def weight_of(self, name: str, *_args: Any, **_kwds: Any) -> int:
         """Return the number of looks as which this one counts."""
         if not self._scheduler.current().looks:
             self._names.clear()
@@ -56,9 +64,10 @@ class _Parameters:
         return 1
 
 
-def _count(function, scheduler, step_ns, weight_of=None):
-    def counting(original):
-        def look(*args, **kwds):
+def _count(function: Callable[..., Any], scheduler: Scheduler, step_ns: int,
+           weight_of: Optional[Callable[..., Any]] = None) -> None:
+    def counting(original: Callable[..., Any]) -> Callable[..., Any]:
+        def look(*args: Any, **kwds: Any) -> Any:
             if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):
                 try:
                     scheduler.look(step_ns, weight_of(*args, **kwds) if weight_of else 1)
@@ -70,11 +79,11 @@ def _count(function, scheduler, step_ns, weight_of=None):
 
 
 @lru_cache(maxsize=None)
-def _is_module_of_ros(name):
+def _is_module_of_ros(name: str) -> bool:
     return (name or '').startswith(_ROS)
 
 
-def _is_of_ros(frame):
+def _is_of_ros(frame: Any) -> bool:
     """Return whether ROS's own code looks, above rospy's functions that only pass the question on."""
     name = frame.f_globals.get('__name__')
     while name == 'rospy.rostime':

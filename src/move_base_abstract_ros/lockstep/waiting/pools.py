@@ -5,7 +5,10 @@ asyncio's children. They do not count as threads of the application. As long as 
 child works, this process reports nothing, so that results come at the instant at which they were asked for. (The run is
 labelled all the same, because the processes take no part.)
 """
+from __future__ import annotations
+
 import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 import rospy
 
@@ -14,17 +17,20 @@ from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing.replaced import replace
 
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
+
 _OF_PROCESSES = ('concurrent.futures.process', 'multiprocessing.queues')
 _POOL = 'multiprocessing.pool'
 _OF_CHILDREN = 'asyncio.unix_events'  # each of its threads waits for a child
 _LOOK_S, _LAST_WORDS_S, _LONGEST_S = 0.001, 0.05, 60.0  # wall
 _sleep = time.sleep  # the real one, by the wall clock
-_jobs = []  # of pools of processes: (managing thread, dict of the jobs that are not done)
+_jobs: List[Any] = []  # of pools of processes: (managing thread, dict of the jobs that are not done)
 
 
-def is_manager(thread):
+def is_manager(thread: Any) -> bool:
     """Return whether a thread that is about to start manages a pool of processes. If so, follow the pool's jobs."""
-    target = getattr(thread, '_target', None)
+    target: Any = getattr(thread, '_target', None)
     module = getattr(target, '__module__', None)
     is_manager_ = type(thread).__module__ in _OF_PROCESSES or module in (*_OF_PROCESSES, _OF_CHILDREN) or (
         module == _POOL and target.__name__.startswith('_handle_') and _has_pipes(thread))
@@ -33,7 +39,7 @@ def is_manager(thread):
     return is_manager_
 
 
-def _jobs_of(thread, module):
+def _jobs_of(thread: Any, module: Any) -> List[Dict[int, str]]:
     """Return [dict of the jobs that are not done] of a managing thread; [] if another thread of the pool has it."""
     if hasattr(thread, 'pending_work_items'):
         return [thread.pending_work_items]
@@ -44,13 +50,13 @@ def _jobs_of(thread, module):
     return [one for one in thread._args if isinstance(one, dict)]
 
 
-def _has_pipes(thread):
+def _has_pipes(thread: Any) -> bool:
     """Return whether a thread of a pool gets its work over pipes; one pipe of each pool only tells of changes."""
     pipes = sum(type(one).__module__ == 'multiprocessing.queues' for one in thread._args)
     return pipes > (thread._target.__name__ == '_handle_workers')
 
 
-def await_results(scheduler):
+def await_results(scheduler: Scheduler) -> None:
     """If a pool of processes has work to do, wait in wall time until it has done some of it."""
     if not _jobs:
         return
@@ -64,11 +70,11 @@ def await_results(scheduler):
     _wait_by_the_wall(scheduler, _LAST_WORDS_S, lambda: True)  # for a result that is off the list, and not here yet
 
 
-def _is_working():
+def _is_working() -> bool:
     return any(jobs and thread.is_alive() for thread, jobs in _jobs)
 
 
-def _wait_by_the_wall(scheduler, longest, condition):
+def _wait_by_the_wall(scheduler: Scheduler, longest: float, condition: Callable[..., Any]) -> bool:
     """Wait in wall time, while a condition holds, until something comes from outside.
 
     Return False if that takes longer than ``longest`` [s, wall].
@@ -81,7 +87,7 @@ def _wait_by_the_wall(scheduler, longest, condition):
     return True
 
 
-def follow(thread, scheduler):
+def follow(thread: Any, scheduler: Scheduler) -> None:
     """Make a thread that manages a pool of threads wait for them like any other thread."""
     target = getattr(thread, '_target', None)
     if getattr(target, '__module__', None) == _POOL and not _state:
@@ -89,11 +95,11 @@ def follow(thread, scheduler):
         replace('multiprocessing.pool.Pool._wait_for_updates', lambda wait: staticmethod(_waiting(scheduler, wait)))
 
 
-_state = []
+_state: List[Any] = []
 
 
-def _waiting(scheduler, wait):
-    def wait_for_updates(sentinels, change_notifier, timeout=None):
+def _waiting(scheduler: Scheduler, wait: Callable[..., Any]) -> Callable[..., Any]:
+    def wait_for_updates(sentinels: Sequence[Any], change_notifier: Any, timeout: Optional[float] = None) -> None:
         if not scheduler.is_mine():
             wait(sentinels, change_notifier, timeout)
             return

@@ -4,11 +4,14 @@ A thread that the application starts waits for its first turn. ``threading.Lock`
 Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when a thread of the application must wait for
 another. Time-outs are simulated time. For rospy's own threads these locks are ordinary ones.
 """
+from __future__ import annotations
+
 import itertools
 import queue
 import sys
 import threading
 import time
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
 
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock, Process, clock
 from move_base_abstract.lockstep.scheduler import TurnLost
@@ -21,6 +24,12 @@ from ..failing import uncaught
 from . import pools
 from .waits import to_ns
 
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
+    from move_base_abstract.lockstep.task import Task
+
+    from ..participation.taking_part import Participant
+
 #: modules whose threads, or threads that run their functions, are never the application's
 _FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_base_abstract_ros.lockstep.',
             'move_base_abstract_ros.messages.outbox.')
@@ -29,7 +38,7 @@ _ROSPY = 'rospy.impl.'
 _numbers = itertools.count(1)  # of threads without a name, in the names that Python gives to them
 
 
-def install(participant, own_threads):
+def install(participant: Participant, own_threads: bool) -> None:
     """Make locks use the scheduler of ``participant``; with ``own_threads``, replace locks and follow threads."""
     Process.scheduler = participant.scheduler
     _Watch.take_part = None  # rospy may start threads of its own before its participant is known to the labels
@@ -38,16 +47,16 @@ def install(participant, own_threads):
         _follow_threads(participant.scheduler)
 
 
-def replace_locks():
+def replace_locks() -> None:
     """Make locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
     now = clock(time.monotonic)
     for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
-                           ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),
+                           ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),  # type: ignore[attr-defined]
                            ('threading._time', now), ('queue.time', now)):
         replace(name, lambda _original, stand_in=stand_in: stand_in)
 
 
-def watch_start(take_part):
+def watch_start(take_part: Callable[..., Any]) -> None:
     """If a program starts a thread before it is a node, make it take part from there on, by ``take_part(what)``.
 
     If that is not possible, lockstep does not order the thread, and the run is labelled.
@@ -59,12 +68,12 @@ def watch_start(take_part):
 class _Watch:
     """How a program takes part when it starts a thread before it is a node; None from then on."""
 
-    take_part = None
+    take_part: Optional[Any] = None
 
 
-def _starting_early(start):
-    def _start(self):
-        take_part = _Watch.take_part
+def _starting_early(start: Callable[..., Any]) -> Callable[..., Any]:
+    def _start(self: Any) -> None:
+        take_part: Any = _Watch.take_part
         frame = None if take_part is None else own_frame(sys._getframe(1))
         if frame is None or _is_foreign(self, ''):
             start(self)
@@ -77,7 +86,7 @@ def _starting_early(start):
     return _start
 
 
-def _follow_threads(scheduler):
+def _follow_threads(scheduler: Scheduler) -> None:
     for name in ('_thread.start_new_thread', '_thread.start_new'):
         replace(name, _starting_new)
     replace('threading.Thread.start', lambda start: _starting(scheduler, start))
@@ -85,8 +94,8 @@ def _follow_threads(scheduler):
     replace('threading.Thread.is_alive', lambda is_alive: _looking(scheduler, is_alive))
 
 
-def _starting(scheduler, start):
-    def _start(self):
+def _starting(scheduler: Scheduler, start: Callable[..., Any]) -> Callable[..., Any]:
+    def _start(self: Any) -> None:
         if scheduler.is_mine() and not _is_foreign(self, sys._getframe(1).f_globals.get('__name__', '')):
             pools.follow(self, scheduler)
             task = scheduler.spawn(self.name)
@@ -96,8 +105,8 @@ def _starting(scheduler, start):
     return _start
 
 
-def _starting_new(start_new_thread):
-    def _start_new_thread(function, args, kwargs=None):
+def _starting_new(start_new_thread: Callable[..., Any]) -> Callable[..., Any]:
+    def _start_new_thread(function: Callable[..., Any], args: Sequence[List[str]], kwargs: Any = None) -> Any:
         if not is_own(sys._getframe(1)):
             return start_new_thread(function, args, *([] if kwargs is None else [kwargs]))
         thread = threading.Thread(target=function, name='Dummy-{}'.format(next(_numbers)), args=args,
@@ -107,8 +116,8 @@ def _starting_new(start_new_thread):
     return _start_new_thread
 
 
-def _joining(scheduler, join):
-    def _join(self, timeout=None):
+def _joining(scheduler: Scheduler, join: Callable[..., Any]) -> Callable[..., Any]:
+    def _join(self: Any, timeout: Optional[float] = None) -> None:
         task = getattr(self, '_lockstep_task', None)
         if task is None or not scheduler.is_mine():
             join(self, timeout)
@@ -119,14 +128,14 @@ def _joining(scheduler, join):
     return _join
 
 
-def _looking(scheduler, is_alive):
-    def _is_alive(self):
+def _looking(scheduler: Scheduler, is_alive: Callable[..., Any]) -> Callable[..., Any]:
+    def _is_alive(self: Any) -> bool:
         task = getattr(self, '_lockstep_task', None)
         return is_alive(self) if task is None or not scheduler.is_mine() else not task.is_finished
     return _is_alive
 
 
-def _is_foreign(thread, starter):
+def _is_foreign(thread: Any, starter: str) -> bool:
     """Return whether a thread is not the application's; ``starter`` is the module that starts it."""
     target = getattr(thread, '_target', None)
     modules = (type(thread).__module__, getattr(target, '__module__', None) or '')
@@ -134,8 +143,8 @@ def _is_foreign(thread, starter):
     return is_foreign or pools.is_manager(thread)
 
 
-def _in_turn(scheduler, task, run):
-    def run_in_turn():
+def _in_turn(scheduler: Scheduler, task: Task, run: Callable[..., Any]) -> Callable[..., Any]:
+    def run_in_turn() -> None:
         scheduler.begin(task)
         try:
             run()

@@ -3,8 +3,11 @@
 The functions of rospy get other code, and stay the same objects, so that modules that have imported them by name use
 it, too. A thread that is not the application's waits as without lockstep.
 """
+from __future__ import annotations
+
 import time
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Type
 
 import genpy
 import rospy
@@ -18,8 +21,13 @@ from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing import replaced
 
+if TYPE_CHECKING:
+    from move_base_abstract.lockstep.scheduler import Scheduler
 
-def install(participant):
+    from ..participation.taking_part import Participant
+
+
+def install(participant: Participant) -> None:
     """Replace the waits. Call this once."""
     scheduler = participant.scheduler
     waits = _Waits(participant)
@@ -32,7 +40,7 @@ def install(participant):
     _install_actionlib(waits, scheduler)
 
 
-def _install_actionlib(waits, scheduler):
+def _install_actionlib(waits: _Waits, scheduler: Scheduler) -> None:
     try:
         from actionlib import action_client, simple_action_client
     except ImportError:
@@ -42,23 +50,23 @@ def _install_actionlib(waits, scheduler):
              lambda: not scheduler.is_mine())
 
 
-def replace(function, hook, is_foreign):
+def replace(function: Callable[..., Any], hook: Callable[..., Any], is_foreign: Callable[..., Any]) -> None:
     """Make ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
-    def make(original):
-        def call(*args, **kwds):
+    def make(original: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any, **kwds: float) -> Any:
             return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
         return call
     replace_within(function, make)
 
 
-def replace_within(function, make):
+def replace_within(function: Any, make: Callable[..., Any]) -> None:
     """Make ``function`` do what ``make(original)`` does. It stays the same object for all modules that have it."""
     replaced.note(replaced.name_of(function), function)
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__
     key = '_lockstep_{}'.format(function.__name__)
     function.__globals__[key] = make(original)
-    namespace = {}
+    namespace: Dict[Any, Any] = {}
     exec(compile('def {}(*args, **kwds):\n    return {}(*args, **kwds)\n'.format(function.__name__, key),
                  __file__, 'exec'), function.__globals__, namespace)
     function.__defaults__ = function.__kwdefaults__ = None
@@ -66,7 +74,7 @@ def replace_within(function, make):
 
 
 @contextmanager
-def replaced_within(function, make):
+def replaced_within(function: Callable[..., Any], make: Callable[..., Any]) -> Iterator[None]:
     """Do the same as :func:`replace_within`, within a context."""
     before = function.__code__, function.__defaults__, function.__kwdefaults__
     replace_within(function, make)
@@ -76,7 +84,7 @@ def replaced_within(function, make):
         function.__code__, function.__defaults__, function.__kwdefaults__ = before
 
 
-def to_ns(duration):
+def to_ns(duration: Any) -> int:
     """Return seconds (int, float) or a Duration in ns, rounded as rospy does."""
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)
@@ -86,14 +94,14 @@ def to_ns(duration):
 class _Waits:
     """The waits. Each ends when the node shuts down, with the same result or error as the original."""
 
-    def __init__(self, participant):
+    def __init__(self, participant: Participant) -> None:
         self._participant = participant
         self._scheduler = participant.scheduler
 
-    def _wake_ns(self, timeout):
+    def _wake_ns(self, timeout: Optional[float]) -> int:
         return NEVER if timeout is None else self._scheduler.now_ns + max(0, to_ns(timeout))
 
-    def sleep(self, duration):
+    def sleep(self, duration: Any) -> None:
         """Stand in for rospy.sleep."""
         pause_ns = to_ns(duration)
         if pause_ns > 0:
@@ -106,14 +114,14 @@ class _Waits:
         if rospy.core.is_shutdown():
             raise rospy.ROSInterruptException('ROS shutdown request')
 
-    def _look(self):
+    def _look(self) -> None:
         """Sleep for 0 s; a loop of such sleeps waits by looking."""
         try:
             self._scheduler.look(STEP_NS)
         except TurnLost:
             pass  # lockstep is over
 
-    def spin(self):
+    def spin(self) -> None:
         """Stand in for rospy.spin."""
         if not rospy.core.is_initialized():
             raise rospy.ROSInitException('client code must call rospy.init_node() first')
@@ -125,16 +133,16 @@ class _Waits:
         except KeyboardInterrupt:
             rospy.core.signal_shutdown('keyboard interrupt')
 
-    def _until(self, condition, timeout, what):
+    def _until(self, condition: Callable[..., Any], timeout: Optional[float], what: str) -> bool:
         try:
             return self._scheduler.wait_until(condition, self._wake_ns(timeout), what)
         except TurnLost:
             until_shutdown()
             raise rospy.ROSInterruptException('rospy shutdown') from None
 
-    def wait_for_message(self, topic, topic_type, timeout=None):
+    def wait_for_message(self, topic: str, topic_type: Type[Any], timeout: Optional[float] = None) -> Any:
         """Stand in for rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
-        messages = []
+        messages: List[Any] = []
         subscriber = rospy.Subscriber(topic, topic_type, messages.append)
         try:
             if not self._until(lambda: messages, timeout, 'a message on {}'.format(topic)):
@@ -143,7 +151,7 @@ class _Waits:
             subscriber.unregister()
         return messages[0]
 
-    def wait_for_service(self, service, timeout=None):
+    def wait_for_service(self, service: str, timeout: Optional[float] = None) -> None:
         """Stand in for rospy.wait_for_service; the timeout is simulated time (stock rospy's is wall time)."""
         name = rospy.resolve_name(service)
         timeout_ns = None if timeout is None else to_ns(timeout)
@@ -157,7 +165,7 @@ class _Waits:
         if not is_found:
             raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
 
-    def wait_for_result(self, client, timeout=genpy.Duration()):
+    def wait_for_result(self, client: Any, timeout: Any = genpy.Duration()) -> bool:
         """Stand in for SimpleActionClient.wait_for_result."""
         from actionlib.simple_action_client import SimpleGoalState
         if not client.gh:
@@ -167,14 +175,14 @@ class _Waits:
                                 'the result of {}'.format(client.action_client.ns))
         return client.simple_state == SimpleGoalState.DONE
 
-    def wait_for_server(self, client, timeout=genpy.Duration()):
+    def wait_for_server(self, client: Any, timeout: Any = genpy.Duration()) -> bool:
         """Stand in for ActionClient.wait_for_server, which SimpleActionClient's calls, too."""
         if to_ns(timeout) < 0:  # as in actionlib: look once
             return _is_connected(client)
         return self._until_or_shutdown(lambda: _is_connected(client), timeout,
                                        'the action server {}'.format(client.ns))
 
-    def _until_or_shutdown(self, condition, timeout, what):
+    def _until_or_shutdown(self, condition: Callable[..., Any], timeout: Any, what: str) -> bool:
         timeout = timeout if to_ns(timeout) > 0 else None
         try:
             return bool(self._scheduler.wait_until(condition, self._wake_ns(timeout), what))
@@ -183,14 +191,14 @@ class _Waits:
             return bool(condition())
 
 
-def until_shutdown():
+def until_shutdown() -> None:
     """Wait, 5 s of wall time at most, until the node shuts down: lockstep has ended in the middle of a wait."""
     deadline = time.monotonic() + 5.0
     while not rospy.core.is_shutdown() and time.monotonic() < deadline:
         time.sleep(0.01)
 
 
-def _is_connected(client):
+def _is_connected(client: Any) -> bool:
     """Return actionlib's own condition: whether an action server was heard, and all topics are connected to it."""
     if not client.last_status_msg:
         return False
