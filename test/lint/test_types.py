@@ -49,8 +49,14 @@ def test_no_public_name_is_any(tmp_path):
 def test_a_wrong_call_of_a_user_is_an_error(tmp_path):
     lines = checked(tmp_path, """
 import move_base_abstract
-from move_base_abstract import Fleet, make_scenario
-fleet = Fleet()
+from move_base_abstract import Dispatch, Environment, Fleet, make_scenario
+from move_base_abstract.goals import GoalState
+def ended(robot: str, goal_id: str, state: GoalState, text: str, now_ns: int) -> None:
+    fleet.robot(robot).send(0.0, 1)
+scenario = make_scenario({'robots': [{'name': 'bot'}]}, overrides={'max_speed': 2.0})
+fleet = Fleet(scenario, on_end=ended, trace=None)
+fleet.at(5, lambda one: one.robot('bot').hold('lunch'))
+distance: float = Environment(scenario).robot('bot').distance + Dispatch(scenario, policy='batch').run()
 move_base_abstract.Flet
 fleet.send('bot', '1', None, colour='red')
 fleet.robot('bot').send(1.0, 2.0, colour='red')
