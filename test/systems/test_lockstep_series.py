@@ -52,6 +52,22 @@ parent.spin()
 print('heard', sorted(set(heard)))
 start()
 """
+ENDS_IN_A_CALLBACK = HEAD + """
+def end(message):
+    parent.shutdown()
+
+parent = roslaunch.parent.ROSLaunchParent('x', [(file, ['trial:=1', 'budget:=30'])])
+parent.start()
+try:
+    rospy.ServiceProxy('/robot_0/lacking', SetPose)(PoseStamped())
+except rospy.ServiceException as error:
+    print('refused:', error)
+rospy.Subscriber('/robot_0/robot_pose', PoseStamped, end)
+try:
+    rospy.sleep(100.0)
+except rospy.ROSInterruptException as error:
+    print('then', error, rospy.is_shutdown())
+"""
 REFUSED = HEAD + """
 Parent = roslaunch.parent.ROSLaunchParent
 for make in (roslaunch.scriptapi.ROSLaunch, lambda: Parent('x', [], roslaunch_strs=['']), lambda: rospy.sleep(1.0)):
@@ -123,6 +139,14 @@ class LockstepSeries(unittest.TestCase):
         self.assertEqual(json.loads(self.log(2).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
         self.assertEqual(json.loads(self.log(3).splitlines()[-1])['end']['node'], '/ends')
         self.assertEqual(json.loads(self.log(1).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
+
+    def test_a_callback_may_end_the_run(self):
+        code, said = self.run_script(self.write('ends.py', ENDS_IN_A_CALLBACK))
+        self.assertEqual(code, 0, said)
+        self.assertIn('refused: service [/robot_0/lacking] unavailable', said)
+        self.assertIn('then the run is over False', said)
+        end = json.loads(self.log(1).splitlines()[-1])['end']
+        self.assertEqual((end['node'], end['at_ns']), ('/ends', 1_000_000_000))
 
     def test_what_is_no_run_is_refused_and_the_scripts_exit_code_is_the_series(self):
         code, said = self.run_script(self.write('refused.py', REFUSED))

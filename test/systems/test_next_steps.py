@@ -1,4 +1,5 @@
 """What programs print as the next step is a command that works as it stands: each is taken and run."""
+import filecmp
 import os
 import re
 import shlex
@@ -27,6 +28,11 @@ SYSTEM = """<launch><arg name="what"/>
   <node pkg="study_of_others" type="$(arg what)" name="hears"/>
   <node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot"/>
   <node pkg="of_nobody" type="gone" name="gone"/></launch>
+"""
+SCRIPT = """import roslaunch.parent
+parent = roslaunch.parent.ROSLaunchParent('x', [('a system.launch', ['what:=hears.py'])])
+parent.start()
+parent.spin()
 """
 OPTIONS = ('--leave-out', '/gone', '--start', '/robot/move_base=1,2,0.5', '--param', "/of_test=[1, it's]",
            '--until', '4')
@@ -62,3 +68,11 @@ class NextStepsTest(OwnFolder, unittest.TestCase):
         program, *words = self.run_it(program, '--seeds', '1:1', '--workers', '1', *words)
         self.assertEqual((program, words[:2]), ('chaos', ['--seeds', '2:2']))
         self.run_it(program, *words)
+
+    def test_from_a_script_to_its_runs_again(self):
+        script = self.write(os.path.join('a folder', 'a script.py'), SCRIPT)
+        program, *words = self.run_it('lockstep_launch', '--script', '--logs', 'logs/', *OPTIONS, script)
+        self.assertEqual((program, words[:3]), ('lockstep_launch', ['--script', '--logs', 'logs_2']))
+        self.run_it(program, *words)
+        logs = [self.path(os.path.join('a folder', one, 'run_001.jsonl')) for one in ('logs', 'logs_2')]
+        self.assertTrue(filecmp.cmp(*logs, shallow=False))

@@ -3,13 +3,10 @@ import os
 import socket
 import subprocess
 import sys
-import threading
-from multiprocessing.connection import Listener
 
 import pytest
 
 from move_base_abstract.common import sockets
-from move_base_abstract_ros.launching.scripted import deputy_link
 
 
 @pytest.fixture
@@ -25,18 +22,6 @@ def test_both_ends_wait_in_python_and_in_a_process_that_inherits_them(hasty):
         with one:
             assert one.gettimeout() is None
             assert os.get_blocking(one.fileno())
-
-
-def test_the_link_of_a_script_waits_for_an_answer(hasty, tmp_path):
-    with Listener(str(tmp_path / 'link'), 'AF_UNIX') as listener:
-        ours = deputy_link.connect(listener.address)
-        its = deputy_link.Link(listener.accept())
-    late = threading.Timer(0.1, its.send, [deputy_link.ANSWER, 5])
-    late.start()
-    assert ours.receive() == (deputy_link.ANSWER, 5)
-    late.join()
-    for one in (ours, its):
-        one.close()
 
 
 def test_a_signal_ends_a_node_however_late_it_comes():

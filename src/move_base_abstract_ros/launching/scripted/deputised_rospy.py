@@ -1,18 +1,26 @@
 """The rospy of a script that starts runs: a deputy, which takes part in the run, does what concerns the run.
 
 The script gets a module of its own in the place of rospy. All names that are not listed here are rospy's own.
+
+The two speak over a Connection of multiprocessing, on a Unix socket in a folder that only this user can enter. Only one
+of the two speaks at a time. The deputy answers a request by ANSWER or ERROR. Before that it may send any number of
+CALLBACKs. The script answers each of them by DONE, with the result of the function, and may send requests of its own
+before that. Whoever leaves the run closes the connection.
 """
 import itertools
 import sys
 import threading
 import traceback
 import types
+from typing import NamedTuple
 
 import rospy
 
 from ...lockstep.participation.rospy_time import set_rostime
-from .deputy_link import CALLBACK, DONE, ERROR, REQUEST, Function, LinkClosed, Thing
 
+REQUEST, ANSWER, ERROR, CALLBACK, DONE = range(5)
+#: what a Connection raises when the other side has gone, or this side has closed it
+GONE = (EOFError, OSError)
 #: functions of rospy that the deputy calls
 FUNCTIONS = ('sleep', 'wait_for_message', 'wait_for_service', 'get_param', 'has_param', 'set_param', 'delete_param',
              'search_param', 'get_param_names', 'get_param_cached', 'get_published_topics', 'get_name',
@@ -22,6 +30,18 @@ CLASSES = ('Publisher', 'ServiceProxy', 'Service', 'Rate', 'Timer')
 _LOGS = {'logdebug': None, 'loginfo': sys.stdout, 'logwarn': sys.stderr, 'logerr': sys.stderr, 'logfatal': sys.stderr}
 _NO_RUN = 'no run is under way: ROSLaunchParent.start() begins one'
 _OVER = 'the run is over'
+
+
+class Function(NamedTuple):
+    """Stands for a function of the script in messages to the deputy."""
+
+    number: int
+
+
+class Thing(NamedTuple):
+    """Stands for an object that the deputy has made for the script, such as a subscriber, in messages to the deputy."""
+
+    number: int
 
 
 class Deputised:
@@ -41,21 +61,17 @@ class Deputised:
         return self._link is not None
 
     def begin(self, link):
-        """Use the deputy at the other end of this Link from now on. Wait until it answers."""
+        """Use the deputy at the other end of this Connection from now on. Wait until it answers."""
         self._link, self.is_over = link, False
         rospy.rostime.set_rostime_initialized(True)
-        self._take(link.receive())
+        self._take(link.recv())
 
     def end(self):
-        """Make the deputy leave the run; what it has made is lost. Return the Link, or None if there is no run."""
+        """Make the deputy leave the run, if it takes part; what it has made is lost."""
         link, self._link = self._link, None
         self._functions.clear()
         if link is not None:
-            try:
-                link.send(REQUEST, 'leave')
-            except LinkClosed:
-                pass
-        return link
+            link.close()
 
     def run_hooks(self):
         """Call the functions that were given to rospy.on_shutdown, at the end of the script."""
@@ -78,17 +94,18 @@ class Deputised:
             raise rospy.ROSInterruptException(_OVER if self.is_over else _NO_RUN)
         link = self._link
         try:
-            link.send(REQUEST, _number, name, [self._token(arg) for arg in args],
-                      {key: self._token(value) for key, value in kwds.items()})
-            while True:
-                told = link.receive()
-                if told[0] != CALLBACK:
-                    return self._take(told)
+            link.send((REQUEST, _number, name, [self._token(arg) for arg in args],
+                       {key: self._token(value) for key, value in kwds.items()}))
+            told = link.recv()
+            while told[0] == CALLBACK:
                 set_rostime(told[1])
-                link.send(DONE, self._call(*told[2:]))
-        except LinkClosed:
-            self._link, self.is_over = None, True
+                link.send((DONE, self._call(*told[2:])))
+                told = link.recv()
+        except GONE:
+            if self._link is link:  # otherwise a callback has left the run
+                self._link, self.is_over = None, True
             raise rospy.ROSInterruptException(_OVER) from None
+        return self._take(told)
 
     def _call(self, number, args):
         """Call a function of the script, as rospy calls a callback: its exceptions are printed, and go no further."""
@@ -136,8 +153,8 @@ class Deputised:
 
     def module(self):
         """Return the module that the script gets as rospy."""
-        made = types.ModuleType('rospy', rospy.__doc__)
-        made.__dict__.update({key: value for key, value in vars(rospy).items() if key not in ('__name__', '__doc__')})
+        made = types.ModuleType('rospy')
+        made.__dict__.update(vars(rospy))
         for name in FUNCTIONS:
             setattr(made, name, lambda *args, _name=name, **kwds: self.ask(_name, *args, **kwds))
         for name in CLASSES:

@@ -13,7 +13,6 @@ from roslaunch.core import RLException
 from move_base_abstract.common.errors import ConfigurationError
 
 from .deputised_rospy import Deputised
-from .deputy_link import Link
 
 _LOOK_S = 0.1  # wall
 _END_S = 60.0  # wall, for a run to end after it was asked to
@@ -34,10 +33,6 @@ class Series:
         self.code = 0
         os.makedirs(folder, exist_ok=True)
 
-    def parent(self, *args, **kwds):
-        """Return the Parent that the script gets in the place of a ROSLaunchParent."""
-        return Parent(self, *args, **kwds)
-
     def start(self, files):
         """Start a run of ``files`` [(path, arguments)]; return when the deputy takes part.
 
@@ -57,16 +52,15 @@ class Series:
 
     def _begin(self, files, log):
         with tempfile.TemporaryDirectory(prefix='lockstep_series_') as folder, socket.socket(socket.AF_UNIX) as door:
-            address, asked = os.path.join(folder, 'deputy'), os.path.join(folder, 'run.json')
+            address = os.path.join(folder, 'deputy')
             door.bind(address)
             door.listen(1)
-            with open(asked, 'w', encoding='utf-8') as stream:
-                json.dump({'files': files, 'deputy': self._name, 'address': address}, stream)
+            asked = json.dumps({'files': files, 'deputy': (self._name, address)})
             words = [sys.executable, self._program, *self._options, '--event-log', log, '--series', asked]
             process = self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL)
             accepted = self._accept(door, process)
             accepted.settimeout(None)  # a script may have set a time limit for all its new sockets
-            self.deputised.begin(Link(Connection(accepted.detach())))
+            self.deputised.begin(Connection(accepted.detach()))
 
     def _accept(self, door, process):
         door.settimeout(_LOOK_S)
@@ -91,16 +85,14 @@ class Series:
         process, self._process = self._process, None
         if process is None:
             return
-        link = self.deputised.end()
-        if is_asked and link is None and not self.deputised.is_over and process.poll() is None:
+        if is_asked and not self.deputised.is_under_way and not self.deputised.is_over and process.poll() is None:
             process.send_signal(signal.SIGINT)
+        self.deputised.end()
         try:
             process.wait(_END_S if is_asked else None)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        if link is not None:
-            link.close()
         self.code = max(self.code, abs(process.returncode))
         print('lockstep_launch: run {}: exit code {}'.format(self._number, process.returncode), flush=True)
 

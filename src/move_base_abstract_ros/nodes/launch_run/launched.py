@@ -1,5 +1,6 @@
 """A run of a launch file in lockstep, in this process: its command line, the run itself, and what is said of it."""
 import argparse
+import json
 import os
 import shutil
 import signal
@@ -10,7 +11,6 @@ from typing import NamedTuple
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
@@ -45,9 +45,9 @@ def launch(parser, options):
         from rospkg import ResourceNotFound
 
         from ...loopback import LoopbackError
-    series = options.series and load_json_mapping(options.series)
+    series = options.series
     files = list(map(tuple, series['files'])) if series else command_line.files_of(parser, options.command)
-    options.deputy = (series['deputy'], series['address']) if series else ()
+    options.deputy = tuple(series['deputy']) if series else ()
     sys.argv[1:] = []  # otherwise roslaunch would read arguments of launch files from there
     try:
         return _run(options, files)
@@ -79,7 +79,7 @@ def read_words(words):
     # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
     parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
-    parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `--script`
+    parser.add_argument('--series', type=json.loads, help=argparse.SUPPRESS)  # from `--script`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
     parser.add_argument('--script', action='store_true', help='as the first word: run an unchanged script that starts '

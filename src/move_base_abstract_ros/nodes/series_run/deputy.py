@@ -1,15 +1,14 @@
 """The deputy: the node that takes part in a run for a script that starts runs, and calls rospy as the script asks."""
 import sys
+from multiprocessing.connection import Client
 
 import rospy
 
 from move_base_abstract.common.errors import SimulatorError
 
 from ... import lockstep
-from ...launching.scripted.deputy_link import ANSWER, CALLBACK, DONE, ERROR, Function, LinkClosed, Thing, connect
+from ...launching.scripted.deputised_rospy import ANSWER, CALLBACK, DONE, ERROR, GONE, Function, Thing
 from ...replacing import rospy_start
-
-LEAVE = 'leave'
 
 
 def main():
@@ -18,7 +17,9 @@ def main():
     rospy.init_node('deputy', disable_rosout=True)
     try:
         lockstep.join()
-        Deputy(connect(sys.argv[1])).serve()
+        deputy = Deputy(Client(sys.argv[1], 'AF_UNIX'))
+        deputy.tell(ANSWER, None)
+        deputy.serve()
     except (SimulatorError, rospy.ROSException, OSError) as error:
         sys.exit('{}: {}'.format(rospy.get_name(), error))
 
@@ -30,38 +31,36 @@ class Deputy:
         self._link = link
         self._made = {}
 
-    def serve(self, until=None):
-        """Do what the script asks for until it leaves or sends a message of the kind ``until``.
+    def tell(self, kind, *words):
+        """Send a message to the script."""
+        self._link.send((kind, rospy.get_rostime().to_nsec(), *words))
 
-        Return the first word of that message; None if the link is closed.
+    def serve(self, until=None):
+        """Do what the script asks for until it leaves the run, or sends a message of the kind ``until``.
+
+        Return the first word of that message; None if the script has left.
         """
-        link = self._link
-        if until is None:
-            link.send(ANSWER, _now_ns(), None)
         while True:
             try:
-                kind, *words = link.receive()
-            except LinkClosed:
-                return None
-            if kind == until or words and words[0] == LEAVE:
-                return words[0]
-            try:
+                kind, *words = self._link.recv()
+                if kind == until:
+                    return words[0]
                 self._answer(*words)
-            except LinkClosed:
+            except GONE:
+                if until is not None:  # in a callback: what rospy waits for is over, too
+                    rospy.signal_shutdown('the script has left the run')
                 return None
 
     def _answer(self, *words):
         try:
             result = self._do(*words)
-        except rospy.ROSInterruptException:
+        except rospy.ROSInterruptException:  # the run is over
             self._link.close()
-            raise LinkClosed('the run is over') from None
-        except rospy.ROSException as error:
-            self._link.send(ERROR, _now_ns(), type(error), str(error))
-        except (KeyError, ValueError, TypeError, AttributeError) as error:
-            self._link.send(ERROR, _now_ns(), type(error), *error.args[:1])
+            raise EOFError from None
+        except Exception as error:
+            self.tell(ERROR, type(error), *error.args[:1])
         else:
-            self._link.send(ANSWER, _now_ns(), result)
+            self.tell(ANSWER, result)
 
     def _do(self, number, name, args, kwds):
         """Call a function of rospy, or a method of a thing that was kept, and return the result.
@@ -88,10 +87,6 @@ class Deputy:
     def _function(self, number):
         def call(*args):
             """Call the script's function. Meanwhile, the script may ask for more."""
-            self._link.send(CALLBACK, _now_ns(), number, args)
+            self.tell(CALLBACK, number, args)
             return self.serve(until=DONE)
         return call
-
-
-def _now_ns():
-    return rospy.get_rostime().to_nsec()

@@ -8,7 +8,10 @@ log of its own. The event logs are written to FOLDER (default: lockstep_series_l
 
 Exit codes: that of the script; if that is 0, the worst one of lockstep_launch. 2: the script cannot be run like this.
 """
+import functools
+import itertools
 import os
+import re
 import runpy
 import sys
 import types
@@ -27,7 +30,10 @@ def main(words):
     try:
         folder, options, words = _parse(words)
         _hash_alike()
-        code = _run(folder, options, words)
+        again = _again(folder, options, words)
+        code = _run(os.path.abspath(folder), options, words)
+        if code == 0:
+            print('lockstep_launch: next: the same runs again, to compare their logs: ' + again)
     except (SimulatorError, LoopbackError) as error:
         print('lockstep_launch: {}'.format(error), file=sys.stderr)
         code = _CANNOT
@@ -54,7 +60,15 @@ def _parse(words):
         raise SimulatorError('a Python script must follow the options, got {}'.format(
             ' '.join(options.command) or 'nothing'))
     given = words_of(of_arguments(command_line.OneRun, options)) + words_of(command_line.run_of(options))
-    return os.path.abspath(options.logs), given, options.command
+    return options.logs, given, options.command
+
+
+def _again(folder, options, words):
+    """Return a command that runs the script again, with its logs in a folder that does not exist yet."""
+    from ...launching import command_line
+    names = ('{}_{}'.format(folder.rstrip('/'), number) for number in itertools.count(2))
+    new = next(name for name in names if not os.path.lexists(name))
+    return command_line.typed('lockstep_launch', ['--script', '--logs', new, *options, *words])
 
 
 def _hash_alike():
@@ -69,7 +83,7 @@ def _run(folder, options, words):
     import roslaunch.scriptapi  # noqa: F401
     from roslaunch.core import RLException
 
-    from ...launching.scripted.series import Series
+    from ...launching.scripted.series import Parent, Series
     from ...replacing.replaced import replace
     os.environ['ROS_MASTER_URI'] = _NO_MASTER
     series = Series(find_executable('lockstep_launch'), options, folder, _name(words[0]))
@@ -77,7 +91,7 @@ def _run(folder, options, words):
     def refuse(*_args, **_kwds):
         raise RLException('roslaunch.scriptapi.ROSLaunch starts nodes one by one, which is not a run in lockstep; '
                           'allowed: ROSLaunchParent')
-    replace('roslaunch.parent.ROSLaunchParent', lambda _original: series.parent)
+    replace('roslaunch.parent.ROSLaunchParent', lambda _original: functools.partial(Parent, series))
     replace('roslaunch.scriptapi.ROSLaunch', lambda _original: refuse)
     sys.modules['rospy'] = series.deputised.module()
     sys.modules['time'] = _time(series.deputised)
@@ -101,16 +115,15 @@ def _execute(series, words):
 
 def _name(path):
     """Return the name of the node that takes part for a script: the name of its file, made valid."""
-    stem = ''.join(letter if letter.isalnum() and letter.isascii() else '_' for letter in
-                   os.path.basename(path).partition('.')[0])
+    stem = re.sub('[^A-Za-z0-9]', '_', os.path.basename(path).partition('.')[0])
     return stem if stem[:1].isalpha() else 'script_' + stem
 
 
 def _time(deputised):
     """Return the module time for the script: while a run is under way, its own calls of sleep take simulated time."""
     import time
-    made = types.ModuleType('time', time.__doc__)
-    made.__dict__.update({key: value for key, value in vars(time).items() if not key.startswith('__')})
+    made = types.ModuleType('time')
+    made.__dict__.update(vars(time))
 
     def sleep(seconds):
         if deputised.is_under_way and sys._getframe(1).f_globals.get('__name__') == '__main__':
