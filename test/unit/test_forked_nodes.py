@@ -11,7 +11,7 @@ RELAY = '#!{}\nfrom move_base_abstract_ros.nodes import start\n\nstart("lockstep
 PROBE = """
 import faulthandler, io, json, multiprocessing, os, random, signal, sys, tempfile, threading
 from multiprocessing import process
-import helper
+import helper, roslaunch
 
 def inputs():
     names = ('stdin', 'stdout', 'stderr')
@@ -28,7 +28,8 @@ if __name__ == '__main__':
         squares = pool.map(square, [3])
     main = sys.modules['__main__']
     facts = {
-        'argv': sys.argv, 'original': getattr(sys, 'orig_argv', None), 'path': sys.path, 'executable': sys.executable,
+        'argv': sys.argv, 'kept': roslaunch.main.__defaults__, 'original': getattr(sys, 'orig_argv', None),
+        'path': sys.path, 'executable': sys.executable,
         'flags': list(sys.flags), 'prefix': sys.prefix, 'main': [main.__name__, main.__file__, sorted(vars(main))],
         'environment': {name: one for name, one in os.environ.items() if name != 'ROS_PYTHON_LOG_CONFIG_FILE'},
         'cwd': [os.getcwd(), process.ORIGINAL_DIR], 'umask': os.umask(0), 'helper': helper.__file__,
@@ -52,6 +53,7 @@ from move_base_abstract_ros.launching import warm_nodes
 warm_nodes.start_again()
 words, environment, folder, launcher, uses = json.loads(sys.argv[1])
 warm_nodes.be_ready([uses], os.path.dirname(launcher))
+import roslaunch  # one of its functions keeps sys.argv from here on
 told = []
 for way in ('fork', 'program'):
     def enter():

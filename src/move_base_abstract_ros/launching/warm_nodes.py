@@ -216,7 +216,7 @@ def become(words, environment):
     os.environ.clear()
     os.environ.update(environment)
     path = words[0]
-    sys.argv = list(words)
+    sys.argv[:] = words  # the list itself, which modules may have kept when they were imported (roslaunch.main)
     if 'orig_argv' in vars(sys):  # from Python 3.10 on
         vars(sys)['orig_argv'] = [sys.executable, *words]
     tempfile.tempdir = None

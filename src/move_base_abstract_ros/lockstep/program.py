@@ -155,7 +155,7 @@ def _execute(kind: str, path: str, arguments: Any, compile_script: Callable[...,
     module: Any = types.ModuleType('__main__')
     module.__builtins__ = builtins
     sys.modules['__main__'] = module
-    sys.argv = [path] + arguments
+    sys.argv[:] = [path] + arguments  # in place, as in warm_nodes.become
     if kind == 'module':
         sys.path[0] = os.getcwd()
         _call(lambda: runpy._run_module_as_main(path))  # type: ignore[attr-defined]

@@ -99,7 +99,7 @@ def _run(folder, options, words):
 
 
 def _execute(series, words):
-    sys.argv = list(words)
+    sys.argv[:] = words  # in place, as in warm_nodes.become
     sys.path[0] = os.path.dirname(os.path.realpath(words[0]))
     code = 0
     try:
