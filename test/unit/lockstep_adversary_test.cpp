@@ -124,11 +124,7 @@ void zeroDelayLoop(Checks& failed) {
 }
 
 void replaced(Checks& failed) {
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.report(1, kNever, {advertise(1, "/x")});
   stage.join(3, "/b");  // a respawned one, while the old connection lives and owes its report
   const auto grant = stage.grant(3);
@@ -138,11 +134,7 @@ void replaced(Checks& failed) {
 
 /** @brief What /a had reported arrives, and nobody waits for it or for its answer. */
 void lastWords(Checks& failed) {
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.report(1, 5 * kSecond, {advertise(1, "/x"), wire::Serve{1, 0, "/service"}});
   stage.report(2, 5 * kSecond, {subscribe(1, "/x"), wire::Call{0, 0, "/service", "request"}});
   stage.grant(1);
@@ -153,7 +145,7 @@ void lastWords(Checks& failed) {
   const auto grant = stage.grant(2);
   Checks got;
   for (const wire::GrantItem& item : grant ? grant->grant.items : std::vector<wire::GrantItem>()) {
-    got.insert(itemText(item, [](std::uint32_t id) { return id; }));
+    got.insert(itemText(item));
   }
   check(failed, got.count("deliver 1 1 last words") == 1, "last words");
   check(failed, got.count("answer 0 3") == 1, "cancelled call");
@@ -187,11 +179,7 @@ void deadlock(Checks& failed) {
 void idleThreads(Checks& failed) {
   const std::string begin(12, '\0');  // of an action's messages: a header, its frame, a stamp
   const std::string goal = begin + std::string(12, '\0') + std::string("\1\0\0\0g", 5);
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.report(1, kNever,
                {wire::Idle{1}, wire::Advertise{1, 0, "/go/goal", "p/XActionGoal", "*", false, ""},
                 wire::Subscribe{2, 0, "/go/result", "*"}});

@@ -38,34 +38,21 @@ std::unique_ptr<Carrier> after(Nanoseconds delay) {
   return by([delay](const Passage& passage) { return Carried{passage.from + delay}; });
 }
 
-Texts grants(Stage& stage, ConnectionId id) {
-  Texts texts;
-  while (const auto next = stage.grant(id)) {
-    std::string line = std::to_string(next->grant.time_ns / 1'000'000) + "+" +
-                       std::to_string(next->grant.microstep) + ":";
-    for (const wire::GrantItem& item : next->grant.items) {
-      line += " " + itemText(item, [](MemberId who) { return who; });
-    }
-    texts.push_back(line);
-  }
-  return texts;
-}
-
 LockstepSettings logged() {
   LockstepSettings settings = named({"/a", "/b"});
   settings.log_messages = true;
   return settings;
 }
 
+Texts grants(Stage& stage, ConnectionId id) {
+  return grants(stage, id, [](const wire::GrantItem& item) { return itemText(item); });
+}
+
 /** @brief /a tells news, to which /b listens; /b gives answers, to which /a listens. All linked. */
-struct Carried2 : Stage {
+struct Carried2 : Pair {
   explicit Carried2(std::unique_ptr<Carrier> carrier, LockstepSettings settings = logged())
-      : Stage(settings) {
+      : Pair(settings) {
     session.addCarrier(std::move(carrier));
-    join(1, "/a");
-    join(2, "/b");
-    grant(1);
-    grant(2);
     report(1, kNever, {advertise(kNews, "/news"), subscribe(kAnswers, "/answers")});
     report(2, kNever,
            {subscribe(kNews, "/news"), advertise(kAnswers, "/answers"), wire::Serve{1, 0, "/do"}});

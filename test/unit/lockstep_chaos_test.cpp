@@ -42,26 +42,32 @@ std::uint32_t topicNumber(ConnectionId member, std::uint32_t topic) {
   return static_cast<std::uint32_t>(member) * 10 + topic;
 }
 
+/** @brief Let all members join, and answer each grant, until nobody gets one. */
+template <typename Members>
+void runToItsEnd(Members& members) {
+  for (ConnectionId member = 1; member <= kMembers; ++member) {
+    members.join(member, std::string("/") + static_cast<char>('a' + member - 1));
+  }
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (ConnectionId member = 1; member <= kMembers; ++member) {
+      if (const auto next = members.grant(member)) {
+        members.answer(member, *next);
+        goes_on = true;
+      }
+    }
+  }
+}
+
 /** @brief Members that send at instants of a program, whatever they hear. */
 struct Program : Stage {
   Program(std::uint32_t program, const LockstepSettings& settings) : Stage(settings), key(program) {
-    for (ConnectionId member = 1; member <= kMembers; ++member) {
-      join(member, std::string("/") + static_cast<char>('a' + member - 1));
-    }
-    for (bool goes_on = true; goes_on;) {
-      goes_on = false;
-      for (ConnectionId member = 1; member <= kMembers; ++member) {
-        if (const auto next = grant(member)) {
-          answer(member, *next);
-          goes_on = true;
-        }
-      }
-    }
+    runToItsEnd(*this);
   }
 
   void answer(ConnectionId member, const ClientGrant& got) {
     for (const wire::GrantItem& item : got.grant.items) {
-      heard[member].push_back(itemText(item, [](MemberId id) { return id; }));
+      heard[member].push_back(itemText(item));
       at[member].push_back(got.grant.time_ns);
     }
     const int step = static_cast<int>((got.grant.time_ns - kSecond) / kStep);
@@ -237,22 +243,10 @@ TEST(Chaos, TellsWhatCameBehindAnEarlierOneOfItsConnection) {
 
 /** @brief /a and /b call what /c serves, three times in each turn; /c answers all at once. */
 struct Calls : Stage {
-  explicit Calls(const LockstepSettings& settings) : Stage(settings) {
-    for (ConnectionId member = 1; member <= kMembers; ++member) {
-      join(member, std::string("/") + static_cast<char>('a' + member - 1));
-    }
-    for (bool goes_on = true; goes_on;) {
-      goes_on = false;
-      for (ConnectionId member = 1; member <= kMembers; ++member) {
-        if (const auto next = grant(member)) {
-          answer(member, next->grant);
-          goes_on = true;
-        }
-      }
-    }
-  }
+  explicit Calls(const LockstepSettings& settings) : Stage(settings) { runToItsEnd(*this); }
 
-  void answer(ConnectionId member, const wire::Grant& got) {
+  void answer(ConnectionId member, const ClientGrant& next) {
+    const wire::Grant& got = next.grant;
     Items items;
     for (const wire::GrantItem& item : got.items) {
       if (const auto* call = std::get_if<wire::CallIn>(&item)) {

@@ -163,6 +163,22 @@ struct Alone : Stage {
   }
 };
 
+/** @return "time[ms]+microstep: item item" of each grant that @p id got since the last call. */
+template <typename TextOf>
+std::vector<std::string> grants(Stage& stage, ConnectionId id, const TextOf& text_of) {
+  std::vector<std::string> texts;
+  while (const auto next = stage.grant(id)) {
+    std::string line = std::to_string(next->grant.time_ns / 1'000'000) + "+" +
+                       std::to_string(next->grant.microstep) + ":";
+    for (const wire::GrantItem& item : next->grant.items) {
+      const std::string text = text_of(item);
+      line += text.empty() ? "" : " " + text;
+    }
+    texts.push_back(line);
+  }
+  return texts;
+}
+
 /** @return the lines of the event log since the last call, their times in ms. */
 inline std::vector<std::string> lines(LockstepSession& session) {
   std::vector<std::string> lines;

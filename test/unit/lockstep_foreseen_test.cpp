@@ -20,22 +20,8 @@ using Items = std::vector<wire::ReportItem>;
 constexpr std::uint32_t kNews = 1;
 constexpr std::uint32_t kAnswers = 2;
 
-std::string text(const wire::GrantItem& item) {
-  return itemText(item, [](MemberId id) { return id; });
-}
-
-/** @return "time[ms]+microstep: item, item" of each grant that @p id got since the last call. */
 Texts grants(Stage& stage, ConnectionId id) {
-  Texts texts;
-  while (const auto next = stage.grant(id)) {
-    std::string line = std::to_string(next->grant.time_ns / 1'000'000) + "+" +
-                       std::to_string(next->grant.microstep) + ":";
-    for (const wire::GrantItem& item : next->grant.items) {
-      line += " " + text(item);
-    }
-    texts.push_back(line);
-  }
-  return texts;
+  return grants(stage, id, [](const wire::GrantItem& item) { return itemText(item); });
 }
 
 /** @brief /a tells news, to which /b listens; /b gives answers, to which /a listens. All linked. */
@@ -223,7 +209,7 @@ class Listener {
     std::string line = std::to_string(id_) + " " + std::to_string(granted->grant.time_ns) + "+" +
                        std::to_string(granted->grant.microstep);
     for (const wire::GrantItem& item : granted->grant.items) {
-      line += " " + text(item);
+      line += " " + itemText(item);
     }
     seen.push_back(line);
     const bool speaks = chance_.below(4) == 0 && seen.size() < 80;

@@ -22,9 +22,13 @@ inline std::string instantText(const wire::GrantItem& item) {
   return a == nullptr ? "" : "to " + std::to_string(a->end_ns);
 }
 
+struct SameId {
+  std::uint32_t operator()(std::uint32_t id) const { return id; }
+};
+
 /** @brief An item of a grant as text; `who` turns ids into places in the list of participants. */
-template <typename Who>
-std::string itemText(const wire::GrantItem& item, const Who& who) {
+template <typename Who = SameId>
+std::string itemText(const wire::GrantItem& item, const Who& who = {}) {
   const auto s = [](std::uint64_t number) { return std::to_string(number); };
   if (const auto* a = std::get_if<wire::Publisher>(&item)) {
     return "publisher " + s(topicOf(a->topic)) + " " + s(who(a->sender));

@@ -18,17 +18,10 @@ constexpr Nanoseconds kMilli = 1'000'000;
 
 /** @return "time[ms]+microstep: payload, ..." of each grant that @p id got since the last call. */
 Texts grants(Stage& stage, ConnectionId id) {
-  Texts texts;
-  while (const auto next = stage.grant(id)) {
-    std::string line = std::to_string(next->grant.time_ns / kMilli) + "+" +
-                       std::to_string(next->grant.microstep) + ":";
-    for (const wire::GrantItem& item : next->grant.items) {
-      const auto* const message = std::get_if<wire::Deliver>(&item);
-      line += message != nullptr ? " " + std::string(message->payload) : "";
-    }
-    texts.push_back(line);
-  }
-  return texts;
+  return grants(stage, id, [](const wire::GrantItem& item) {
+    const auto* const message = std::get_if<wire::Deliver>(&item);
+    return message == nullptr ? std::string() : std::string(message->payload);
+  });
 }
 
 wire::Send pose(std::string_view payload) { return {kPoses, 0, 0, payload}; }

@@ -250,11 +250,7 @@ TEST(Leaps, IdleEndsWithAKnock) {
 }
 
 TEST(Leaps, AKnockThatCrossedAGrantIsServedAfterIt) {
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.frame(1, wire::Knock{});
   stage.report(1, 9 * kSecond);
   EXPECT_EQ(stage.point(1), "none");
@@ -266,11 +262,7 @@ TEST(Leaps, AKnockThatCrossedAGrantIsServedAfterIt) {
 // ---- silence and standstill ------------------------------------------------------------------
 
 TEST(Silence, IsNamedOnceWithWhatIsOwedAndSoIsItsEnd) {
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.report(1, kNever, {advertise(1, "/x"), wire::Send{1, 0, 0, "early"}});
   stage.report(2, 4 * kSecond, {subscribe(2, "/x")});
   stage.grant(1);

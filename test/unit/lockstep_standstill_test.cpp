@@ -44,11 +44,7 @@ TEST(Standstill, WaitsOfADeclaredNodeAreForWork) {
 }
 
 TEST(Standstill, WhoWaitsForWorkIsStuckWhileACallIsOpen) {
-  Stage stage(named({"/a", "/b"}));
-  stage.join(1, "/a");
-  stage.join(2, "/b");
-  stage.grant(1);
-  stage.grant(2);
+  Pair stage;
   stage.report(1, 2 * kSecond);
   stage.report(2, kNever, {wire::Serve{1, 0, "/serve"}, wire::Idle{1}});
   stage.grant(1);
@@ -88,14 +84,9 @@ TEST(Standstill, ADeadlockAndAZeroDelayLoopEndTheRunIfSoConfiguredAndAreTold) {
   EXPECT_EQ(loop.session.status().ended_by, ended_by::kZeroDelayLoop);
 }
 
-class EndWith : public Stage {
+class EndWith : public Pair {
  public:
-  EndWith() : Stage(settings()) {
-    join(1, "/a");
-    join(2, "/b");
-    grant(1);
-    grant(2);
-  }
+  EndWith() : Pair(settings()) {}
 
  private:
   static LockstepSettings settings() {

@@ -69,7 +69,7 @@ class Routing : public testing::Test {
     if (std::holds_alternative<wire::Deliver>(mail.item)) {
       later_.push_back(mail.keep == Keep::kLater);
     }
-    mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
+    mail_[id].push_back(itemText(mail.item));
   }
 
   std::map<MemberId, std::vector<std::string>> mail_;

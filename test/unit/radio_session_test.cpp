@@ -41,7 +41,7 @@ struct Air : Stage {
     while (const auto one = grant(id)) {
       std::string line = std::to_string(one->grant.time_ns) + ":";
       for (const wire::GrantItem& item : one->grant.items) {
-        line += " " + itemText(item, [](MemberId who) { return who; });
+        line += " " + itemText(item);
       }
       texts.push_back(line);
     }

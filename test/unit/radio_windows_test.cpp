@@ -186,9 +186,7 @@ struct Pair2 : Stage {
     while (const auto one = grant(id)) {
       std::string text = std::to_string(one->grant.time_ns / 1000);
       for (const wire::GrantItem& item : one->grant.items) {
-        text += std::holds_alternative<wire::Window>(item)
-                    ? ""
-                    : " " + itemText(item, [](MemberId who) { return who; });
+        text += std::holds_alternative<wire::Window>(item) ? "" : " " + itemText(item);
       }
       texts.push_back(text);
     }
