@@ -18,6 +18,7 @@ from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
 from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task
+from traces import rows_of_one as rows
 
 S = 1_000_000_000
 EMPTY = 'Aborting on the goal because the battery is empty'
@@ -30,10 +31,6 @@ def fleet_of(zones=(), **settings):
     defaults = {'max_speed': 1.0, 'battery_capacity': 0.01, 'nominal_voltage': 10.0, 'friction_coefficient': 0.0,
                 'mass': 1e-12, 'ambient_power': 0.0, **settings}
     return Fleet(make_scenario({'robots': [{'name': 'bot', **defaults}], 'zones': list(zones)}), 0)
-
-
-def rows(fleet, *kinds):
-    return [(entry.time_ns / S, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 def soc(fleet):

@@ -9,12 +9,9 @@ import pytest
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
+from traces import rows
 
 S = 1_000_000_000
-
-
-def rows(fleet, *kinds):
-    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 @pytest.fixture

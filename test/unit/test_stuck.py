@@ -11,6 +11,7 @@ from move_base_abstract.maps.clearance import ClearanceField, clearance_at
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
+from traces import rows_of_one as rows
 
 S = 1_000_000_000
 
@@ -26,10 +27,6 @@ def fleet_of(occupancy=None, on_end=None, **settings):
     return Fleet(make_scenario({
         'seed': 1, 'defaults': {'max_speed': 2.0, 'failure_kind': 'stuck', **settings},
         'robots': [{'name': 'bot', 'start_x': 2.0, 'start_y': 5.0}]}), 0, on_end, occupancy=occupancy)
-
-
-def rows(fleet, *kinds):
-    return [(entry.time_ns / S, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 def test_each_goal_of_a_robot_that_is_stuck_is_given_up_after_some_seconds():

@@ -9,6 +9,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.planning import StraightLinePlanner
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import check_one_process, make_scenario
+from traces import rows
 
 S = 1_000_000_000
 NO_CONTROL = 'Failed to find a valid control. Even after executing recovery behaviors.'
@@ -21,11 +22,6 @@ def fleet_of(robots, zones=(GATE,), **more):
         'defaults': {'max_speed': 2.0}, 'zones': list(zones), **more,
         'robots': [{'name': name, 'start_x': float(x), 'start_y': float(y)} for name, (x, y) in robots.items()]}),
         start_ns=0)
-
-
-def rows(fleet, *kinds):
-    """Return what was recorded of some kinds: [(time [s], robot, kind, *values)]."""
-    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 def ends(fleet):

@@ -13,6 +13,7 @@ from move_base_abstract.maps.lane_planner import LaneWays
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.orders.order import Order, Stop
 from move_base_abstract.scenario import make_scenario
+from traces import rows
 
 S = 1_000_000_000
 
@@ -21,10 +22,6 @@ def fleet_of(robots, **more):
     """Return a Fleet at time 0; ``robots``: [{name, ...}], all at 2 m/s."""
     return Fleet(make_scenario({'defaults': {'max_speed': 2.0, **more.pop('defaults', {})}, **more, 'robots': robots}),
                  start_ns=0)
-
-
-def rows(fleet, *kinds):
-    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 def net_of(tmp_path, nodes, edges):

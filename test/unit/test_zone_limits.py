@@ -8,6 +8,7 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
+from traces import rows
 
 S = 1_000_000_000
 SLOW = {'name': 'slow', 'rectangle': [4, -5, 8, 5], 'max_speed': 0.5}
@@ -16,10 +17,6 @@ SLOW = {'name': 'slow', 'rectangle': [4, -5, 8, 5], 'max_speed': 0.5}
 def fleet_of(zones, robots=('a',), more=None, **defaults):
     return Fleet(make_scenario({'defaults': {'max_speed': 2.0, **defaults}, 'zones': zones, **(more or {}), 'robots': [
         {'name': name, 'start_y': float(number)} for number, name in enumerate(robots)]}), start_ns=0)
-
-
-def rows(fleet, *kinds):
-    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
 
 
 @pytest.mark.parametrize('corners', ['keep', 'stop'])
