@@ -9,13 +9,11 @@ import sys
 import time
 import unittest
 
-from own_folder import OwnFolder
+from own_folder import OwnPackage
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, '..', '..', 'bench', 'system')
 GUARD = 200.0  # s, wall; only ends a run that would never end
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 ROBOT = '<node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0"/>'
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}" output="screen"/>'
 SENDS = """#!/usr/bin/env python3
@@ -37,17 +35,14 @@ raise ValueError('on purpose')
 """
 
 
-class BenchSystemTest(OwnFolder, unittest.TestCase):
+class BenchSystemTest(OwnPackage, unittest.TestCase):
+    FILES = {'sends.py': SENDS, 'breaks.py': BREAKS}
 
     def measure(self, *words, nodes):
         """Run bench/system on a launch file with these nodes; return (the finished process, its wall time [s])."""
-        self.write('package.xml', PACKAGE)
-        self.write('sends.py', SENDS, 0o755)
-        self.write('breaks.py', BREAKS, 0o755)
         file = self.write('system.launch', '<launch>{}</launch>'.format(nodes))
-        environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
         begin = time.monotonic()
-        done = subprocess.run([sys.executable, SYSTEM, *words, file], check=False, env=environment,
+        done = subprocess.run([sys.executable, SYSTEM, *words, file], check=False, env=self.environment,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=GUARD)
         return done, time.monotonic() - begin
 

@@ -1,11 +1,10 @@
 """The node dispatcher: the same rows as in plain Python, to the byte; faulty orders; a user's policy."""
 import json
 import os
-import shutil
-import tempfile
 import unittest
 
 import warm
+from own_folder import OwnFolder
 
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.runs.event_log import EventLog
@@ -64,21 +63,14 @@ class Wrong:
 """
 
 
-class DispatcherTest(unittest.TestCase):
+class DispatcherTest(OwnFolder, unittest.TestCase):
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='dispatcher_')
-        self.addCleanup(shutil.rmtree, self.folder)
-        with open(self.path('own_policies.py'), 'w') as stream:
-            stream.write(POLICY)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+        super().setUp()
+        self.write('own_policies.py', POLICY)
 
     def scenario(self, text=SCENARIO, kind='abort'):
-        with open(self.path('scenario.yaml'), 'w') as stream:
-            stream.write(text.replace('KIND', kind))
-        return self.path('scenario.yaml')
+        return self.write('scenario.yaml', text.replace('KIND', kind))
 
     def run_it(self, scenario, *words):
         environment = dict(os.environ, PYTHONPATH=os.pathsep.join([self.folder, os.environ['PYTHONPATH']]))

@@ -5,15 +5,13 @@ import subprocess
 import unittest
 
 import rosbag
-from own_folder import OwnFolder
+from own_folder import OwnPackage
 from scenarios import Condition, repeated
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends a run that would never end
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 COUNTS = '<node pkg="study_of_others" type="counts.py" name="counts"/>'
 SPLIT = '<node pkg="rosbag" type="record" name="split" args="-O split --split --duration=10 /ticks"/>'
 RECORDERS = """
@@ -24,7 +22,7 @@ RECORDERS = """
 </node>
 <node pkg="study_of_others" type="records" name="script" args="-O script"/>
 """
-FILES = {'package.xml': PACKAGE, 'records': """#!/bin/sh
+FILES = {'records': """#!/bin/sh
 exec rosbag record -a "$@"
 """, 'counts.py': """#!/usr/bin/env python3
 import rospy
@@ -47,19 +45,14 @@ rospy.spin()
 SECOND = 10 ** 9
 
 
-class BagsTest(OwnFolder, unittest.TestCase):
-
-    def setUp(self):
-        super().setUp()
-        for name, text in FILES.items():
-            self.write(name, text, 0o755)
+class BagsTest(OwnPackage, unittest.TestCase):
+    FILES = FILES
 
     def run_it(self, name, *words, nodes, condition=Condition(), may_fail=False):
         """Run nodes in a folder of this name, which gets their bags; return (output, the EventLog)."""
         folder = self.path(name)
         os.mkdir(folder)
-        environment = dict(os.environ, ROS_HOME=folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
-        environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
+        environment = dict(self.environment, ROS_HOME=folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
         log = os.path.join(folder, 'events.jsonl')
         command = [find_executable('lockstep_launch'), '--event-log', log, *words, *condition.options,
                    self.write('system.launch', '<launch>{}</launch>'.format(COUNTS + nodes))]

@@ -1,17 +1,14 @@
 """Chaos with a coordinator that works only in the stated order, in Python and C++: found, shrunk, replayed exactly."""
 import json
-import os
 import unittest
 
 import warm
-from own_folder import OwnFolder
+from own_folder import OwnPackage
 
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends a run that would never end
-FILES = {'package.xml': """<package format="2"><name>study_of_others</name><version>1.0.0</version>
-<description>x</description><maintainer email="a@example.org">a</maintainer><license>x</license></package>""",
-         'worker.py': """#!/usr/bin/env python3
+FILES = {'worker.py': """#!/usr/bin/env python3
 import rospy
 from std_msgs.msg import Int32
 rospy.init_node('worker')
@@ -89,17 +86,12 @@ LAPSES = ROBOT.replace('abort: 0.2, stop: 0.5', 'jump: 0.4, mute: 1.0').replace(
 SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worker_1's message on /worker_1/done, at "
 
 
-class ChaosTest(OwnFolder, unittest.TestCase):
-
-    def setUp(self):
-        super().setUp()
-        for name, text in FILES.items():
-            self.write(name, text, 0o755)
+class ChaosTest(OwnPackage, unittest.TestCase):
+    FILES = FILES
 
     def run_it(self, program, *words):
         """Run a program; return (exit code, output)."""
-        path = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
-        done = warm.run([find_executable(program), *words], dict(os.environ, ROS_PACKAGE_PATH=path), self.folder, GUARD)
+        done = warm.run([find_executable(program), *words], self.environment, self.folder, GUARD)
         return done.returncode, done.stdout
 
     def test_a_bug_is_found_shrunk_and_replayed(self):

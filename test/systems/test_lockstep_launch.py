@@ -4,16 +4,15 @@ import json
 import math
 import os
 import re
-import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 from types import SimpleNamespace
 from unittest import mock
 
 import warm
+from own_folder import OwnPackage
 from own_nodes import NODES
 
 from move_base_abstract.common.shown import MAX_LENGTH
@@ -134,8 +133,6 @@ CRASHES = {
     '/last_round': r'at \d+\.\d+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
     '/again': r': exit code 7', '/looks_on': r': \[ERROR\] bad callback: <function .*>',
     '/missing': r': it could not be started'}
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
 
 def nearest_idle(seed):
@@ -171,30 +168,16 @@ def without_goal(kind, values):
     return list(values[1:] if kind in ('goal', 'ended') or kind.startswith(('task', 'waiting', 'works')) else values)
 
 
-class LaunchTest(unittest.TestCase):
+class LaunchTest(OwnPackage, unittest.TestCase):
+    FILES = SCRIPTS
+    COPIES = ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py')
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='lockstep_launch_')
-        self.addCleanup(shutil.rmtree, self.folder)
-        with open(self.path('package.xml'), 'w') as stream:
-            stream.write(PACKAGE)
-        for name in ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py'):
-            shutil.copy(os.path.join(HERE, 'unmodified', name), self.folder)
-            os.chmod(self.path(os.path.basename(name)), 0o755)
-        for name, text in SCRIPTS.items():
-            with open(self.path(name), 'w') as stream:
-                stream.write(text)
-            os.chmod(self.path(name), 0o755)
-        self.environment = dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1',
-                                ROS_PACKAGE_PATH=os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']]))
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+        super().setUp()
+        self.environment['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
     def file(self, text):
-        with open(self.path('system.launch'), 'w') as stream:
-            stream.write(text)
-        return self.path('system.launch')
+        return self.write('system.launch', text)
 
     def command(self, *words):
         return [find_executable('lockstep_launch'), *words]

@@ -1,11 +1,10 @@
 """Nodelets in lockstep: a manager with nodelets, and a nodelet by itself."""
 import os
-import shutil
-import tempfile
 import unittest
 
 import rospkg
 import warm
+from own_folder import OwnFolder
 
 from move_base_abstract.runs.event_log import EventLog, labels_of
 from move_base_abstract_ros.loopback import find_executable
@@ -47,16 +46,11 @@ def are_built():
 
 
 @unittest.skipUnless(are_built(), 'nodelet is not installed (libnodeletlib-dev, libnodeletlib-tools)')
-class LockstepNodeletsTest(unittest.TestCase):
+class LockstepNodeletsTest(OwnFolder, unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         for name, text in (('package.xml', MANIFEST), ('nodelets.xml', PLUGINS), ('nodelets.launch', LAUNCH)):
-            with open(self.path(name), 'w', encoding='utf-8') as stream:
-                stream.write(text)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+            self.write(name, text)
 
     def run_it(self, log):
         environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + os.pathsep + os.environ['ROS_PACKAGE_PATH'])

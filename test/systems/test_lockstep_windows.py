@@ -1,11 +1,10 @@
 """Runs with a lookahead: the times that calls and messages take, and that each run is the same on any machine."""
 import itertools
 import os
-import shutil
 import subprocess
-import tempfile
 import unittest
 
+from own_folder import OwnPackage
 from own_nodes import NODES
 from scenarios import Condition, repeated
 from warm import Loopback
@@ -16,8 +15,6 @@ from move_base_abstract_ros.loopback import find_executable
 SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')
 GUARD = 240.0  # s, wall; only ends a run that would never end
 NS, AHEAD = 1000000000, 50000000
-PACKAGE = """<package format="2"><name>study_of_windows</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 # Programs as people write them. A C++ node repeats the messages of the first; the last asks for its parameters.
 SCRIPTS = {
     'tells.py': """#!/usr/bin/env python3
@@ -55,9 +52,9 @@ with open(rospy.get_param('~path'), 'w') as stream:
 """}
 LAUNCH = """<launch>
   <arg name="path"/>
-  <node pkg="study_of_windows" type="tells.py" name="tells"/>
-  <node pkg="study_of_windows" type="asks.py" name="asks"><param name="path" value="$(arg path).asks"/></node>
-  <node pkg="study_of_windows" type="hears.py" name="hears" required="true">
+  <node pkg="study_of_others" type="tells.py" name="tells"/>
+  <node pkg="study_of_others" type="asks.py" name="asks"><param name="path" value="$(arg path).asks"/></node>
+  <node pkg="study_of_others" type="hears.py" name="hears" required="true">
     <param name="path" value="$(arg path).hears"/>
   </node>
   <node pkg="move_base_abstract" type="shim_listener" name="relay"/>
@@ -67,20 +64,8 @@ LAUNCH = """<launch>
 """
 
 
-class WindowsTest(unittest.TestCase):
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='lockstep_windows_')
-        self.addCleanup(shutil.rmtree, self.folder)
-        for name, text in {'package.xml': PACKAGE, 'all.launch': LAUNCH, **SCRIPTS}.items():
-            with open(self.path(name), 'w') as stream:
-                stream.write(text)
-            os.chmod(self.path(name), 0o755)
-        self.environment = dict(os.environ, ROS_PACKAGE_PATH=os.pathsep.join(
-            [self.folder, os.environ['ROS_PACKAGE_PATH']]))
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+class WindowsTest(OwnPackage, unittest.TestCase):
+    FILES = {'all.launch': LAUNCH, **SCRIPTS}
 
     def run_it(self, name, *words, prefix=()):
         """Run a launch file with a lookahead; return (its events, the end of its log)."""

@@ -1,13 +1,12 @@
 """The node mapf_drive: the same rows as in plain Python, to the byte, with delays and moves that fail."""
 import json
 import os
-import shutil
-import tempfile
 import unittest
 
 import numpy as np
 import warm
 import yaml
+from own_folder import OwnFolder
 from warm import Loopback
 
 from move_base_abstract.msg import RobotEvent
@@ -29,17 +28,11 @@ Agent 3: (4,4)->
 """
 
 
-class MapfDriveTest(unittest.TestCase):
+class MapfDriveTest(OwnFolder, unittest.TestCase):
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='mapf_')
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.plan, self.log = self.path('plan.txt'), self.path('run.jsonl')
-        with open(self.plan, 'w') as stream:
-            stream.write(PLAN)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+        super().setUp()
+        self.plan, self.log = self.write('plan.txt', PLAN), self.path('run.jsonl')
 
     def make_site(self, **defaults):
         grid, plan = Grid(np.zeros((5, 5), bool), 1.0), read_plan(self.plan)

@@ -3,18 +3,15 @@ import filecmp
 import os
 import re
 import shlex
-import shutil
 import unittest
 
 import warm
-from own_folder import OwnFolder
+from own_folder import OwnPackage
 
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 GUARD = 300.0  # s, wall; only ends a run that would never end
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 HEARS = """#!/usr/bin/env python3
 import rospy
 from std_msgs.msg import Int32
@@ -38,21 +35,19 @@ OPTIONS = ('--leave-out', '/gone', '--start', '/robot/move_base=1,2,0.5', '--par
            '--until', '4')
 
 
-class NextStepsTest(OwnFolder, unittest.TestCase):
+class NextStepsTest(OwnPackage, unittest.TestCase):
+
+    FILES = {'hears.py': HEARS}
+    COPIES = ('ticks.py',)
 
     def setUp(self):
         super().setUp()
-        self.write('package.xml', PACKAGE)
-        self.write('hears.py', HEARS, 0o755)
-        shutil.copy(os.path.join(HERE, 'unmodified', 'ticks.py'), self.folder)
-        os.chmod(self.path('ticks.py'), 0o755)
         os.mkdir(self.path('a folder'))
         self.file = self.write(os.path.join('a folder', 'a system.launch'), SYSTEM)
 
     def run_it(self, program, *words):
         """Run a program; return what it says to type next, as (program, words)."""
-        environment = dict(os.environ, ROS_PACKAGE_PATH=os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']]))
-        done = warm.run([find_executable(program), *words], environment, self.path('a folder'), GUARD)
+        done = warm.run([find_executable(program), *words], self.environment, self.path('a folder'), GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         command = re.search(r'next: [^\n]*?: (rosrun move_base_abstract [^\n]*)', done.stdout)
         self.assertIsNotNone(command, done.stdout)

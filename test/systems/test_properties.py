@@ -1,22 +1,19 @@
 """Statements of nodes in Python, in C++ and by topic become the same rows; a broken one fails the run."""
 import json
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
 import psutil
 import warm
+from own_folder import OwnPackage
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 120.0  # s, wall
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 IN_PYTHON = """#!/usr/bin/env python3
 import rospy
 from move_base_abstract.properties import always, never_again, sometimes
@@ -62,17 +59,8 @@ ROWS = [
     [5, ['always', 'k stays small', 'broken', 'a "b"=0.5', 'k=3']], [5, ['never_again', 'k is odd once', 'broken']]]
 
 
-class PropertiesTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-        for name, text in (('stater', IN_PYTHON), ('topic', BY_TOPIC), ('package.xml', PACKAGE),
-                           ('system.launch', LAUNCH)):
-            with open(os.path.join(self.folder, name), 'w') as stream:
-                stream.write(text)
-            os.chmod(stream.name, 0o755)
-        path = '{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH'])
-        self.environment = dict(os.environ, ROS_PACKAGE_PATH=path)
+class PropertiesTest(OwnPackage, unittest.TestCase):
+    FILES = {'stater': IN_PYTHON, 'topic': BY_TOPIC, 'system.launch': LAUNCH}
 
     def run_it(self, program, *words):
         """Run a program; return (exit code, output)."""

@@ -1,11 +1,10 @@
 """Verify: runs that are the same, a program whose runs differ, a run without an end, and refused arguments."""
 import os
-import shutil
 import unittest
 
 import warm
 from night import times
-from own_folder import OwnFolder
+from own_folder import OwnPackage
 from own_nodes import NODES
 
 from move_base_abstract_ros.loopback import find_executable
@@ -13,8 +12,6 @@ from move_base_abstract_ros.loopback import find_executable
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')
 GUARD = 300.0  # s, wall; only ends a run that would never end
-PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
-<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'
 CHANCE = """#!/usr/bin/env python3
 import os
@@ -64,24 +61,19 @@ rospy.spin()
 """
 
 
-class VerifyTest(OwnFolder, unittest.TestCase):
+class VerifyTest(OwnPackage, unittest.TestCase):
+    FILES = {'chance.py': CHANCE, 'quiet.py': QUIET, 'sender.py': SENDER}
+    COPIES = ('ticks.py',)
 
     def setUp(self):
         super().setUp()
-        self.write('package.xml', PACKAGE)
-        self.write('chance.py', CHANCE, 0o755)
-        self.write('quiet.py', QUIET, 0o755)
-        self.write('sender.py', SENDER, 0o755)
-        shutil.copy(os.path.join(HERE, 'unmodified', 'ticks.py'), self.folder)
-        os.chmod(self.path('ticks.py'), 0o755)
         os.mkdir(self.path('tmp'))
 
     def launch_file(self, *nodes):
         return self.write('system.launch', '<launch>{}</launch>'.format(''.join(nodes)))
 
     def verify(self, *words, cwd=None, **environment):
-        environment = dict(os.environ, TMPDIR=self.path('tmp'), **environment)
-        environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
+        environment = dict(self.environment, TMPDIR=self.path('tmp'), **environment)
         done = warm.run([find_executable('verify'), *words], environment, cwd, GUARD)
         return done.returncode, done.stdout
 
