@@ -82,6 +82,7 @@ def test_a_missing_key_is_named(describe, key, tmp_path):
     ('negate', '2', '2', '0 or 1'), ('negate', 'maybe', "'maybe'", '0 or 1'), ('negate', '[0]', '[0]', '0 or 1'),
     ('mode', 'binary', "'binary'", 'trinary, scale, raw'), ('mode', '', 'None', 'trinary, scale, raw'),
     ('origin', '[1, 2]', '[1, 2]', '[x, y, yaw] [m, m, rad]'), ('origin', '0', '0', '[x, y, yaw]'),
+    ('origin', '[0, 0, 0, 0]', '[0, 0, 0, 0]', '[x, y, yaw]'), ('mode', '[raw]', "['raw']", 'trinary, scale, raw'),
     ('image', '""', "''", 'the path of an image'), ('image', '3', '3', 'the path of an image')])
 def test_a_bad_value_is_named_with_what_is_allowed(describe, tmp_path, key, value, got, allowed):
     text = refusal(describe, **{key: value})
@@ -202,12 +203,7 @@ def test_what_the_page_says_of_the_differences_from_the_real_one(describe, pixel
     for mode, white in (('1', 1), ('L', 255)):
         Image.new(mode, (1, 1), white).save(str(tmp_path / 'w.png'))
         assert read_pixels(str(tmp_path / 'w.png')).tolist() == [[[255]]]
-    for refused in ({'origin': '[0, 0, 0, 0]'}, {'negate': '2'}, {'image': '5'}, {'resolution': '0'}, {'mode': '[raw]'},
-                    {'free_thresh': '.nan'}):
-        with pytest.raises(ConfigurationError):
-            describe(**refused)
-    turned = describe(origin='[0, 0, 7.0]').origin.yaw
-    assert turned == pytest.approx(7.0 - 2.0 * np.pi)
+    assert describe(origin='[0, 0, 7.0]').origin.yaw == pytest.approx(7.0 - 2.0 * np.pi)
 
 
 def test_the_map_that_ships_has_free_streets_and_closed_walls():
