@@ -19,11 +19,11 @@ import time
 from types import SimpleNamespace
 
 from scenarios import Condition, repeated
+from waiting import GUARD, read
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 60.0  # s, wall; only ends a run that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(HERE, 'unmodified')
 _ROS_LOG = re.compile(r'^(\x1b\[[0-9;]*m)?\[ ?(DEBUG|INFO|WARN|ERROR|FATAL)\]')
@@ -116,8 +116,7 @@ def _wait(ros, until, guard):
     child = ros.spawn('/launcher_clock', [
         sys.executable, os.path.join(HERE, 'lockstep_launcher_clock.py'), str(until), str(guard)])
     child.process.wait(2.0 * GUARD)
-    with open(child.log_path) as output:
-        text = output.read()
+    text = read(child)
     try:
         return SimpleNamespace(**json.loads(text.splitlines()[-1]))
     except (IndexError, ValueError):
@@ -133,8 +132,7 @@ def _end(ros, children):
     for name, child in children.items():
         codes[name] = child.process.poll()
         ros.end(child)
-        with open(child.log_path, errors='replace') as log:
-            outputs[name] = log.read()
+        outputs[name] = read(child)
     return outputs, codes
 
 

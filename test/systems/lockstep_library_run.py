@@ -5,36 +5,28 @@
     run.events                                        # [(s, 'sleeper', 'kind', [values]), ...]
 """
 
-import json
 import os
 import shutil
 import sys
-import time
 
+from logged import Logged
 from scenarios import Condition
+from waiting import read, wait_for_end
 from warm import Loopback
 
-GUARD = 40.0  # s, wall
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes')
 
 
-class Run:
+class Run(Logged):
     """The results of a run."""
 
     def __init__(self, path, exit_codes, outputs):
-        with open(path, encoding='utf-8') as log:
-            self.text = log.read()
-        records = [json.loads(line) for line in self.text.splitlines()]
-        self.end = records[-1]['end']
-        self.all = [(record['time_ns'] / 1e9, record['robot'], record['kind'], record['values'])
-                    for record in records[1:-1]]
+        self.read_log(path)
+        self.all = [(time_ns / 1e9, *event) for time_ns, *event in self.events]
+        # those that the nodes logged themselves, without messages, arrivals and departures
+        self.events = [event for event in self.all if event[1] in outputs]
         self.exit_codes = exit_codes
         self.outputs = outputs
-
-    @property
-    def events(self):
-        """The events that the nodes logged themselves, without messages, arrivals and departures."""
-        return [event for event in self.all if event[1] in self.outputs]
 
     def of(self, robot):
         """Return [(s, kind, values...), ...] of one node."""
@@ -96,17 +88,6 @@ class Runs:
         return Run(path, codes, outputs)
 
 
-def wait_for_end(node, nodes=()):
-    """Wait until a process has ended, and return its exit code; otherwise fail with the output of the nodes."""
-    deadline = time.monotonic() + GUARD
-    while node.process.poll() is None:
-        if time.monotonic() > deadline:
-            told = '\n'.join(f'{role}:\n{read(child)}' for role, child in dict(nodes).items())
-            raise AssertionError(f'{node.name} has not ended within {GUARD} s. What the nodes printed:\n{told}')
-        time.sleep(0.01)
-    return node.process.returncode
-
-
 def look_on(ros, topic):
     """Start an onlooker that listens for one message on a topic; return it."""
     return ros.spawn('/onlooker', [shutil.which('rostopic'), 'echo', '-n', '1', topic])
@@ -116,9 +97,3 @@ def assert_heard(onlooker):
     """Wait for the end of an onlooker, and assert that it has heard its message."""
     wait_for_end(onlooker)
     assert '---' in read(onlooker), read(onlooker)
-
-
-def read(node):
-    """Return the output of a node."""
-    with open(node.log_path, errors='replace') as log:
-        return log.read()

@@ -13,7 +13,8 @@ import struct
 import time
 from typing import NamedTuple
 
-GUARD = 30.0
+from waiting import GUARD
+
 PROTOCOL = 8
 NEVER = 2 ** 63 - 1
 
@@ -111,15 +112,6 @@ def log(robot, kind, values, sub=0):
 
 def note(what, value):
     return struct.pack('<BB', 11, what) + text(value)
-
-
-def wait_for(what, condition):
-    """Return when the condition holds; fail after GUARD [s, wall], naming ``what``."""
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s: {what}')
-        time.sleep(0.02)
 
 
 class RawClient:

@@ -4,13 +4,14 @@
     run.printed(1)                                    # the std_msgs/String messages, with their times
 """
 
-import json
 import os
 import signal
 
 import rosgraph
-from lockstep_library_run import GUARD, assert_heard, look_on, read, wait_for_end
+from lockstep_library_run import assert_heard, look_on
+from logged import Logged
 from scenarios import Condition, repeated
+from waiting import GUARD, read, wait_for_end
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
@@ -44,22 +45,18 @@ def recorder(*topics):
     return Program('recorder', own('shim_recorder'), topics=list(topics))
 
 
-class Run:
+class Run(Logged):
     """The results of a run: its messages and calls, its labels, and the output of the programs."""
 
     def __init__(self, path, code, outputs, parameters, why):
-        with open(path, encoding='utf-8') as log:
-            self.text = log.read()
-        records = [json.loads(line) for line in self.text.splitlines()]
-        self.head, end = records[0], records[-1]['end']
-        self.labels = end['not_repeatable_because']
-        self.reason = end['reason']
+        self.read_log(path)
+        self.events = [event for event in self.events if event[2] in ('message', 'call', 'response')]
+        self.labels = self.end['not_repeatable_because']
+        self.reason = self.end['reason']
         self.code = code
         self.outputs = outputs
         self.parameters = parameters  # of the first program, after its end
         self.why = why  # output of `why` at that time, if it was asked
-        self.events = [(record['time_ns'], record['robot'], record['kind'], record['values'])
-                       for record in records[1:-1] if record['kind'] in ('message', 'call', 'response')]
 
     def until(self, seconds):
         """Return the messages and calls before a simulated time [s]."""

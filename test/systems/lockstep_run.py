@@ -9,14 +9,14 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 import unittest
 
 import rosgraph
 import rospy
-from lockstep_raw_client import GUARD, NEVER, Closed, RawClient
+from lockstep_raw_client import NEVER, Closed, RawClient
+from robot_harness import Record
 from rosgraph_msgs.msg import Clock
+from waiting import GUARD, wait_for
 
 from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.loopback import find_executable
@@ -40,51 +40,12 @@ except Closed:
 """
 
 
-def wait_for(what, condition):
-    """Return the first true value of condition(); fail after GUARD [s, wall], naming ``what``."""
-    deadline = time.monotonic() + GUARD
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s: {what}')
-        time.sleep(0.01)
-
-
-class Messages:
-    """Keeps all messages of a topic, and waits for one of them."""
-
-    def __init__(self, topic, kind):
-        self._messages = []
-        self._changed = threading.Condition()
-        self._subscriber = rospy.Subscriber(topic, kind, self._add, queue_size=10000)
-
-    def _add(self, message):
-        with self._changed:
-            self._messages.append(message)
-            self._changed.notify_all()
-
-    def close(self):
-        self._subscriber.unregister()
-
-    def all(self):
-        with self._changed:
-            return list(self._messages)
+class Messages(Record):
+    """A record of which one waits for the last message or a later one."""
 
     def wait(self, what, wanted):
         """Return the last message or the first one from now on for which wanted(message) is true."""
-        deadline = time.monotonic() + GUARD
-        with self._changed:
-            mark = max(0, len(self._messages) - 1)
-            while True:
-                for message in self._messages[mark:]:
-                    if wanted(message):
-                        return message
-                mark = len(self._messages)
-                if not self._changed.wait(deadline - time.monotonic()):
-                    raise AssertionError(f'no message with {what} within {GUARD} s; the last one:\n'
-                                         f'{self._messages[-1] if self._messages else None}')
+        return self.wait_for(wanted, what, max(0, len(self.messages) - 1))
 
 
 class LockstepCase(unittest.TestCase):
@@ -177,7 +138,7 @@ class LockstepCase(unittest.TestCase):
         return rospy.ServiceProxy(name, kind)(*arguments)
 
     def times(self):
-        return [message.clock.to_nsec() for message in self.clock.all()]
+        return [message.clock.to_nsec() for message in self.clock.messages]
 
     def assert_no_grant(self, client, wall=0.3):
         """Assert that no grant comes within ``wall`` [s, wall]; one would come within a millisecond."""

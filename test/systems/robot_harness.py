@@ -1,4 +1,4 @@
-"""Shared by the tests of robots: recorded topics, stock clients and raw goals.
+"""Shared by the tests of robots and of the time master: recorded topics, stock clients and raw goals.
 
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
@@ -16,10 +16,10 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from rospy.impl.registration import get_topic_manager
+from waiting import GUARD, wait_for
 
 from move_base_abstract_ros.messages import conversions
 
-GUARD = 30.0
 SPEED = 2.0  # m/s, as in the .test files
 ACCEPTED = 'This goal has been accepted by the simple action server'
 ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'
@@ -50,10 +50,8 @@ class Record:
         assert not get_topic_manager().has_subscription(topic), '{} has a subscriber already'.format(topic)
         before = _connections(topic)
         record = cls(topic, kind)
-        deadline = time.monotonic() + GUARD
-        while len({node for node, _ in _connections(topic) - before}) < len(_publishers(topic)):
-            assert time.monotonic() < deadline, '{}: no connection'.format(topic)
-            time.sleep(0.005)
+        wait_for('a connection of ' + topic,
+                 lambda: len({node for node, _ in _connections(topic) - before}) >= len(_publishers(topic)))
         return record
 
     def close(self):
@@ -76,10 +74,10 @@ class Record:
         with self._changed:
             self._messages.clear()
 
-    def wait_for(self, wanted=lambda message: True):
-        """Return the first message for which ``wanted`` is true; AssertionError after GUARD [s, wall]."""
+    def wait_for(self, wanted=lambda message: True, what='what was waited for', since=0):
+        """Return the first message after the first ``since`` ones for which ``wanted`` is true."""
         deadline = time.monotonic() + GUARD
-        seen = 0
+        seen = since
         with self._changed:
             while True:
                 for message in self._messages[seen:]:
@@ -88,8 +86,8 @@ class Record:
                 seen = len(self._messages)
                 left = deadline - time.monotonic()
                 if left <= 0.0 or rospy.is_shutdown():
-                    raise AssertionError('{}: what was waited for did not come within {} s; got {} messages, the last: '
-                                         '{}'.format(self.topic, GUARD, seen, self._messages[-1:]))
+                    raise AssertionError('{}: {} did not come within {} s; got {} messages, the last: '
+                                         '{}'.format(self.topic, what, GUARD, seen, self._messages[-1:]))
                 self._changed.wait(left)
 
 
@@ -127,11 +125,9 @@ class RawClient:
         self.result = Record(prefix + 'result', MoveBaseActionResult)
         self._goal = rospy.Publisher(prefix + 'goal', MoveBaseActionGoal, queue_size=100)
         self._cancel = rospy.Publisher(prefix + 'cancel', GoalID, queue_size=100)
-        deadline = time.monotonic() + GUARD
         self.status.wait_for()
-        while not (self._goal.get_num_connections() and self._cancel.get_num_connections()):
-            assert time.monotonic() < deadline, '{}: no server'.format(prefix)
-            time.sleep(0.01)
+        wait_for('a server at ' + prefix,
+                 lambda: self._goal.get_num_connections() and self._cancel.get_num_connections())
 
     def send(self, pose, goal_id=None, stamp=None):
         """Send ``pose`` (PoseStamped) and return the goal's id; '' leaves the id to the server."""

@@ -2,11 +2,10 @@
 import os
 import signal
 import tempfile
-import time
 
 import rospy
 import warm
-from robot_harness import GUARD
+from waiting import GUARD, wait_for
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -28,13 +27,8 @@ class Started:
 
     def wait_for_line(self, text):
         """Wait for the first line that holds ``text``, and return it."""
-        deadline = time.monotonic() + GUARD
-        while True:
-            for line in self.output.splitlines(True):
-                if text in line and line.endswith('\n'):
-                    return line
-            assert time.monotonic() < deadline, 'no line with {!r} in:\n{}'.format(text, self.output)
-            time.sleep(0.01)
+        return wait_for(lambda: 'a line with {!r} in:\n{}'.format(text, self.output), lambda: next(
+            (line for line in self.output.splitlines(True) if text in line and line.endswith('\n')), None))
 
     def exit_code(self):
         """Wait for the end, and return the exit code."""

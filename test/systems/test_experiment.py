@@ -8,13 +8,13 @@ import signal
 import subprocess
 import sys
 import tarfile
-import time
 import unittest
 import uuid
 
 import psutil
 import pytest
 from own_folder import OwnFolder
+from waiting import wait_for
 
 from move_base_abstract_experiments import records
 from move_base_abstract_experiments.carrying import jobs
@@ -142,15 +142,6 @@ class Client:
         return found
 
 
-def wait_for(condition, what):
-    """Wait until condition() is true; fail after GUARD, naming ``what``."""
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError('waited in vain for {}'.format(what))
-        time.sleep(0.05)
-
-
 def without_wall(path):
     """Return a table as lists of cells, without the columns of wall time."""
     with open(path, newline='') as stream:
@@ -177,16 +168,16 @@ class Experiments(OwnFolder, unittest.TestCase):
         whole = Client(self.folder, file, 'whole')
         self.assertEqual(whole.end()[0], 0)
         killed = Client(self.folder, file, 'killed')
-        wait_for(lambda: self.complete('killed'), 'the first trial')
+        wait_for('the first trial', lambda: self.complete('killed'), GUARD)
         killed.workers()[0].suspend()
         killed.workers()[1].kill()
         count = len(self.complete('killed'))  # counted now: others may have done all trials by its end
         before = killed.workers()[0]
-        wait_for(lambda: not before.is_running(), 'the end of a worker that is stopped')
-        wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of all workers')
+        wait_for('the end of a worker that is stopped', lambda: not before.is_running(), GUARD)
+        wait_for('a trial after the death of all workers', lambda: len(self.complete('killed')) > count, GUARD)
         killed.process.kill()
         killed.end()
-        wait_for(lambda: not killed.left(), 'the end of all processes of a client that was killed')
+        wait_for('the end of all processes of a client that was killed', lambda: not killed.left(), GUARD)
         before = {name: os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns
                   for name in self.complete('killed')}
         again = Client(self.folder, file, 'killed')
@@ -198,7 +189,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         for name, stamp in before.items():
             self.assertEqual(os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns, stamp)
         self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 7)
-        wait_for(lambda: not again.left(), 'the end of all processes')
+        wait_for('the end of all processes', lambda: not again.left(), GUARD)
 
     @pytest.mark.night
     def test_ctrl_c_and_sigterm_end_what_was_started(self):
@@ -206,12 +197,12 @@ class Experiments(OwnFolder, unittest.TestCase):
         for out, end in (('out', lambda pid: os.killpg(pid, signal.SIGINT)), (
                 'other', lambda pid: os.kill(pid, signal.SIGTERM))):
             client = Client(self.folder, file, out)
-            wait_for(lambda out=out: self.complete(out), 'the first trial')
+            wait_for('the first trial', lambda out=out: self.complete(out), GUARD)
             end(client.process.pid)
             code, text = client.end()
             self.assertEqual(code, 130, text)
             self.assertNotIn('Traceback', text)
-            wait_for(lambda client=client: not client.left(), 'the end of all processes')
+            wait_for('the end of all processes', lambda client=client: not client.left(), GUARD)
             self.assertTrue(os.path.isfile(self.path(out + '/trials.csv')))
 
     def test_a_trial_that_fails_is_recorded_and_stops_nothing(self):
@@ -267,7 +258,7 @@ class Experiments(OwnFolder, unittest.TestCase):
     def test_short_functions_share_processes_and_leave_each_other_nothing(self):
         self.write('short.py', FUNCTION)
         client = Client(self.folder, self.write('short.yaml', SHORT), 'short')
-        wait_for(lambda: len(self.complete('short')) > 20, 'the first batches')
+        wait_for('the first batches', lambda: len(self.complete('short')) > 20, GUARD)
         client.workers()[0].kill()
         code, text = client.end()
         self.assertEqual(code, 1, text)
@@ -278,7 +269,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         del found[30]
         self.assertEqual({one.metrics['left'] for one in found}, {2})  # logs and files, as in a new process
         self.assertEqual([one.metrics['seed_again'] for one in found], [k for k in range(120) if k != 30])
-        wait_for(lambda: not client.left(), 'the end of all processes')
+        wait_for('the end of all processes', lambda: not client.left(), GUARD)
 
     def test_a_warm_start_changes_nothing(self):
         experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))

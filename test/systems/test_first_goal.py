@@ -6,7 +6,6 @@ hears of another publisher of the topic (its own node, for example) while it mak
 import os
 import tempfile
 import threading
-import time
 import unittest
 import xmlrpc.client
 import xmlrpc.server
@@ -19,6 +18,7 @@ from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from robot_harness import GUARD, RawClient, Record, pose_stamped
 from rospy.impl.registration import get_registration_listeners
+from waiting import wait_for
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -83,14 +83,6 @@ class SlowClient:
         self._handler.requestTopic = self._request_topic
 
 
-def wait_until(condition, what):
-    """Wait until ``condition()`` is true; fail after GUARD, naming ``what``."""
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.01)
-
-
 def is_up(node, topic):
     """Return whether the ROS master lists ``node`` as a subscriber of ``topic``."""
     return node in dict(rosgraph.Master(rospy.get_name()).getSystemState()[1]).get(topic, ())
@@ -121,7 +113,7 @@ class FirstGoal(unittest.TestCase):
             proxy = MasterProxy()
             self.addCleanup(proxy.close)
             self.start(executable, name, parameters, proxy.uri)
-            wait_until(lambda last=last, name=name: is_up(name, last), '{}: no {}'.format(name, last))
+            wait_for('{} at {}'.format(name, last), lambda last=last, name=name: is_up(name, last))
             heard = set()
             for method, topic in list(proxy.registrations):
                 if method == 'registerSubscriber':
@@ -139,8 +131,8 @@ class FirstGoal(unittest.TestCase):
         publishers = [rospy.Publisher(topics[0], MoveBaseActionGoal, queue_size=10),
                       rospy.Publisher(topics[1], GoalID, queue_size=10)]
         self.start(executable, node_name, parameters)
-        wait_until(lambda: all(client.calls.values()), 'the server does not ask for the client')
-        wait_until(lambda: is_up(node_name, robot + '/move_base_simple/goal'), 'the server is not up')
+        wait_for('that the server asks for the client', lambda: all(client.calls.values()))
+        wait_for('the server is up', lambda: is_up(node_name, robot + '/move_base_simple/goal'))
         node = xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node_name))
         for other, kind in (('initialpose', PoseWithCovarianceStamped), ('set_pose', Pose),
                             ('move_base_simple/goal', PoseStamped)):
@@ -148,10 +140,10 @@ class FirstGoal(unittest.TestCase):
                 node.publisherUpdate('/master', topic, [rospy.get_node_uri()])
             # The server's rospy handles updates one by one, so it has handled the two above when this one is connected.
             publishers.append(rospy.Publisher(robot + '/' + other, kind, queue_size=1))
-            wait_until(publishers[-1].get_num_connections, other)
+            wait_for(other, publishers[-1].get_num_connections)
         self.assertEqual(client.calls, dict.fromkeys(topics, 1), 'a second connection is being made')
         client.release.set()
-        wait_until(lambda: all(publisher.get_num_connections() for publisher in publishers), 'no connection')
+        wait_for('a connection', lambda: all(publisher.get_num_connections() for publisher in publishers))
         publishers[0].publish(MoveBaseActionGoal(goal=MoveBaseGoal(pose_stamped(1.0))))
         self.assertEqual(result.wait_for().status.status, GoalStatus.SUCCEEDED)
 
@@ -167,7 +159,7 @@ class FirstGoal(unittest.TestCase):
         client = RawClient('/f3/a0')
         seen = Record.fresh('/f3/a0/move_base/goal', MoveBaseActionGoal)
         publisher = rospy.Publisher('/f3/a0/move_base_simple/goal', PoseStamped, queue_size=1)
-        wait_until(publisher.get_num_connections, 'no connection')
+        wait_for('a connection', publisher.get_num_connections)
         publisher.publish(pose_stamped(1.0))
         self.assertEqual(client.result.wait_for().status.status, GoalStatus.SUCCEEDED)
         self.assertEqual(seen.wait_for().goal.target_pose.pose.position.x, 1.0)

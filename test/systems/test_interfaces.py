@@ -1,12 +1,12 @@
 """Running nodes have exactly the topics, services and actions that docs/nodes/interfaces.yaml lists."""
 import os
-import time
 import unittest
 
 import rosgraph
 import rospkg
 import rosservice
 import yaml
+from waiting import wait_for
 
 LAUNCH_FILE = """
 <launch>  <!-- topics, services and actions of running nodes are those of docs/nodes/interfaces.yaml -->
@@ -111,13 +111,17 @@ class Interfaces(unittest.TestCase):
     def test_every_entry_is_looked_at(self):
         self.assertEqual(set(self.entries), {entry for listed in NODES.values() for entry, *_ in listed})
 
+    def said_when_there(self, node):
+        """Return what is said of a node, when it has it all."""
+        said = self.said(node)
+        wait_for(lambda: '{}: {}'.format(node, sorted(set(said) - self.there(node))),
+                 lambda: not set(said) - self.there(node))
+        return said
+
     def test_names_are_those_of_the_nodes_both_ways(self):
         for node in NODES:
             with self.subTest(node):
-                said = set(self.said(node))
-                deadline = time.monotonic() + GUARD
-                while said - self.there(node) and time.monotonic() < deadline:
-                    time.sleep(0.1)
+                said = set(self.said_when_there(node))
                 # A node publishes goals of RViz on its own goal topic, each node hears /clock, a robot without a map
                 # hears tf for 2 s from each new publisher.
                 extra = {one for one in self.there(node) - said
@@ -127,10 +131,7 @@ class Interfaces(unittest.TestCase):
     def test_types_are_those_of_the_nodes(self):
         compared = 0
         for node in NODES:
-            said = self.said(node)
-            deadline = time.monotonic() + GUARD
-            while set(said) - self.there(node) and time.monotonic() < deadline:
-                time.sleep(0.1)
+            said = self.said_when_there(node)
             types = dict(self.master.getTopicTypes())
             for (kind, name), type_ in sorted(said.items()):
                 found = rosservice.get_service_type(name) if kind == 'service' else types.get(name, '*')

@@ -11,7 +11,8 @@ import unittest
 
 import rosgraph
 from lockstep_launcher_run import run_programs
-from lockstep_raw_client import GUARD, RawClient, wait_for
+from lockstep_raw_client import GUARD, RawClient
+from waiting import wait_for
 from warm import Loopback
 
 from move_base_abstract_ros.lockstep.exchange.connection import Connection

@@ -1,6 +1,5 @@
 """Robots in lockstep: the event log is the plain fleet's trace, with one process, three, or a node for each robot."""
 import itertools
-import json
 import os
 import shutil
 import subprocess
@@ -11,7 +10,9 @@ import unittest
 
 import rosgraph
 from lockstep_fleet_client import NS_PER_S, YARD, plan_of
+from logged import Logged
 from roslib import packages
+from waiting import wait_for, wait_for_end
 from warm import Loopback
 
 from move_base_abstract.fleet import Fleet
@@ -41,7 +42,7 @@ rospy.spin()
 """
 
 
-class Run:
+class Run(Logged):
     """One run of a plan on a ROS master of its own, to its end."""
 
     def __init__(self, plan, names, hosts, outside=(), awaited=None, of_all=None):
@@ -67,24 +68,13 @@ class Run:
                     ros.run(executable, node.rsplit('/', 1)[-1], namespace, parameters)
                 client = ros.spawn('/client', [sys.executable, os.path.join(HERE, 'lockstep_fleet_client.py'), plan,
                                                *names])
-                self._wait(client, ros)
+                if wait_for_end(client) != 0:
+                    ros.check()
+                    raise AssertionError('the client failed: {}'.format(client.last_lines()))
                 ros.end(master)
-            with open(log) as stream:
-                self.text = stream.read()
+            self.read_log(log)
         finally:
             shutil.rmtree(self._folder)
-        records = [json.loads(line) for line in self.text.splitlines()]
-        self.end = records[-1]['end']
-        self.events = [(record['time_ns'], record['robot'], record['kind'], record['values'])
-                       for record in records[1:-1]]
-
-    def _wait(self, client, ros):
-        deadline = time.monotonic() + GUARD
-        while client.process.poll() is None and time.monotonic() < deadline:
-            time.sleep(0.05)
-        if client.process.poll() != 0:
-            ros.check()
-            raise AssertionError('the client did not end: {}'.format(client.last_lines()))
 
     def of(self, robot):
         """Return the events of one robot, or of the client, as (kind, values)."""
@@ -215,11 +205,12 @@ class LockstepFleet(unittest.TestCase):
             master = ros.run('time_master', 'time_master', parameters={
                 'mode': 'lockstep', 'participants': ['/robots', '/never']})
             robots = ros.run('fleet', 'robots', parameters={'robots': [{'name': 'robot_0'}]})
-            deadline = time.monotonic() + GUARD
-            told = ''
-            while ('/never owes' not in told or '/robots owes' in told) and time.monotonic() < deadline:
+
+            def waits_for_the_other_one():
                 told = subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE,
                                       universal_newlines=True, check=False).stdout
+                return '/never owes' in told and '/robots owes' not in told
+            wait_for('a round that only /never does not end', waits_for_the_other_one)
             ros.end(master)
             robots.process.wait(GUARD)
             self.assertIn('the time master has ended lockstep', robots.last_lines())

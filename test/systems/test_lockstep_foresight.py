@@ -1,5 +1,4 @@
 """Messages that a fleet sends beforehand are those that it would send in its turns, at their instants, to the byte."""
-import json
 import os
 import shutil
 import subprocess
@@ -8,6 +7,7 @@ import tempfile
 import threading
 import unittest
 
+from logged import ComparedRun
 from scenarios import Condition, repeated
 from warm import Loopback
 
@@ -28,7 +28,7 @@ rospy.spin()
 """
 
 
-class Run:
+class Run(ComparedRun):
     """A run of followers and their fleet, with all messages in its log."""
 
     def __init__(self, condition=Condition(), foresee=True, followers=1, onlooker=False):
@@ -62,10 +62,7 @@ class Run:
             if watching:
                 with open(watching.log_path) as stream:
                     self.watched = [int(line) for line in stream if line.strip().isdigit()]
-        with open(log) as stream:
-            records = [json.loads(line) for line in stream][1:]
-        self.end = records.pop()['end']
-        self.events = [(record['time_ns'], record['robot'], record['kind'], record['values']) for record in records]
+        self.read_log(log)
 
 
 class Foresight(unittest.TestCase):
@@ -74,12 +71,6 @@ class Foresight(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.plain = Run(foresee=False)
-
-    def assert_same(self, run):
-        self.assertEqual(run.said, self.plain.said)
-        self.assertEqual(len(run.events), len(self.plain.events))
-        for event, its in zip(self.plain.events, run.events):
-            self.assertEqual(event, its)
 
     def test_the_plain_run_has_all_that_can_be_foreseen_and_what_takes_it_back(self):
         topics = [robot for _, robot, kind, _ in self.plain.events if kind == 'message']
@@ -90,11 +81,11 @@ class Foresight(unittest.TestCase):
 
     def test_every_message_is_the_same(self):
         for run in repeated('feedback followers', Run, lambda run: repr((run.said, run.events)).encode()):
-            self.assert_same(run)
+            run.assert_same(self, self.plain)
             self.assertEqual(run.end['not_repeatable_because'], [])
 
     def test_an_onlooker_hears_all_at_its_instant_and_changes_nothing(self):
         run = Run(Condition(speed_limit=20.0), onlooker=True)
-        self.assert_same(run)
+        run.assert_same(self, self.plain)
         self.assertGreater(len(run.watched), 50)
         self.assertEqual(run.watched, sorted(run.watched))

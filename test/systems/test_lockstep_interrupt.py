@@ -2,10 +2,10 @@
 
 import os
 import signal
-import time
 import unittest
 
 from lockstep_library_run import Run, Runs, read, wait_for_end
+from waiting import wait_for, wait_for_words
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -43,11 +43,8 @@ class System:
         return RUNS.ros.spawn('/' + CPP, [find_executable('lockstep'), find_executable(CPP), '__name:=' + CPP])
 
     def _wait_for_ticks(self):
-        deadline = time.monotonic() + 30.0
-        while self._log().count('"ticks"') < 5:
-            if time.monotonic() > deadline:
-                raise AssertionError('no ticks: ' + '\n'.join(map(read, self.processes.values())))
-            time.sleep(0.01)
+        wait_for(lambda: 'ticks: ' + '\n'.join(map(read, self.processes.values())),
+                 lambda: self._log().count('"ticks"') >= 5)
 
     def _log(self):
         if not os.path.exists(self._path + '.part'):
@@ -56,11 +53,7 @@ class System:
             return log.read()
 
     def wait_for_output(self, name, words):
-        deadline = time.monotonic() + 30.0
-        while words not in read(self.processes[name]):
-            if time.monotonic() > deadline:
-                raise AssertionError(words + ' not in: ' + read(self.processes[name]))
-            time.sleep(0.01)
+        wait_for_words(self.processes[name], words)
 
     def signal(self, *names, number=INT):
         for name in names:

@@ -7,6 +7,7 @@ import time
 import unittest
 
 from lockstep_library_run import Run, Runs, read, wait_for_end
+from waiting import wait_for_words
 
 from move_base_abstract_ros.lockstep.exchange.connection import Connection
 
@@ -170,8 +171,5 @@ class EndsTest(unittest.TestCase):
             RUNS.ros.end(master)
 
     def _wait_for_start(self, node):
-        deadline = time.monotonic() + 20.0
-        while 'joined' not in read(node):
-            self.assertLess(time.monotonic(), deadline, read(node))
-            time.sleep(0.01)
+        wait_for_words(node, 'joined')
         time.sleep(0.2)  # until it waits

@@ -12,8 +12,9 @@ import unittest
 import xmlrpc.client
 
 import rosgraph
-from lockstep_raw_client import RawClient, wait_for
+from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import Program, Runs, own
+from waiting import wait_for
 from warm import Loopback
 
 RELAY = '/usr/lib/topic_tools/relay'

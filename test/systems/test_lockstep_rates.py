@@ -1,16 +1,16 @@
 """In lockstep robots publish what upstream's would, at its rates; a message without subscribers is no event."""
-import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import threading
-import time
 import types
 import unittest
 
 import tf2_ros
+from logged import ComparedRun
+from waiting import read, wait_for_words
 from warm import Loopback
 
 from move_base_abstract.lockstep.wire import Delivery
@@ -58,19 +58,7 @@ rospy.spin()
 """
 
 
-def _read_until(path, text):
-    deadline = time.monotonic() + GUARD
-    while True:
-        with open(path) as stream:
-            found = stream.read()
-        if text in found:
-            return found
-        if time.monotonic() > deadline:
-            raise AssertionError('{!r} never came'.format(text))
-        time.sleep(0.1)
-
-
-class Run:
+class Run(ComparedRun):
     """A run of the listener and its fleet, with all messages in its log; ``said`` is the output of the listener."""
 
     def __init__(self, onlooker=False, **parameters):
@@ -97,13 +85,11 @@ class Run:
             guard.cancel()
             ros.check()
             if onlooker:
-                self.watched = _read_until(watching.log_path, 'idle at')
+                wait_for_words(watching, 'idle at')
+                self.watched = read(watching)
         if child.returncode:
             raise AssertionError('the listener ended with {}'.format(child.returncode))
-        with open(log) as stream:
-            records = [json.loads(line) for line in stream][1:]
-        self.end = records.pop()['end']
-        self.events = [(record['time_ns'], record['robot'], record['kind'], record['values']) for record in records]
+        self.read_log(log)
 
     def stamps(self, what):
         """Return the stamps [ns] of the listener's lines about ``what``."""
@@ -117,10 +103,7 @@ class Rates(unittest.TestCase):
         cls.plain = Run()
 
     def assert_same(self, run):
-        self.assertEqual(run.said, self.plain.said)
-        self.assertEqual(len(run.events), len(self.plain.events))
-        for event, its in zip(self.plain.events, run.events):
-            self.assertEqual(event, its)
+        run.assert_same(self, self.plain)
         self.assertEqual(run.end['not_repeatable_because'], [])
 
     def count(self, topic, run=None):

@@ -11,7 +11,6 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
 import rosbag
@@ -19,6 +18,7 @@ from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
 from own_sockets import closed_connections
 from scenarios import repeated
+from waiting import wait_for
 from warm import Loopback
 
 from move_base_abstract_ros.lockstep.programs.binary import find_shim
@@ -216,7 +216,7 @@ class OutsideTest(unittest.TestCase):
             master = self.start(ros, '/listener', '/rate')
             listener = RUNS.start(Program('listener', own('shim_listener')))
             child = RUNS.start(rate(frequency=1.0, ticks=20000))
-            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
+            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
             listener.signal(signal.SIGKILL)
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertIn("'/listener' died", read(master))
@@ -233,7 +233,7 @@ class OutsideTest(unittest.TestCase):
             with Loopback() as ros:
                 master = self.start(ros, '/rate')
                 child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
-                wait_for(lambda ros=ros: os.path.exists(self.note_of_start(ros)))
+                wait_for('the note of the start', lambda ros=ros: os.path.exists(self.note_of_start(ros)))
                 master.signal(number)
                 self.assertEqual(child.process.wait(GUARD), 1, read(child))  # although its main function returns 0
                 self.assertRegex(read(child), 'FATAL.*the run is over for /rate')
@@ -243,7 +243,7 @@ class OutsideTest(unittest.TestCase):
             master = self.start(ros, '/rate', '/listener')
             listener = RUNS.start(Program('listener', own('shim_listener')))
             child = RUNS.start(rate(frequency=1.0, ticks=20000))
-            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
+            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
             listener.signal(signal.SIGINT)
             self.assertEqual(listener.process.wait(GUARD), 0, read(listener))
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
@@ -253,7 +253,7 @@ class OutsideTest(unittest.TestCase):
         with Loopback() as ros:
             self.start(ros, '/rate')
             child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
-            wait_for(lambda: os.path.exists(self.note_of_start(ros)))
+            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
             take_name(ros, '/rate')
             self.assertEqual(child.process.wait(GUARD), 1, read(child))
             self.assertRegex(read(child), 'FATAL.*/rate: another node of its name has taken its place')
@@ -306,8 +306,8 @@ class OutsideTest(unittest.TestCase):
         return done.stdout
 
     def call(self, ros, service):
-        wait_for(lambda: subprocess.run(['rosservice', 'info', service], env=ros.environment, check=False,
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0)
+        wait_for(service, lambda: subprocess.run(['rosservice', 'info', service], env=ros.environment, check=False,
+                                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0)
         return subprocess.run(['rosservice', 'call', service], env=ros.environment, timeout=GUARD, text=True,
                               check=True, stdout=subprocess.PIPE).stdout
 
@@ -315,13 +315,5 @@ class OutsideTest(unittest.TestCase):
         def ask():
             return subprocess.run(['rosparam', 'get', '/time_master/lockstep_address'], env=ros.environment, text=True,
                                   check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout.strip()
-        wait_for(lambda: ':' in ask())
+        wait_for('the address', lambda: ':' in ask())
         return ask()
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s')
-        time.sleep(0.02)

@@ -5,8 +5,8 @@ import sys
 import unittest
 
 import rosgraph
-from lockstep_library_run import read
-from lockstep_raw_client import GUARD, RawClient, wait_for
+from lockstep_raw_client import RawClient
+from waiting import GUARD, read, wait_for
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable

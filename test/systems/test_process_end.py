@@ -8,15 +8,14 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 import unittest
 
 import rosgraph
 import rospkg
+from waiting import GUARD, read, wait_for
 
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
-GUARD = 60.0
 MAP = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'maps', 'field.yaml')
 #: name, executable, parameters, arguments, end of the name of the topic or service that it makes last
 NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
@@ -70,19 +69,6 @@ SOIL_COORDINATOR = ('lockstep', '--own', 'soil_mapping.ros.soil_coordinator')
 WITHOUT_ARGUMENTS = (('fleet',), ('task_server',), SOIL_COORDINATOR)
 
 
-def output(child):
-    with open(child.log_path, errors='replace') as log:
-        return log.read()
-
-
-def wait_for(what, condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError('not within {} s: {}'.format(GUARD, what))
-        time.sleep(0.01)
-
-
 def run(*words, master='http://127.0.0.1:1/'):
     """Run a program that ends by itself; return (exit code, output)."""
     environment = dict(os.environ, ROS_MASTER_URI=master)
@@ -101,7 +87,7 @@ class EndTest(unittest.TestCase):
     def ended(self, child):
         """Wait until a child ends by itself; return (exit code, output)."""
         wait_for(child.name + ' ends', lambda: child.process.poll() is not None)
-        return child.process.returncode, child.name + ' said: ' + output(child)
+        return child.process.returncode, child.name + ' said: ' + read(child)
 
     def wait_for_clock(self, ros, names):
         """Wait until the nodes have begun to set up: they listen to /clock and get none."""
@@ -152,7 +138,7 @@ class EndTest(unittest.TestCase):
             own, ros.uri = ros.uri, 'http://127.0.0.1:{}/'.format(taken.getsockname()[1])
             child = ros.spawn('node', [find_executable('fleet')])
             ros.uri = own
-            wait_for('it says what it waits for', lambda: 'master may not be running yet' in output(child))
+            wait_for('it says what it waits for', lambda: 'master may not be running yet' in read(child))
             child.process.send_signal(signal.SIGTERM)
             code, log = self.ended(child)
             self.assertEqual(code, 0, log)
@@ -199,8 +185,8 @@ class EndTest(unittest.TestCase):
             clock.process.kill()
             for child in children.values():
                 wait_for('word of it', lambda child=child: (
-                    '/time_master, which published /clock, is gone' in output(child)))
-            self.assertEqual([output(child).count('simulated time stands still') for child in children.values()],
+                    '/time_master, which published /clock, is gone' in read(child)))
+            self.assertEqual([read(child).count('simulated time stands still') for child in children.values()],
                              [1] * len(NODES))
 
     def test_help_is_printed_without_a_ros_master_and_unknown_arguments_are_refused(self):

@@ -13,6 +13,7 @@ import rospy
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
+from waiting import wait_for
 
 pytestmark = pytest.mark.night
 LAUNCH_FILE = """
@@ -48,11 +49,7 @@ class Shown(unittest.TestCase):
         cls.output = rospy.get_param('~output')
 
     def wait(self, condition):
-        deadline = time.monotonic() + GUARD
-        while not condition():
-            if time.monotonic() > deadline:
-                self.fail('not within {} s'.format(GUARD))
-            time.sleep(0.02)
+        wait_for('it', condition, GUARD)
 
     def test_maps_come_in_their_frames_and_cover_the_field(self):
         for topic, frame in (('prediction', 'map'), ('variance', 'variance')):

@@ -19,6 +19,7 @@ from unittest import mock
 
 import pytest
 from scenarios import ALL_CORES, Condition, repeated
+from waiting import wait_for
 
 from move_base_abstract_ros import loopback
 from soil_mapping.study import ros_trial
@@ -139,12 +140,12 @@ class Trials(unittest.TestCase):
         path = self.path(name)
         process = subprocess.Popen([sys.executable, STUDY, 'trial', *MISSION, '--output', path, '--limit', '2'],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
-        wait_for(lambda: os.path.exists(path + '.unfinished/lockstep_events.jsonl.part'))
+        wait_for('an event log', lambda: os.path.exists(path + '.unfinished/lockstep_events.jsonl.part'), GUARD)
         process.send_signal(number)
         code = process.wait(GUARD)
         self.assertTrue(os.path.isdir(path + '.unfinished'))
         self.assertFalse(os.path.exists(path))
-        wait_for(lambda: not processes_with(path))
+        wait_for('the end of all processes', lambda: not processes_with(path), GUARD)
         return code
 
     def test_a_trial_that_is_interrupted_ends_soon_with_its_code(self):
@@ -155,11 +156,11 @@ class Trials(unittest.TestCase):
         process = subprocess.Popen([sys.executable, STUDY, 'trial', *MISSION, '--pictures', '--output', path],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         # When the first file of the record exists, the mission is over.
-        wait_for(lambda: os.path.exists(path + '.unfinished/events.csv') or os.path.exists(path))
+        wait_for('events', lambda: os.path.exists(path + '.unfinished/events.csv') or os.path.exists(path), GUARD)
         process.send_signal(signal.SIGINT)
         process.wait(GUARD)
         self.assertEqual(self.results('after')[:2], self.plain[:2])
-        wait_for(lambda: not processes_with(path))
+        wait_for('the end of all processes', lambda: not processes_with(path), GUARD)
 
     def test_what_is_in_the_way_is_named_and_stays(self):
         os.mkdir(self.path('mine'))
@@ -250,11 +251,3 @@ def processes_with(word):
         except OSError:
             continue
     return found
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError('not within {} s'.format(GUARD))
-        time.sleep(0.02)

@@ -8,16 +8,17 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 import unittest
 
 import psutil
 import rospy
 from own_sockets import listening_addresses, pid_of
+from robot_harness import Record
 from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
+from waiting import GUARD, wait_for
 
 from move_base_abstract.msg import TimeState
 from move_base_abstract.srv import AcquireHold, ReleaseHold, RunUntil, SetFactor, Step
@@ -33,7 +34,6 @@ LAUNCH_FILE = """
 """
 OWN_NODE = 'time_master_test'
 
-GUARD = 30.0
 BUSY_FACTOR = 0.5  # as in time_master.test
 LISTENER = """
 import rospy, sys
@@ -55,55 +55,31 @@ with TimeMasterClient().hold('doomed', 2.0):
 """
 
 
-class Record:
-    """Keeps all messages of a topic, and waits for one of them."""
-
-    def __init__(self, topic, kind):
-        self._messages = []
-        self._changed = threading.Condition()
-        self._subscriber = rospy.Subscriber(topic, kind, self._add, queue_size=1000)
-
-    def _add(self, message):
-        with self._changed:
-            self._messages.append(message)
-            self._changed.notify_all()
+class Marked(Record):
+    """A record of which one asks what came after a mark."""
 
     def mark(self):
         """Return the number of messages so far, for wait() and since()."""
-        with self._changed:
-            return len(self._messages)
+        return len(self.messages)
 
     def since(self, mark):
-        with self._changed:
-            return self._messages[mark:]
+        return self.messages[mark:]
 
     def wait(self, what, wanted, mark=0):
         """Return the first message after ``mark`` for which wanted(message) is true."""
-        deadline = time.monotonic() + GUARD
-        with self._changed:
-            while True:
-                for message in self._messages[mark:]:
-                    if wanted(message):
-                        return message
-                mark = len(self._messages)
-                if not self._changed.wait(deadline - time.monotonic()):
-                    raise AssertionError(f'no message with {what} within {GUARD} s')
+        return self.wait_for(wanted, what, mark)
 
     def wait_for_count(self, count, mark):
-        deadline = time.monotonic() + GUARD
-        with self._changed:
-            while len(self._messages) < mark + count:
-                if not self._changed.wait(deadline - time.monotonic()):
-                    raise AssertionError(f'not {count} messages within {GUARD} s')
-            return self._messages[mark:]
+        self.wait_for(lambda message: True, f'message number {count}', mark + count - 1)
+        return self.since(mark)
 
 
 class TimeMasterTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.clock = Record('/clock', Clock)
-        cls.state = Record('/time_master/state', TimeState)
-        cls.log = Record('/rosout', Log)
+        cls.clock = Marked('/clock', Clock)
+        cls.state = Marked('/time_master/state', TimeState)
+        cls.log = Marked('/rosout', Log)
         cls.client = TimeMasterClient()
         cls.clock.wait('any time', lambda message: True)
         cls.state.wait('any state', lambda message: True)
@@ -123,7 +99,7 @@ class TimeMasterTest(unittest.TestCase):
     # ---- /clock ----
 
     def test_clock_is_latched_and_starts_at_one_second_or_later(self):
-        late = Record('/clock', Clock)
+        late = Marked('/clock', Clock)
         first = late.wait('any time', lambda message: True)
         self.assertEqual(first._connection_header['latching'], '1')
         self.assertGreaterEqual(self.times()[0], 10 ** 9)
@@ -174,9 +150,7 @@ class TimeMasterTest(unittest.TestCase):
 
     def test_bad_factors_on_the_topic_are_refused_with_the_sender_named(self):
         publisher = rospy.Publisher('/sim_time_factor', Float64, queue_size=20)
-        deadline = time.monotonic() + GUARD
-        while not publisher.get_num_connections() and time.monotonic() < deadline:
-            rospy.rostime.wallsleep(0.01)
+        wait_for('a connection', publisher.get_num_connections)
         mark, states = self.log.mark(), self.state.mark()
         for bad in BAD_FACTORS:
             publisher.publish(bad)

@@ -180,7 +180,7 @@ class LockstepTest(LockstepCase):
         self.assertTrue(self.call('set_mode', SetMode, 'scaled').success)
         publisher.publish(33.0)  # in this mode it has an effect, and the messages before it are handled
         self.state.wait('the factor', lambda state: state.wanted_factor == 33.0)
-        limits = {state.wanted_factor for state in self.state.all() if state.mode == 'lockstep'}
+        limits = {state.wanted_factor for state in self.state.messages if state.mode == 'lockstep'}
         self.assertEqual(limits, {0.0})
         notes = [line for line in self.output().splitlines() if '/sim_time_factor' in line]
         self.assertEqual(len(notes), 1, notes)
@@ -275,8 +275,8 @@ class LockstepTest(LockstepCase):
         self.assertEqual(times, sorted(times))
         self.assertLessEqual(len(times), wall * 100.0 + 3)
         self.assertEqual(last._connection_header['latching'], '1')
-        count = len(self.clock.all())
-        wait_for('three repetitions', lambda: len(self.clock.all()) >= count + 3)
+        count = len(self.clock.messages)
+        wait_for('three repetitions', lambda: len(self.clock.messages) >= count + 3)
         late = Messages('/clock', Clock)
         self.assertEqual(late.wait('any', lambda message: True).clock.to_nsec(), grant.time_ns)
         late.close()

@@ -92,7 +92,7 @@ class LockstepFaultsTest(LockstepCase):
         os.kill(process.pid, signal.SIGCONT)
         self.wait_for_output("'/a' answered after")
         self.clock.wait('later time', lambda message: message.clock > state.sim_time)
-        self.assertEqual(self.state.all()[-1].degraded_because, [])
+        self.assertEqual(self.state.messages[-1].degraded_because, [])
 
     def test_a_silent_one_is_dropped_where_that_is_wished_and_the_others_go_on(self):
         self.start(participants=['/a', '/b'], silence_limit=0.5, on_silence='drop')
@@ -156,7 +156,7 @@ class LockstepFaultsTest(LockstepCase):
                 connection.sendall(data if number % 2 else data[:generator.randrange(len(data))])
         client.knock()
         client.turn()
-        wait_for('the others gone', lambda: [one.name for one in self.state.all()[-1].participants] == ['/a'])
+        wait_for('the others gone', lambda: [one.name for one in self.state.messages[-1].participants] == ['/a'])
         self.assertIsNone(self.process.poll())
 
     def test_the_reason_is_told_to_who_sent_a_bad_frame(self):
@@ -201,7 +201,7 @@ class LockstepFaultsTest(LockstepCase):
         path = self.path('run.jsonl')
         self.start(participants=['/a'], event_log=path)
         client = self.join('/a')
-        self.assertEqual(self.state.all()[-1].event_log_error, '')
+        self.assertEqual(self.state.messages[-1].event_log_error, '')
         size = os.path.getsize(path + '.part') + 100000
         # Like a full disk: no file can grow beyond this.
         resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, size))

@@ -36,7 +36,7 @@ class LockstepResultsTest(LockstepCase):
                 items = raw.log(f'robot "{index}"', 'step', f'[{step},{value}]') if index < 2 else b''
                 clients[index].report(grants[index], next_ns=grants[index].time_ns + SECOND if step < 2 else NEVER,
                                       items=items)
-        wait_for('idle', lambda: self.state.all()[-1].phase == 'idle')
+        wait_for('idle', lambda: self.state.messages[-1].phase == 'idle')
         self.assertEqual(self.end(number), 0, self.output())
         self.assertFalse(os.path.exists(path + '.part'))
         return path

@@ -10,28 +10,14 @@ import signal
 import socket
 import subprocess
 import threading
-import time
 import unittest
 
 import rosgraph
+from waiting import GUARD, read, wait_for
 from warm import Loopback
 
-GUARD = 30.0
 #: the tests read the output of the time master while it runs
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
-
-
-def output(child):
-    with open(child.log_path, errors='replace') as log:
-        return log.read()
-
-
-def wait_for(what, condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s: {what}')
-        time.sleep(0.01)
 
 
 class DyingMaster:
@@ -89,13 +75,13 @@ class StartTest(unittest.TestCase):
 
     def ended(self, child):
         """Wait until a child ends by itself; return (exit code, output)."""
-        return child.process.wait(GUARD), output(child)
+        return child.process.wait(GUARD), read(child)
 
     def running(self, ros, child):
         """Wait until the time master publishes /clock; return its output so far."""
         self.wait_for_publisher(ros, '/time_master')
         self.assertIsNone(child.process.poll())
-        return output(child)
+        return read(child)
 
     def wait_for_publisher(self, ros, node):
         master = rosgraph.Master('/test', master_uri=ros.uri)
@@ -154,8 +140,8 @@ class StartTest(unittest.TestCase):
             with Loopback() as ros:
                 child = ros.run('time_master', 'time_master', arguments=[
                     '_mode:=lockstep', f'_participants:={text}', '_excluded_topics:=[/rosbag, diagnostics]'])
-                wait_for(words, lambda child=child, words=words: words in output(child))
-                self.assertNotIn('unknown', output(child))
+                wait_for(words, lambda child=child, words=words: words in read(child))
+                self.assertNotIn('unknown', read(child))
                 master = rosgraph.Master('/test', master_uri=ros.uri)
                 self.assertEqual(master.getParam('/time_master/excluded_topics'), ['/rosbag', 'diagnostics'])
         for text in ('/a', '[/a', '[a, [b]]', '[a,,b]', 'a, b'):
@@ -184,9 +170,9 @@ class StartTest(unittest.TestCase):
             taken.bind(('127.0.0.1', 0))  # nobody listens there, and no other test can
             uri, ros.uri = ros.uri, f'http://127.0.0.1:{taken.getsockname()[1]}/'
             child = ros.run('time_master', 'time_master')
-            wait_for('the warning', lambda: f'waiting for the ROS master at {ros.uri}' in output(child))
+            wait_for('the warning', lambda: f'waiting for the ROS master at {ros.uri}' in read(child))
             os.kill(child.pid, signal.SIGTERM)
-            self.assertEqual(child.process.wait(GUARD), 0, output(child))
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
             ros.uri = uri
 
     def test_another_living_publisher_of_clock_is_named_and_ends_it(self):
