@@ -48,6 +48,15 @@ def launch_of_the_file(request):
         yield ros
 
 
+@pytest.fixture(scope='module', autouse=True)
+def runs_of_the_file(request):
+    """End the ROS master that the file's RUNS may share, after its last test."""
+    yield
+    close = getattr(getattr(request.module, 'RUNS', None), 'close', None)
+    if close is not None:
+        close()
+
+
 def pytest_terminal_summary(terminalreporter, config):
     """Show the last lines that each process has printed, if a test has failed."""
     if not terminalreporter.stats.get('failed') and not terminalreporter.stats.get('error'):

@@ -8,6 +8,7 @@
 import os
 import shutil
 import sys
+from functools import cached_property
 
 from logged import Logged
 from scenarios import Condition
@@ -34,15 +35,20 @@ class Run(Logged):
 
 
 class Runs:
-    """Runs one after the other under a ROS master of their own."""
+    """Runs one after the other under a ROS master of their own, which begins with the first of them."""
 
     def __init__(self):
-        self.ros = Loopback()
-        self.ros.__enter__()
         self._count = 0
 
+    @cached_property
+    def ros(self):
+        """The ROS master and its processes."""
+        return Loopback().__enter__()
+
     def close(self):
-        self.ros.close()
+        """End them; conftest.py does it after the last test of the file."""
+        if 'ros' in vars(self):
+            self.ros.close()
 
     def start_master(self, participants, **parameters):
         """Start a time master that waits for these participants; return (child, path of the event log)."""

@@ -9,21 +9,12 @@ from waiting import wait_for, wait_for_words
 
 from move_base_abstract_ros.loopback import find_executable
 
-RUNS = None
+RUNS = Runs()
 ROLES = ('ticks', 'thinks', 'computes', 'shuts_down_late')
 MASTER = 'time_master'
 CPP = 'shim_rate'
 INT, TERM = signal.SIGINT, signal.SIGTERM
-
-
-def setUpModule():  # noqa: N802
-    global RUNS  # noqa: PLW0603
-    os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
-    RUNS = Runs()
-
-
-def tearDownModule():  # noqa: N802
-    RUNS.close()
+os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
 
 class System:

@@ -6,17 +6,8 @@ import unittest
 
 from lockstep_library_run import FOLDER, Runs, read, wait_for_end
 
-RUNS = None
+RUNS = Runs()
 STOCK_SERVER = os.path.join(FOLDER, 'library_services.py')
-
-
-def setUpModule():  # noqa: N802
-    global RUNS  # noqa: PLW0603
-    RUNS = Runs()
-
-
-def tearDownModule():  # noqa: N802
-    RUNS.close()
 
 
 class TimesTest(unittest.TestCase):

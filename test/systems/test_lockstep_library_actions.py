@@ -6,16 +6,7 @@ from actionlib_msgs.msg import GoalStatus
 from lockstep_library_run import Runs
 from scenarios import Condition, repeated
 
-RUNS = None
-
-
-def setUpModule():  # noqa: N802
-    global RUNS  # noqa: PLW0603
-    RUNS = Runs()
-
-
-def tearDownModule():  # noqa: N802
-    RUNS.close()
+RUNS = Runs()
 
 
 class ActionsTest(unittest.TestCase):

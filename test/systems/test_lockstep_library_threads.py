@@ -11,18 +11,9 @@ from waiting import wait_for_words
 
 from move_base_abstract_ros.lockstep.exchange.connection import Connection
 
-RUNS = None
+RUNS = Runs()
 WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',
          'in_thread')
-
-
-def setUpModule():  # noqa: N802
-    global RUNS  # noqa: PLW0603
-    RUNS = Runs()
-
-
-def tearDownModule():  # noqa: N802
-    RUNS.close()
 
 
 class ThreadsTest(unittest.TestCase):
