@@ -57,13 +57,29 @@ def test_old_methods_of_a_fleet_work_and_say_the_new_ones():
         fleet.sent('r_0', 4.0, 0.0)
 
 
+def test_a_class_of_a_users_own_may_extend_an_old_method_of_a_fleet():
+    class Counting(Fleet):
+        sent = 0
+
+        def send(self, name, *goal):
+            self.sent += 1
+            return super().send(name, *goal)
+    fleet = Counting(make_scenario({'robots': [{'name': 'bot'}]}))
+    with pytest.warns(FutureWarning, match=r'Fleet.robot\(name\).send now'):
+        assert (fleet.send('bot', 4.0, 0.0), fleet.sent) == ('bot-1', 1)
+    with pytest.warns(FutureWarning, match=r'Fleet.robot\(name\).cancel now'):
+        Fleet.cancel(fleet, 'bot')
+
+
 def test_a_removed_robot_does_nothing_more():
     fleet = make_fleet()
     robot = fleet.robot('r_0')
     fleet.remove('r_0')
-    for use in (lambda: robot.send(1.0, 0.0), robot.cancel, lambda: robot.pose, lambda: robot.hold('x')):
+    for use in (lambda: robot.send(1.0, 0.0), robot.cancel, lambda: robot.pose, lambda: robot.hold('x'),
+                lambda: robot.set_priority(1), lambda: robot.activity, lambda: robot.state_of_charge):
         with pytest.raises(ConfigurationError, match="robot 'r_0' was removed from its fleet"):
             use()
+    assert repr(robot) == '<robot r_0, which was removed from its fleet>'
 
 
 def test_running_until_a_time_stops_there_with_exact_poses():

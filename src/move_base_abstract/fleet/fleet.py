@@ -129,18 +129,6 @@ class Fleet:
     def __repr__(self) -> str:
         return '<Fleet of {} robots at {:.3f} s>'.format(len(self._members), self.now)
 
-    if not TYPE_CHECKING:  # old names are none of a Fleet's for type checkers and editors
-        def __getattr__(self, old: str) -> Callable[..., Any]:
-            if old not in _OF_ROBOTS:
-                raise AttributeError("'Fleet' object has no attribute '{}'".format(old))
-            new = _OF_ROBOTS[old]
-
-            def of_robot(name: str, *values: Any, **more: Any) -> Any:
-                found = getattr(self.robot(name), new)
-                return found(*values, **more) if callable(found) else found
-            warn_of_old('Fleet.{}(name)'.format(old), 'Fleet.robot(name).{}'.format(new))
-            return of_robot
-
     def add(self, name: str, **parameters: Any) -> None:
         """Add a robot now; ``parameters`` are those of the ``move_base`` node.
 
@@ -240,6 +228,19 @@ class Fleet:
     def _add(self, spec: RobotSpec) -> None:
         self._members[spec.name] = self._member_type(
             self, spec, next(self._indices), self._planner, self._occupancy)
+
+
+def _of_robot(old: str, new: str) -> Callable[..., Any]:
+    def of_robot(fleet: Fleet, name: str, *values: Any, **more: Any) -> Any:
+        warn_of_old('Fleet.{}(name)'.format(old), 'Fleet.robot(name).{}'.format(new))
+        found = getattr(fleet.robot(name), new)
+        return found(*values, **more) if callable(found) else found
+    of_robot.__name__ = old
+    return of_robot
+
+
+for _old, _new in _OF_ROBOTS.items():  # set here, so that they are none of a Fleet's for type checkers and editors
+    setattr(Fleet, _old, _of_robot(_old, _new))
 
 
 def _check_map(occupancy: object) -> None:

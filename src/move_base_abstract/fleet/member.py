@@ -48,7 +48,7 @@ class Member:
     """One robot of a :class:`.Fleet`, which makes it: ``fleet.robot('bot').send(10.0, 0.0)``.
 
     Properties are those of the present. ``name``: the robot's name; ``condition``: its :class:`.condition.Condition`;
-    ``navigator``: its Navigator. What a user calls raises ConfigurationError if the robot was removed from its fleet.
+    ``navigator``: its Navigator. All else raises ConfigurationError if the robot was removed from its fleet.
     """
 
     def __init__(self, fleet: Fleet, spec: RobotSpec, index: int, planner: Any,
@@ -99,12 +99,14 @@ class Member:
     @property
     def state_of_charge(self) -> Optional[float]:
         """The state of charge of the robot's battery (0..1), or None if it has no battery."""
+        self._now_ns()
         battery = self.condition.battery
         return None if battery is None else battery.soc
 
     @property
     def activity(self) -> str:
         """What the robot does, in a word or two: one of the states of :mod:`.runs.states`, held, or battery empty."""
+        self._now_ns()
         return activity(self.navigator, self.condition, self._tasks)
 
     def distance_to(self, x: float, y: float) -> float:
@@ -207,9 +209,9 @@ class Member:
 
         :raises ConfigurationError: if it is not a whole number of 32 bits.
         """
-        number = checked(priority, 'priority', PRIORITY, self._words())
+        number, now_ns = checked(priority, 'priority', PRIORITY, self._words()), self._now_ns()
         if self._traveller is not None:
-            self._traveller.set_priority(number, self._now_ns())
+            self._traveller.set_priority(number, now_ns)
 
     def scan(self) -> Scan:
         """Return the scan that the robot's laser measures now, by its ``scan_`` parameters."""
@@ -219,6 +221,8 @@ class Member:
         return self._fleet.surroundings.scan(self._robot, self._laser, occupancy, self._now_ns())
 
     def __repr__(self) -> str:
+        if not self._is_there:
+            return '<robot {}, which was removed from its fleet>'.format(self.name)
         pose = self.pose
         return '<robot {}: {} at ({:.2f}, {:.2f}, {:.2f}) at {:.3f} s>'.format(
             self.name, self.activity, pose.x, pose.y, pose.yaw, self._fleet.now)
