@@ -13,7 +13,9 @@ sys.path.insert(0, str(ROOT / 'src'))
 from geometry_msgs.msg import PoseArray, PoseStamped  # noqa: E402
 from std_msgs.msg import Float64, String  # noqa: E402
 
+from move_base_abstract.fleet import Fleet  # noqa: E402
 from move_base_abstract.runs.event_log import EventLog  # noqa: E402
+from move_base_abstract.scenario import make_scenario  # noqa: E402
 from move_base_abstract_ros.launching import (  # noqa: E402
     bag_difference,
     bags,
@@ -191,3 +193,16 @@ def test_bytes_that_were_kept_are_found_by_number(tmp_path):
     found = [message_fields.kept(str(tmp_path / 'kept'), number) for number in (1, 2, 3, 4)]
     assert found == [('a/B', b'one'), ('', b'call'), ('c/D', b''), None]
     assert message_fields.kept(str(tmp_path / 'none'), 1) is None
+
+
+def test_compare_says_that_a_log_of_an_earlier_release_has_no_rows_of_goals(tmp_path, capsys):
+    fleet = Fleet(make_scenario({'robots': [{'name': 'bot'}]}))
+    fleet.robot('bot').send(4.0, 0.0)
+    fleet.run()
+    fleet.write_log(tmp_path / 'new.jsonl')
+    old = Fleet(trace=[entry for entry in fleet.trace if entry.kind != 'goal'])
+    old.write_log(tmp_path / 'old.jsonl')
+    assert run_compare(tmp_path / 'old.jsonl', tmp_path / 'new.jsonl') == 1
+    text = capsys.readouterr().out
+    assert f'note: {tmp_path / "old.jsonl"} has goals that ended, but no rows `goal`: it is of release 1.0' in text
+    assert text.count('note: ') == 1

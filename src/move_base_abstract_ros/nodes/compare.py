@@ -19,6 +19,8 @@ from move_base_abstract.runs.event_log import EventLogError
 
 from ..launching import bag_difference
 
+_GOAL = 'goal'  # the kind of the rows that came after release 1.0
+
 
 def main(words=None):
     """Compare the two files of the command line and exit with the code."""
@@ -46,6 +48,15 @@ def _compare_bags(first, second):
     return 1 if difference else 0
 
 
+def _note_old_logs(*paths):
+    for path in paths:
+        with event_log.opened(path) as log:
+            kinds = {row.kind for row in log.rows()}
+        if _GOAL not in kinds and 'ended' in kinds:
+            print(f'note: {path} has goals that ended, but no rows `{_GOAL}`: it is of release 1.0, and runs of '
+                  'later releases differ from it by these rows')
+
+
 def _compare(first_path, second_path):
     with event_log.opened(first_path) as first, event_log.opened(second_path) as second:
         result = event_log.compare(first, second)
@@ -66,6 +77,8 @@ def _compare(first_path, second_path):
         for log, event in ((first, result.first), (second, result.second)):
             print(f'{log.name}:{event.line}: {event.text}' if event else f'{log.name}: no more events')
         print(f'{first.name} has {first.events} events, {second.name} has {second.events}')
+        if [event.kind for event in (result.first, result.second) if event].count(_GOAL) == 1:
+            _note_old_logs(first_path, second_path)
     for node in alone:
         print(f'note: only one log has digests of the bags of {node}: they are not compared')
     for log in (first, second):
