@@ -363,6 +363,13 @@ class LaunchTest(OwnPackage, unittest.TestCase):
             done = self.run_it('--onlooker', '/exits', *words, looks_on)
             self.assertEqual((done.returncode, 'crash: /exits crashed' in done.stdout), (code, True), done.stdout)
 
+    def test_a_required_node_is_named_as_by_roslaunch_and_the_others_did_not_die(self):
+        more = FATE.format('ends', 'required="true"') + FATE.format('waits', '')
+        done = self.run_it(self.file(TICKING.format(more=more)))
+        self.assertRegex(done.stdout, r'REQUIRED process \[ends-\d+\] has died!\nprocess has finished cleanly\nlog')
+        self.assertEqual(re.findall(r'\[(\w+)-\d+\] (?:process )?has died', done.stdout), ['ends'], done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
     def test_an_interrupt_ends_the_run_in_order(self):
         log = self.path('a.jsonl')
         words = ['--event-log', log, '--notes', self.folder, '--speed-limit', '10', self.file(TICKING.format(more=''))]

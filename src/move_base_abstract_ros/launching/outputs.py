@@ -121,12 +121,16 @@ class _Screen:
         os.close(self._write)
         printlog_bold('process[{}]: started with pid [{}]'.format(self._name, pid))
 
-    def ended(self, pid, code, words):
-        """Say that the process has ended while the run goes on. ``words``: its command line."""
-        text = '[{}] process has finished cleanly' if code == 0 else (
-            '[{}] process has died [pid {}, exit code {}, cmd {}].')
-        (printerrlog if code else printlog_bold)('{}\nlog file: {}*.log'.format(
-            text.format(self._name, pid, code, ' '.join(words)), self._stem))
+    def ended(self, pid, code, words, is_required=False):
+        """Say, as roslaunch does, that the process has ended. ``words``: its command line."""
+        text = 'process has finished cleanly' if code == 0 else (
+            'process has died [pid {}, exit code {}, cmd {}].'.format(pid, code, ' '.join(words)))
+        text = '{}\nlog file: {}*.log'.format(text, self._stem)
+        if is_required:
+            printerrlog('{0}REQUIRED process [{1}] has died!\n{2}\nInitiating shutdown!\n{0}'.format(
+                '=' * 80, self._name, text))
+        else:
+            (printerrlog if code else printlog_bold)('[{}] {}'.format(self._name, text))
 
     def told(self):
         """Say that the process gets a signal."""

@@ -229,6 +229,8 @@ class Run:
             elif one.node is not None and not roles.has_last_words(one.node):
                 one.tell(signal.SIGKILL)
         processes.await_ends({one.pids[-1] for one in left}, self._patience.by_themselves, self._statuses, self._pause)
+        if not self._is_asked:
+            self._news()
         left = [one for one in left if one.pids[-1] not in self._statuses]
         for one in left:
             one.tell(signal.SIGINT)
@@ -270,12 +272,22 @@ class Run:
             pid = one.pids[-1]
             if pid in self._statuses and pid not in self._looked_at:
                 self._looked_at.add(pid)
-                one.output.ended(pid, self._code(pid), one.words)
+                if not one.is_told:
+                    self._say_end(one, pid)
                 if one.node is not None and one.node.respawn and not one.node.required:
                     one.due = time.monotonic() + max(_AGAIN_S, one.node.respawn_delay)
                 if one.name != TIME_MASTER:
                     found.append(one)
         return found
+
+    def _say_end(self, one, pid):
+        """Say that a process has ended. One that ended with the run has not died, unless the run is to end with it."""
+        is_required = one.name != TIME_MASTER and one.node is not None and one.node.required
+        is_over = self._time_master in self._statuses or _is_complete(self._log)
+        if is_required or one.name == TIME_MASTER or not is_over:
+            one.output.ended(pid, self._code(pid), one.words, is_required)
+        else:
+            one.output.told()
 
     def _problem_of(self, one):
         """Return the Problem if a process must not end while the run goes on, or None."""
