@@ -29,7 +29,8 @@ def main():
         idle = idle + 1 if state.phase == 'idle' and not state.wanted_factor else 0
         is_over = (state.phase == 'paused' and state.sim_time.to_sec() >= until or state.phase in _OVER
                    or idle >= _IDLE)
-        if is_over or time.monotonic() > deadline:
+        is_stuck = any('before rospy.init_node' in one.owes for one in state.waiting_for)  # a program has gone for good
+        if is_over or is_stuck or time.monotonic() > deadline:
             break
         time.sleep(0.02)
     print(json.dumps({

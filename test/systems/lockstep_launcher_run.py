@@ -51,13 +51,13 @@ class Run:
 
 
 def run_programs(programs, until, fleet=(), parameters=None, clock=None, condition=Condition(), commands=None,
-                 onlookers=(), others=None, guard=GUARD, ahead=0.0):
+                 onlookers=(), others=None, ahead=0.0):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; condition: what else happens meanwhile;
     commands: whole command lines of programs that are started in another way; onlookers: topics of texts to which an
     onlooker listens; others: {name: (command line, s)} of programs that take no part, and are stopped at their start
-    for this long [s, wall]; guard: time after which a run is given up [s, wall];
+    for this long [s, wall];
     ahead: time by which programs start before the time master [s, wall].
     """
     with Loopback(is_warm=condition.is_warm) as ros:
@@ -79,12 +79,12 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, conditi
                     'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})
             if not ahead:
                 children.update(_spawn(ros, programs, commands))
-            state = _wait(ros, until, guard)
+            state = _wait(ros, until)
         ros.end(master)
         outputs, codes = _end(ros, children)
         if not state.is_over:
             raise AssertionError('the run has not ended within {} s: {}\n{}'.format(
-                guard, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
+                GUARD, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
         with open(log, 'rb') as stream:
             return Run(stream.read(), outputs, codes, state)
 
@@ -111,10 +111,10 @@ def _stop_for(pause, child):
         threading.Timer(pause, child.signal, [signal.SIGCONT]).start()
 
 
-def _wait(ros, until, guard):
+def _wait(ros, until):
     """Let the run go on to its end; return the time master's state then."""
     child = ros.spawn('/launcher_clock', [
-        sys.executable, os.path.join(HERE, 'lockstep_launcher_clock.py'), str(until), str(guard)])
+        sys.executable, os.path.join(HERE, 'lockstep_launcher_clock.py'), str(until), str(GUARD)])
     child.process.wait(2.0 * GUARD)
     text = read(child)
     try:

@@ -50,7 +50,7 @@ class BeforeInitNodeTest(unittest.TestCase):
                 script.write("import sys\nimport rospy\nif True:\n  sys.exit(3)\nrospy.init_node('gone')\n")
             text = 'its HELLO: it was there, and left .its program ended with code 3 before rospy.init_node'
             with self.assertRaisesRegex(AssertionError, text):
-                run_programs({'gone': [path], 'store': ['store.py']}, until=3.0, guard=6.0)
+                run_programs({'gone': [path], 'store': ['store.py']}, until=3.0)
 
 
 class WhoIsThereTest(unittest.TestCase):
