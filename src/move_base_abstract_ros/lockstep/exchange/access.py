@@ -1,6 +1,7 @@
 """How a node finds the time master: its parameters say its mode, its address and the run's secret."""
 from __future__ import annotations
 
+import math
 import time
 
 import rospy
@@ -12,12 +13,15 @@ from move_base_abstract.lockstep.secret import run_secret
 from .connection import Connection
 
 
-def connect() -> Connection:
+def connect(patience_s: float = math.inf) -> Connection:
     """Return a :class:`Connection` to the time master, at the address in its parameter. Wait for it if necessary.
 
+    :param patience_s: for how long at most [s, wall].
+    :raises TimeoutError: if there is none in that time.
     :raises ConfigurationError: if the time master is not in lockstep any more.
     :raises rospy.ROSInterruptException: if the node shuts down meanwhile.
     """
+    give_up_at = time.monotonic() + patience_s
     warn_at = time.monotonic() + wire_format.CONNECT_REMINDER_MS * 1e-3
     while not rospy.is_shutdown():
         if not is_lockstep():
@@ -30,6 +34,8 @@ def connect() -> Connection:
                 return Connection(host, int(port), 1.0)
             except OSError:
                 pass  # a time master that has died has left the address; another one will come
+        if time.monotonic() > give_up_at:
+            raise TimeoutError('there is no time master')
         if time.monotonic() > warn_at:
             rospy.logwarn('lockstep: %s waits for the time master (/time_master/lockstep_address is %s)',
                           rospy.get_name(), address + ', where nobody listens' if address else 'not set')

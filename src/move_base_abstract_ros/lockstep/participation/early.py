@@ -21,13 +21,15 @@ from rospy.impl import tcpros_service
 from move_base_abstract.lockstep import wire
 
 from ...replacing.replaced import replaced
-from ..exchange.access import secret
-from ..exchange.connection import Closed, Connection
+from ..exchange.access import connect, secret
+from ..exchange.connection import Closed
 from ..waiting.waits import replaced_within
 
 _PORT_ARGUMENT = 8  # number of arguments of init_node up to and with xmlrpc_port
 #: a program that reads one parameter more often than this counts as a loop that waits for it
 _LOOKS = 20
+#: how long a program that has ended waits for a time master that is still starting [s, wall]
+_PATIENCE_S = 10.0
 
 
 class Early:
@@ -133,14 +135,13 @@ class Early:
             return
         try:
             self._say_goodbye('its program ended with code {} before rospy.init_node'.format(code))
-        except (OSError, Closed, rosgraph.MasterException, KeyError, ValueError):
+        except (OSError, Closed, rosgraph.MasterException, KeyError, ValueError, KeyboardInterrupt):
             pass  # there is no time master to be told
 
     def _say_goodbye(self, reason: str) -> None:
         named = rospy.get_param('/time_master/participants', [])
         if not isinstance(named, list) or self._name.strip('/') not in [str(name).strip('/') for name in named]:
             return
-        host, _, port = str(rospy.get_param('/time_master/lockstep_address', '')).rpartition(':')
-        connection = Connection(host, int(port), 1.0)
+        connection = connect(_PATIENCE_S)
         connection.send(wire.hello(self._name, '', 0, False, 0, secret()) + wire.leave(reason))
         connection.close()
