@@ -10,7 +10,6 @@ from move_base_abstract.common.lazy_exports import exports_of
 ROOT = Path(__file__).resolve().parents[2]
 SRC = ROOT / 'src'
 MOST_MODULES = 25  # in Python and in C++, where a header and its source are one
-MOST_METHODS = 20  # of a class in Python, properties counted; docs/architecture.md lists those with more, and why
 #: packages with rooms; pyproject.toml says which room may import which (import-linter)
 PACKAGES = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_ros/lockstep',
             'move_base_abstract_experiments', 'soil_mapping')
@@ -54,21 +53,6 @@ def modules_of(folder):
     if path.is_dir() and modules_of(path)])
 def test_every_room_has_few_modules(folder):
     assert len(modules_of(ROOT / folder)) <= MOST_MODULES
-
-
-def large_classes():
-    """Return [(name, methods), ...] of the classes in Python that have more than is usual."""
-    classes = [node for path in sorted(SRC.rglob('*.py')) for node in ast.walk(ast.parse(path.read_text()))
-               if isinstance(node, ast.ClassDef)]
-    sizes = [(node.name, sum(isinstance(each, (ast.FunctionDef, ast.AsyncFunctionDef)) for each in node.body))
-             for node in classes]
-    return sorted((name, size) for name, size in sizes if size > MOST_METHODS)
-
-
-def test_a_class_has_few_methods_or_a_reason_for_each_that_it_has_more():
-    text = (ROOT / 'docs' / 'architecture.md').read_text().split('## Large classes')[1].split('\n## ')[0]
-    rows = re.findall(r'^\| `(\w+)` \| (\d+) \| (\S.*) \|$', text, re.MULTILINE)
-    assert large_classes() == sorted((name, int(size)) for name, size, _reason in rows)
 
 
 def test_each_room_of_the_core_exports_names():
