@@ -98,8 +98,11 @@ def test_a_file_says_when_and_where(tmp_path):
     ([DOCK], [{'area': [0, 0, 1, 1], 'rate': 1.0, 'duration': 1.0}], ('name', 'got None')),
     ([DOCK], [{'name': 'a', 'area': [0, 0, 1, 1], 'rate': 1.0}], ('duration', 'given neither here')),
     ([DOCK], [{'name': 'a', 'area': [2, 0, 1, 1], 'rate': 1.0, 'duration': 1.0}], ('area', 'x_min <= x_max')),
-    ([DOCK], [{'place': 'dock', 'rate': 1.0}] * 2, ('arrivals[1]', "'dock' is given to more than one entry")),
+    ([DOCK], [{'place': 'dock', 'rate': 1.0}] * 2, ('arrivals[1]', "'dock' is given to more than one entry",
+                                                           'it is the name of the place')),
     ([DOCK], [{'name': 'a', 'file': 'x.csv', 'rate': 1.0}], ('rate', 'with a file, which determines it')),
+    ([DOCK], [{'name': 'a', 'file': 'x.csv', 'until': 0}], ('until', 'got 0.0 with a file')),
+    ([DOCK], [{'name': 'a', 'file': 'x.csv', 'duration_distribution': 'gamma'}], ("got 'gamma' with a file",)),
     ([DOCK], [{'name': 'a', 'file': 'x.txt'}], ('file', 'x.txt', '.csv, .yaml or .yml')),
     ([DOCK], [{'name': 'a', 'file': '/nowhere/x.csv'}], ('/nowhere/x.csv', 'cannot be read')),
 ])

@@ -82,6 +82,8 @@ def test_files_are_tables_and_yaml_and_say_the_same(tmp_path):
 @pytest.mark.parametrize('change, text', [
     ({'stops': None}, 'orders[0]: got neither file and stops; allowed: one of them'),
     ({'file': 'x.csv'}, 'orders[0]: got both file and stops; allowed: one of them'),
+    ({'file': 'x.csv', 'stops': None, 'rate_per_hour': None, 'deadline': 0},
+     'deadline: got 0.0 with a file, which determines it; allowed: name and file'),
     ({'rate': 1.0}, 'orders[0]: got rate and rate_per_hour; allowed: one of rate, rate_per_hour and every'),
     ({'rate_per_hour': None}, 'got none of rate, rate_per_hour and every'),
     ({'stops': []}, 'orders[0]: stops: got []; allowed: a list of 1 to 100 stops'),
@@ -104,7 +106,8 @@ def test_what_is_wrong_is_named_with_its_place(change, text):
 
 
 def test_two_entries_of_one_name_are_refused():
-    with pytest.raises(ConfigurationError, match=r"orders\[1\]: name: 'picks' is given to more than one entry"):
+    with pytest.raises(ConfigurationError, match=(
+            r"orders\[1\]: name: 'picks' is given to more than one entry; each needs a name of its own$")):
         scenario_of(PICK, PICK)
 
 

@@ -156,7 +156,7 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
         raise ConfigurationError('{}: got {} file and stops; allowed: one of them'.format(
             where, 'neither' if values['file'] is None else 'both'))
     if values['file'] is not None:
-        file_alone(values, ('rate', 'rate_per_hour', 'every', 'count', 'until', 'deadline', 'priority'), where)
+        file_alone(values, ORDER_TABLE, where)
         return _read_file(name, values['file'], places, where)
     given = [key for key in ('rate', 'rate_per_hour', 'every') if values[key] is not None]
     if len(given) != 1:

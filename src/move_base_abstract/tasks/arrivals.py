@@ -220,8 +220,9 @@ def read_sources(raw: Any, key: str, table: Tuple[Parameter, ...], where: str,
         here = '{}: {}[{}]'.format(where, key, index)
         one: Any = read_one(read_entry(entry, table, here), here)
         if one.name in sources:
-            raise ConfigurationError("{}: name: '{}' is given to more than one entry; each needs a name of its "
-                                     'own (if none is given, it is the name of the place)'.format(here, one.name))
+            raise ConfigurationError("{}: name: '{}' is given to more than one entry; each needs a name of its own{}"
+                                     .format(here, one.name, ' (if none is given, it is the name of the place)'
+                                             if _PLACE in table else ''))
         sources[one.name] = one
     return tuple(sources.values())
 
@@ -260,22 +261,21 @@ def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
 
 
 def _read_file(name: str, values: Mapping[str, Any], places: Dict[str, Place], where: str) -> Listed:
-    file_alone(values, ('count', 'until', 'duration', 'rate', 'rate_per_hour', 'power', 'energy', 'duration_cv',
-                        'priority'), where)
+    file_alone(values, ARRIVAL_TABLE, where)
     rows = [(index + 1, *_task_of(row, index, name, places, here)) for index, (here, row) in enumerate(
         rows_in(values['file'], 'tasks', where, lambda key, cell: cell.strip() if key == 'place' else as_value(cell)))]
     return Listed(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
 
 
-def file_alone(values: Mapping[str, Any], others: Sequence[str], where: str) -> None:
-    """Check that an entry with a file has none of the keys ``others``.
+def file_alone(values: Mapping[str, Any], table: Sequence[Parameter], where: str) -> None:
+    """Check that an entry with a file has no other key of ``table`` but a name.
 
     :raises ConfigurationError: if it has one.
     """
-    for key in others:
-        if values[key]:
+    for one in table:
+        if one not in (NAME, FILE) and values[one.name] != one.default:
             raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
-                where, key, shown(values[key])))
+                where, one.name, shown(values[one.name])))
 
 
 def rows_in(path: str, key: str, where: str, value_of: Callable[[str, str], Any]) -> Iterator[
