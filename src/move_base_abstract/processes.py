@@ -83,6 +83,7 @@ class Robot(Member):
 
         :raises ConfigurationError: if there is no such kind.
         """
+        self._now_ns()
         check_kind(kind, str, 'kind')
         check_keys({kind: None}, KINDS, "robot '{}'".format(self.name), 'when: ')
         return self._fleet.env.happening(self.name, kind, values)

@@ -192,3 +192,15 @@ def test_times_are_kept_to_the_nanosecond():
         env.timeout(1e18)
     with pytest.raises(ValueError):
         env.timeout(float('inf'))
+
+
+def test_a_robot_that_is_removed_ends_its_goal_and_does_nothing_more():
+    env = make('bot')
+    robot = env.robot('bot')
+    going = robot.go(9.0, 0.0)
+    env.run(until=1.0)
+    env.fleet.remove('bot')
+    assert env.run(going).state is GoalState.ABORTED
+    for use in (lambda: robot.go(1.0, 0.0), lambda: robot.when('ended')):
+        with pytest.raises(ConfigurationError, match="robot 'bot' was removed from its fleet"):
+            use()

@@ -12,6 +12,7 @@ from move_base_abstract.fleet import Fleet, TraceEntry
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
+from move_base_abstract.tasks.arrivals import Task
 
 S = 1_000_000_000
 REACHED = ('SUCCEEDED', 'Goal reached.')
@@ -76,7 +77,10 @@ def test_a_removed_robot_does_nothing_more():
     robot = fleet.robot('r_0')
     fleet.remove('r_0')
     for use in (lambda: robot.send(1.0, 0.0), robot.cancel, lambda: robot.pose, lambda: robot.hold('x'),
-                lambda: robot.set_priority(1), lambda: robot.activity, lambda: robot.state_of_charge):
+                lambda: robot.set_priority(1), lambda: robot.activity, lambda: robot.state_of_charge,
+                # It has no battery, never fails, and there are no places.
+                lambda: robot.set_charge(0.5), lambda: robot.set_tool(True), robot.fail, robot.repair,
+                lambda: robot.send_task(Task('t', 0, '', Pose2D(), 1)), robot.cancel_task):
         with pytest.raises(ConfigurationError, match="robot 'r_0' was removed from its fleet"):
             use()
     assert repr(robot) == '<robot r_0, which was removed from its fleet>'

@@ -145,14 +145,15 @@ class Member:
         """
         check_task(task)
         check_kind(goal_id, str, 'goal_id')
-        goal_id = goal_id or task.task_id
-        self._worker().take(goal_id, 0, task, self._now_ns())
+        now_ns, goal_id = self._now_ns(), goal_id or task.task_id
+        self._worker().take(goal_id, 0, task, now_ns)
         return goal_id
 
     def cancel_task(self, goal_id: str = '') -> None:
         """Cancel the task ``goal_id``, or, without an id, whatever task the robot has."""
         check_kind(goal_id, str, 'goal_id')
-        self._worker().cancel(goal_id, 0, self._now_ns())
+        now_ns = self._now_ns()
+        self._worker().cancel(goal_id, 0, now_ns)
 
     def place(self, pose: Pose2D) -> None:
         """Put the robot at ``pose`` (global frame) at once. If it has a goal, it goes on from there."""
@@ -177,24 +178,25 @@ class Member:
 
         :raises ConfigurationError: if the robot never fails (``failure_kind: none``), or a value is not allowed.
         """
-        failing = self._failing()
+        now_ns, failing = self._now_ns(), self._failing()
         check_request(kind, repair, self._words())
-        return failing.fail(REQUEST, self._now_ns(), kind, repair)
+        return failing.fail(REQUEST, now_ns, kind, repair)
 
     def repair(self) -> bool:
         """Repair the robot now; return whether it had failed.
 
         :raises ConfigurationError: if the robot never fails (``failure_kind: none``).
         """
-        return self._failing().repair(self._now_ns())
+        now_ns = self._now_ns()
+        return self._failing().repair(now_ns)
 
     def set_charge(self, state_of_charge: float) -> None:
         """Set the state of charge (0..1) of the robot's battery now.
 
         :raises ConfigurationError: if the robot has no battery, or the value is not allowed.
         """
-        battery = self._battery()
-        battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, self._words()), self._now_ns())
+        now_ns, battery = self._now_ns(), self._battery()
+        battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, self._words()), now_ns)
 
     def set_tool(self, works: bool) -> None:
         """Switch the robot's tool on or off now. While it is on, it draws ``tool_power`` from the battery.
@@ -202,7 +204,8 @@ class Member:
         :raises ConfigurationError: if the robot has no battery.
         """
         check_kind(works, bool, 'works')
-        self._battery().set_tool(works, self._now_ns())
+        now_ns = self._now_ns()
+        self._battery().set_tool(works, now_ns)
 
     def set_priority(self, priority: int) -> None:
         """Give the robot another priority, with which it waits for zones and lanes from now on.
