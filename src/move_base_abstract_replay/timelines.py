@@ -2,9 +2,9 @@
 from __future__ import annotations
 
 import json
-import re
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
 
+from move_base_abstract.common.ros_names import natural_order
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract.runs.states import IDLE
 from move_base_abstract.runs.story import owner
@@ -43,7 +43,7 @@ def find_timelines(recording: Recording, story: Story, robots: Sequence[str]) ->
     the Recording, closed, with spans.
     """
     known = story.robots
-    found = {name: Timeline(name, known.get(name), True) for name in sorted(robots, key=natural)}
+    found = {name: Timeline(name, known.get(name), True) for name in sorted(robots, key=natural_order)}
     owners: Dict[Any, Any] = {}
     others: Dict[Any, Any] = {}
     nodes: Dict[Any, Any] = {}
@@ -56,14 +56,8 @@ def find_timelines(recording: Recording, story: Story, robots: Sequence[str]) ->
                 owners[name] = owner(name, found)
             if owners[name] is None:
                 others.setdefault(name, Timeline(name)).ticks.append(time_ns)
-    rest = [others[name] for name in sorted(others, key=natural)]
-    return [*found.values(), *rest, *(nodes[name] for name in sorted(nodes, key=natural) if name)]
-
-
-def natural(name: str) -> Tuple[List[Tuple[int, int, str]], str]:
-    """Return a key that sorts names with their numbers by value: robot_2 before robot_10."""
-    return [(0, int(text), '') if text[0] in '0123456789' else (1, 0, text) for text in
-            re.findall(r'[0-9]+|[^0-9]+', name)], name
+    rest = [others[name] for name in sorted(others, key=natural_order)]
+    return [*found.values(), *rest, *(nodes[name] for name in sorted(nodes, key=natural_order) if name)]
 
 
 def find_links(recording: Any, robots: Any) -> Any:

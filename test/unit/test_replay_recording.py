@@ -16,7 +16,7 @@ from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.motions import BACKWARDS, EVEN, LIMITED, PLACED, Motions, make_leg
 from move_base_abstract_replay.page_data import story_of
 from move_base_abstract_replay.recording import ReplayError, read_recording
-from move_base_abstract_replay.timelines import find_timelines, natural
+from move_base_abstract_replay.timelines import find_timelines
 
 S = 1_000_000_000
 GONE = {'max_speed': 2.0, 'acceleration': 0.5, 'turn_rate': 1.0, 'log_motion': True}
@@ -270,7 +270,3 @@ def test_what_is_no_log_is_an_error_that_names_the_file(tmp_path):
 def test_times_that_no_run_has_are_an_error_that_names_the_line(read, times):
     with pytest.raises(ReplayError, match='run.jsonl:{}: got the time {} ns'.format(len(times) + 1, times[-1])):
         read([(time_ns, 'a', 'note', ()) for time_ns in times])
-
-
-def test_names_are_sorted_as_people_count():
-    assert sorted(['r_10', 'r_2', 'a', 'r_2/x', '10', '9'], key=natural) == ['9', '10', 'a', 'r_2', 'r_2/x', 'r_10']

@@ -19,10 +19,10 @@ def is_robot_name(value: object) -> bool:
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
 
 
-def natural_order(name: str) -> Tuple[Union[str, int], ...]:
+def natural_order(name: str) -> Tuple[Tuple[Union[str, int], ...], str]:
     """Return a key to sort names such that numbers in them count as numbers: bot_2 comes before bot_10."""
-    parts = re.split('([0-9]+)', name)
-    return tuple(int(part) if number % 2 else part for number, part in enumerate(parts)) + (name,)
+    parts = re.split('([0-9]+)', name)  # texts and numbers in turn, so that only like is compared with like
+    return tuple(int(part) if number % 2 else part for number, part in enumerate(parts)), name
 
 
 def is_namespace(value: object) -> bool:
