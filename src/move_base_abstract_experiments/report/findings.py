@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 import numpy as np
 
 from . import design, effects, endings, intervals, orders
-from .comparisons import VERDICTS, difference_scale, sentence, size_text, verdict_of
+from .comparisons import LAST_RESULT, VERDICTS, difference_scale, sentence, size_text, verdict_of
 from .intervals import Estimate
 from .outcome import FAILED
 from .wording import EXACT_DIGITS, counted, digits, whole, with_interval
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .wording import Scale
 
 MOST_TOLD = 12  # the number of comparisons of one factor that are findings; all are in the tables
-_LAST_RESULT = 1
 
 
 class Finding(NamedTuple):
@@ -39,7 +38,7 @@ class Finding(NamedTuple):
     @property
     def is_result(self) -> bool:
         """Whether it says that something differs, or gives a mean without any comparison."""
-        return VERDICTS[self.verdict][1] <= _LAST_RESULT
+        return VERDICTS[self.verdict][1] <= LAST_RESULT
 
 
 def findings(experiment: Experiment, scales: Mapping[str, Scale], mains: Sequence[Difference],
