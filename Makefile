@@ -36,7 +36,7 @@ deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 	@bash tools/install_deps $(patsubst deps-%,%,$@)
 
 build: deps  ## build the catkin package in .ws/
-	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
+	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE)
 
 demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings, WORLD=warehouse has orders
 	@$(ENTER) rosrun move_base_abstract demo \
@@ -44,8 +44,7 @@ demo: $(if $(RVIZ),deps-picture) build  ## run a mission of five robots, with a 
 	  $(if $(ROUTES),--routes) $(if $(WORLD),--world '$(WORLD)') $(if $(POLICY),--policy '$(POLICY)') \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
-build-tests: TESTS := tests
-build-tests: deps-test build
+build-tests: deps-test deps
 	@$(ENTER_ROS) bash tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 
