@@ -42,7 +42,7 @@ class Settings(RunOptions):
     until: Union[str, float] = option(
         one_of_types(one_of(DEPARTURE, IDLE), (float, float, _INSTANT), (int, float, _INSTANT)), DEPARTURE, '`test`: '
         'the run ends with the test; `idle`: when no participant has anything left to do; a number: at this instant '
-        '[s, simulated]; `lockstep.log`, `lockstep.finish()` and the end of the test wait for that')
+        '[s, simulated]. `lockstep.log`, `lockstep.finish()` and the end of the test wait for the end of the run')
 
     @property
     def end(self) -> Dict[str, Any]:

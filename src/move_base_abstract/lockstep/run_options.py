@@ -107,8 +107,9 @@ class RunOptions:
     leave_out: Tuple[str, ...] = option(
         list_of(NODE, 'a list of names of nodes'), [], 'nodes that are not started', systems=_OF_FILES, metavar='NODE')
     replace: Dict[str, str] = option(
-        map_of(PROGRAM, PROGRAM), {}, 'programs that replace others, with the names, parameters and remaps of these: '
-        '`move_base/move_base=move_base_abstract/move_base`', systems=_OF_FILES, metavar='PACKAGE/TYPE=PACKAGE/TYPE')
+        map_of(PROGRAM, PROGRAM), {}, 'programs that are started in the place of others, with the same names, '
+        'parameters and remaps: `move_base/move_base=move_base_abstract/move_base`', systems=_OF_FILES,
+        metavar='PACKAGE/TYPE=PACKAGE/TYPE')
     adopt: bool = option(
         FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, leaves out simulators, '
         'takes start poses from the file', systems=_OF_FILES, in_digest=True)
@@ -123,7 +124,7 @@ class RunOptions:
         PARAMETERS, {}, "parameters by their full names, which take precedence over the file's; on "
         'a command line the value is YAML', systems=OF_NODES, in_digest=True, metavar='NAME=VALUE')
     add: Dict[str, str] = option(
-        map_of(ADDED, NODE), {}, 'nodes that are started too: `PACKAGE/TYPE [ARGUMENTS]`',
+        map_of(ADDED, NODE), {}, 'nodes that are started too, each as `PACKAGE/TYPE [ARGUMENTS]`',
         systems=_OF_FILES, in_digest=True, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'")
     node_args: Dict[str, str] = option(
         map_of(Kind(_arguments, {'type': 'string'}), NODE), {}, "arguments of nodes, in the place of the file's",
@@ -140,29 +141,27 @@ class RunOptions:
         one_of('wall', 'simulated'), 'wall', 'which time `time.sleep` takes in [programs](lockstep_launcher.md): '
         '`wall`, while simulated time stands still, or `simulated`')
     stored_topics: Tuple[str, ...] = option(
-        list_of(STORED_TOPIC), [], '`TOPIC` or `NODE=TOPIC`: nodes '
-        '[only store](lockstep.md#topics-that-nodes-only-store) '
-        'these messages, and get them together with the next thing that they '
-        'do', systems=OF_NODES, in_digest=True, parameter='stored_topics',
-        flag='stored_topic', metavar='[NODE=]TOPIC')
+        list_of(STORED_TOPIC), [], 'topics (`NODE=TOPIC`: of one node) whose messages nodes [only '
+        'store](lockstep.md#topics-that-nodes-only-store), and get together with the next thing that they do',
+        systems=OF_NODES, in_digest=True, parameter='stored_topics', flag='stored_topic', metavar='[NODE=]TOPIC')
     lookahead: Union[float, str] = option(
-        number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: messages '
-        'between nodes take this time, and the nodes work at once ([windows](lockstep_windows.md)); `network`: the '
-        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, in_digest=True,
+        number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 'messages between nodes take '
+        'this time [s, simulated], and the nodes work at once ([windows](lockstep_windows.md)); `network`: it is '
+        'the least delay of the links of the `network`; 0: no time', systems=OF_NODES, in_digest=True,
         parameter='lookahead', metavar='S')
     network: str = option(
-        text(), None, "`'FILE [NAME:=VALUE ...]'`: messages between nodes of different hosts go over the "
-        "[radio](radio.md) that this file describes; the values replace its `$(arg NAME)`", systems=OF_NODES,
+        text(), None, 'messages between nodes of different hosts go over the [radio](radio.md) that a file '
+        'describes, `FILE [NAME:=VALUE ...]`; the values replace its `$(arg NAME)`', systems=OF_NODES,
         in_digest=True, parameter='network', metavar="'FILE [NAME:=VALUE ...]'")
     chaos_seed: int = option(
         number(0, 2147483647, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal events; 0: the '
         'stated order', systems=OF_NODES, in_digest=True, parameter='chaos_seed', metavar='N')
     chaos_delay: float = option(
-        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages '
-        'take up to this time; 0: no time', systems=OF_NODES, in_digest=True, parameter='chaos_delay', metavar='S')
+        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 'with a `chaos_seed`, messages take up to '
+        'this time [s, simulated]; 0: no time', systems=OF_NODES, in_digest=True, parameter='chaos_delay', metavar='S')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
-        'the names, as `chaos` prints them, of the decisions of `chaos_seed` that apply; `none`: none, `[]`: all',
+        'the decisions of `chaos_seed` that apply, by the names that `chaos` prints; `none`: none, `[]`: all',
         systems=OF_NODES, in_digest=True, parameter='chaos_only', metavar='NAME')
     cores: str = option(
         one_of('one', 'all', 'auto'), None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
