@@ -23,13 +23,14 @@ NODES = DOCS / 'nodes'
 from move_base_abstract.config import node_tables, robot_table  # noqa: E402
 from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
+from move_base_abstract.fleet import robot_rows  # noqa: E402
 from move_base_abstract.lockstep import node_parameters  # noqa: E402
 from move_base_abstract.motion import durations  # noqa: E402
+from move_base_abstract.orders import rows as order_rows  # noqa: E402
 from move_base_abstract.orders.policies import POLICIES  # noqa: E402
 from move_base_abstract.runs import built_in  # noqa: E402
 from move_base_abstract.runs.metrics import METRICS  # noqa: E402
 from move_base_abstract.runs.states import STATES  # noqa: E402
-from move_base_abstract.runs.trace import ROW_KINDS  # noqa: E402
 from move_base_abstract.sensing import laser  # noqa: E402
 from move_base_abstract_experiments.chaos import failures as chaos_failures  # noqa: E402
 from move_base_abstract_ros.nodes import help as programs  # noqa: E402
@@ -160,8 +161,10 @@ def filled(text):
 
 def rows_of(name):
     """Return the lines of a table of kinds of rows: of robots, with log_motion, or of orders."""
+    kinds = order_rows.ROW_KINDS if name == 'orders' else [
+        one for one in robot_rows.ROW_KINDS if one.is_motion == (name == 'motion')]
     return ['| kind | values | when |', '|---|---|---|',
-            *(f'| `{one.kind}` | {one.values} | {one.words} |' for one in ROW_KINDS if one.of == name)]
+            *(f'| `{one.kind}` | {one.values} | {one.words} |' for one in kinds)]
 
 
 def faults(_name):

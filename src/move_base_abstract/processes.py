@@ -29,9 +29,9 @@ from .common.kinds import check_keys
 from .common.units import NS_PER_S, check_reachable, seconds_to_ns
 from .fleet.fleet import Fleet
 from .fleet.member import Member
+from .fleet.robot_rows import ROW_KINDS
 from .fleet.user_calls import AFTER_USERS
 from .goals.outcome import GoalState
-from .runs.trace import KINDS
 from .scenario import Scenario
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Robot(Member):
         """
         self._now_ns()
         check_kind(kind, str, 'kind')
-        check_keys({kind: None}, KINDS, "robot '{}'".format(self.name), 'when: ')
+        check_keys({kind: None}, [row.kind for row in ROW_KINDS], "robot '{}'".format(self.name), 'when: ')
         return self._fleet.env.happening(self.name, kind, values)
 
 

@@ -1,23 +1,35 @@
-"""Each kind of rows that an event makes is in the one table of kinds, from which pages and checks come."""
+"""Each row that an event makes is of one of the kinds that stand with the event, from which pages and checks come."""
 import ast
 import inspect
+import textwrap
 
 import pytest
 
 from move_base_abstract.fleet import robot_rows
-from move_base_abstract.goals import events, traffic_events
-from move_base_abstract.runs.trace import FLAT, KINDS, ROW_KINDS
+from move_base_abstract.goals.events import WRITTEN
+from move_base_abstract.orders import rows as order_rows
+from move_base_abstract.runs.trace import FLAT
 
 
-@pytest.mark.parametrize('module', [events, traffic_events, robot_rows])
-def test_each_row_has_its_kind_in_the_table(module):
-    made = {tuple_.elts[2] for tuple_ in ast.walk(ast.parse(inspect.getsource(module)))
-            if isinstance(tuple_, ast.Tuple) and len(tuple_.elts) > 2 and 'time_ns' in vars(tuple_.elts[0]).values()}
-    kinds = {one.value for kind in made for one in (kind, getattr(kind, 'body', None), getattr(kind, 'orelse', None))
-             if isinstance(one, ast.Constant) and isinstance(one.value, str)}
-    kinds |= set(getattr(module, 'PLAIN_ROWS', {}).values())
-    assert len(kinds) > 3 and not kinds - set(KINDS)
+def kinds_in(made_by):
+    """Return the kinds of the rows (time_ns, robot, kind, ...) in the source of a function."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(made_by)))
+    made = [tuple_.elts[2] for tuple_ in ast.walk(tree) if isinstance(tuple_, ast.Tuple) and len(tuple_.elts) > 2
+            and 'time_ns' in vars(tuple_.elts[0]).values()]
+    return {one.value for kind in made for one in (kind, getattr(kind, 'body', None), getattr(kind, 'orelse', None))
+            if isinstance(one, ast.Constant)}
+
+
+@pytest.mark.parametrize('event', [event for event in WRITTEN if hasattr(event, 'row')])
+def test_an_event_makes_rows_of_the_kinds_that_stand_with_it(event):
+    assert kinds_in(event.row) == {one.kind for one in WRITTEN[event]}
+
+
+def test_the_rows_that_come_with_each_goal_are_of_known_kinds():
+    made = kinds_in(robot_rows.row_hearers)
+    assert len(made) == 5 and made < {one.kind for one in robot_rows.ROW_KINDS}
 
 
 def test_no_kind_is_there_twice():
-    assert len({row.kind for row in ROW_KINDS}) == len(ROW_KINDS) and set(FLAT) < set(KINDS)
+    kinds = [one.kind for one in (*robot_rows.ROW_KINDS, *order_rows.ROW_KINDS)]
+    assert len(set(kinds)) == len(kinds) and set(FLAT) < set(kinds)

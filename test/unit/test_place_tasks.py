@@ -6,8 +6,9 @@ from move_base_abstract.engine.factors import Even
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.client import NoClient
-from move_base_abstract.goals.events import LoadChanged, TaskEnded, robot_stream
+from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
+from move_base_abstract.goals.task_events import LoadChanged, TaskEnded
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task

@@ -18,20 +18,9 @@ from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
-from ..goals.events import (
-    ABOVE,
-    BELOW,
-    CHARGED,
-    EMPTY,
-    FULL,
-    SET,
-    USED,
-    ChargePassed,
-    ChargeRead,
-    Charging,
-    LoadChanged,
-)
+from ..goals.events import ABOVE, BELOW, CHARGED, EMPTY, FULL, SET, USED, ChargePassed, ChargeRead, Charging
 from ..goals.outcome import BATTERY_EMPTY
+from ..goals.task_events import LoadChanged
 from .consumption import LegEnergy, Mechanics
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
 
-from ..goals import events, traffic_events
-from ..goals.events import ChargeRead, Departed, Ended, GoalTaken, MotionSet, Phased, Recorded, Stands, motion_of
+from ..goals import task_events, traffic_events  # noqa: F401  # they add their events to WRITTEN
+from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Phased, Recorded, Stands, motion_of
 from ..runs.trace import FLAT, Rows
 
 if TYPE_CHECKING:
@@ -15,17 +15,15 @@ if TYPE_CHECKING:
 #: a function that takes a row, or an event
 Take = Callable[[Any], object]
 
-_WITH_MOTION = (MotionSet, Phased, ChargeRead)
-_OTHER_ROWS = tuple(kind for module in (events, traffic_events) for kind in vars(module).values()
-                    if hasattr(kind, 'row'))
-_PLAIN_ROWS = {**events.PLAIN_ROWS, **traffic_events.PLAIN_ROWS}
+#: the kinds of rows that robots write
+ROW_KINDS = tuple(kind for kinds in WRITTEN.values() for kind in kinds)
 
 
 def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
     """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
-    ``with_motion``: also with the rows of :data:`.trace.ROW_KINDS` that come only with ``log_motion``. ``take_flat``,
-    if given, gets the rows of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
+    ``with_motion``: also with the rows that come only with ``log_motion``. ``take_flat``, if given, gets the rows
+    of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())
@@ -54,8 +52,8 @@ def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take]
         if with_motion and manner:
             take((time_ns, robot, 'manner', *manner))
     flat = take_flat or take
-    return {**{event: plain(kind) for event, kind in _PLAIN_ROWS.items()},
-            **{event: hear for event in _OTHER_ROWS if with_motion or event not in _WITH_MOTION},
+    return {**{event: hear if hasattr(event, 'row') else plain(kinds[0].kind) for event, kinds in WRITTEN.items()
+               if with_motion or not kinds[0].is_motion},
             GoalTaken: flat, Departed: departed, Stands: stands, Ended: ended}
 
 

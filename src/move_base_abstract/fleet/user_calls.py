@@ -5,7 +5,8 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple
 
 from ..common.arguments import check_function
-from ..goals.events import Beyond, Ended, TaskEnded
+from ..goals.events import Beyond, Ended
+from ..goals.task_events import TaskEnded
 from ..motion.recorded_range import WARNING
 from ..runs.trace import as_entries
 from .robot_rows import write

@@ -2,15 +2,16 @@
 
 They are named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the
 name of the robot. Poses are in the global frame [m, rad]. ``row()`` returns the event's row in the trace
-(:class:`.trace.TraceEntry`); PLAIN_ROWS names the events whose fields are the row. :mod:`.robot_rows` makes the rows of
+(:class:`.trace.TraceEntry`); an event without it is written as its fields. :mod:`.robot_rows` makes the rows of
 GoalTaken, Departed, Stands and Ended, which come with each goal.
 """
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, NamedTuple, Sequence, Tuple, Type, TypeVar
 
 from ..engine.stream import Stream
+from ..runs.trace import RowKind
 
 if TYPE_CHECKING:
     from ..motion.approach import MotionPhases
@@ -37,8 +38,19 @@ ORDER = (
 )
 
 Row = Tuple[Any, ...]
+AnEvent = TypeVar('AnEvent', bound=NamedTuple)
+#: {type of events that are written down: the kinds of their rows}
+WRITTEN: Dict[Type[Any], Tuple[RowKind, ...]] = {}
 #: ``new(Stands, (now_ns, name, pose))`` makes an event in half the time that its constructor takes; it takes all fields
 new = tuple.__new__
+
+
+def written(*kinds: RowKind) -> Callable[[Type[AnEvent]], Type[AnEvent]]:
+    """Return what notes that the events of a class are written down, as rows of these ``kinds``."""
+    def note(event: Type[AnEvent]) -> Type[AnEvent]:
+        WRITTEN[event] = kinds
+        return event
+    return note
 
 
 def robot_stream() -> Stream:
@@ -46,6 +58,11 @@ def robot_stream() -> Stream:
     return Stream(ORDER)
 
 
+@written(RowKind('goal', 'goal id',
+                 'the robot takes in a goal. The row comes before all others that follow from the goal: before `ended` '
+                 'of the goal that it replaces, and before `ended` of a goal that is recalled or aborted at once. A '
+                 '[silent](failures.md) robot takes in the goals that came meanwhile when it answers again. A goal '
+                 'whose id the robot knows already is no new goal'))
 class GoalTaken(NamedTuple):
     """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal.
 
@@ -58,6 +75,12 @@ class GoalTaken(NamedTuple):
     goal_id: str
 
 
+@written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'),
+         RowKind('route', 'x, y, x, y, ...', 'after `departed`: the corners of the way, if it has any'),
+         RowKind('manner',
+                 'rest at first [ns], travel after it [ns], way backwards at first [m] and its speed [m/s], time of '
+                 'spinning before the last turn [s] and its speed [rad/s]',
+                 'after `departed`: a leg at its own pace', True))
 class Departed(NamedTuple):
     """The robot departs for ``goal`` by ``corners`` [(x, y), m]; ``manner``: see PacedLeg, empty if there is none."""
 
@@ -68,6 +91,7 @@ class Departed(NamedTuple):
     manner: Tuple[float, ...] = ()
 
 
+@written(RowKind('stands', 'x, y, yaw', 'the robot has arrived, was stopped, or was placed there'))
 class Stands(NamedTuple):
     """The robot stands at ``pose``: it has arrived, was stopped or was placed there."""
 
@@ -76,6 +100,7 @@ class Stands(NamedTuple):
     pose: Pose2D
 
 
+@written(RowKind('ended', 'goal id, state, text', 'a goal has ended'))
 class Ended(NamedTuple):
     """A goal has ended; ``stamp_ns`` [ns] is the stamp of its id."""
 
@@ -143,6 +168,10 @@ class Warned(NamedTuple):
     text: str
 
 
+@written(RowKind('held', 'reason, ...',
+                 'all reasons for which the robot is held, whenever they change. It stands with its goal ACTIVE, and '
+                 'then goes on from rest, by a way that is planned again'),
+         RowKind('released', '', 'nothing holds the robot any more'))
 class Held(NamedTuple):
     """The robot is held for ``reasons``, in the order in which they came. Without reasons, it has been released."""
 
@@ -155,6 +184,7 @@ class Held(NamedTuple):
         return (self.time_ns, self.robot, 'held' if self.reasons else 'released', *self.reasons)
 
 
+@written(RowKind('failed', 'kind, cause', 'the robot has [failed](failures.md)'))
 class Failed(NamedTuple):
     """The robot has failed; :mod:`.failures` lists each ``kind`` and ``cause``."""
 
@@ -164,6 +194,7 @@ class Failed(NamedTuple):
     cause: str
 
 
+@written(RowKind('repaired', '', 'it is repaired'))
 class Repaired(NamedTuple):
     """The robot is repaired."""
 
@@ -171,6 +202,9 @@ class Repaired(NamedTuple):
     robot: str
 
 
+@written(RowKind('lapse_began', 'kind, cause; for a jump also x, y, yaw',
+                 'the robot reports a [wrong pose](failures.md#on-purpose), by so much, or none'),
+         RowKind('lapse_ended', 'kind, cause', 'it no longer does'))
 class Lapse(NamedTuple):
     """The robot ``begins`` to report a wrong pose or none, or no longer does.
 
@@ -194,6 +228,8 @@ class Lapse(NamedTuple):
 FULL, EMPTY, ABOVE, BELOW, SET, USED, CHARGED = 'full', 'empty', 'above', 'below', 'set', 'used', 'charged'
 
 
+@written(RowKind('battery', 'state of charge, what',
+                 'the charge has passed a [threshold](battery.md#thresholds-and-empty), or was set'))
 class ChargePassed(NamedTuple):
     """The state of charge has passed ``level`` (0..1), or has been set to it.
 
@@ -206,6 +242,8 @@ class ChargePassed(NamedTuple):
     what: str
 
 
+@written(RowKind('charging_began', 'zone', 'a charger begins to charge the robot'),
+         RowKind('charging_ended', 'zone', 'it no longer does'))
 class Charging(NamedTuple):
     """The robot ``begins`` to be charged at the charger of this name, or no longer is."""
 
@@ -219,6 +257,8 @@ class Charging(NamedTuple):
         return (self.time_ns, self.robot, 'charging_began' if self.begins else 'charging_ended', self.charger)
 
 
+@written(RowKind('charge', 'state of charge, energy of a full battery [J], `used`, `charged` or `set`',
+                 'the charge, and what has changed it', True))
 class ChargeRead(NamedTuple):
     """The state of charge (0..1) of a battery that holds ``energy`` [J] when full.
 
@@ -236,6 +276,10 @@ class ChargeRead(NamedTuple):
         return self.time_ns, self.robot, 'charge', self.charge, self.energy, self.since
 
 
+@written(RowKind('recorded',
+                 "'length', low, high [m], 'start_turn', low, high [rad], perhaps 'clearance', low, high [m]",
+                 'the legs to which its [calibration](calibrate.md#goals-outside-of-what-was-recorded) was fitted, '
+                 'when the robot is made'))
 class Recorded(NamedTuple):
     """The robot exists from now on; its calibration was fitted to legs in ``range`` (RecordedRange)."""
 
@@ -248,6 +292,7 @@ class Recorded(NamedTuple):
         return (self.time_ns, self.robot, 'recorded', *self.range.row())
 
 
+@written(RowKind('beyond', 'name, value, ...', 'before `departed`: the goal lies outside of that'))
 class Beyond(NamedTuple):
     """The robot's goal lies outside of the range of its calibration.
 
@@ -264,6 +309,7 @@ class Beyond(NamedTuple):
         return (self.time_ns, self.robot, 'beyond', *self.found)
 
 
+@written(RowKind('meets', 'radius [m]', 'the robot takes part in [encounters](encounters.md)'))
 class Meets(NamedTuple):
     """The robot takes part in encounters from now on, with robots that come within ``radius`` [m]."""
 
@@ -272,6 +318,8 @@ class Meets(NamedTuple):
     radius: float
 
 
+@written(RowKind('encounter', 'robot, kind, nearest distance [m], time for which it stands [s]',
+                 'the robot meets another one'))
 class Encounter(NamedTuple):
     """The robot meets the robot ``other``.
 
@@ -286,66 +334,10 @@ class Encounter(NamedTuple):
     seconds: float
 
 
-class TaskWaits(NamedTuple):
-    """A task waits for room at ``place``."""
-
-    time_ns: int
-    robot: str
-    goal_id: str
-    place: str
-
-
-class TaskWaited(NamedTuple):
-    """A task no longer waits for room at ``place``."""
-
-    time_ns: int
-    robot: str
-    goal_id: str
-    place: str
-
-
-class WorksAt(NamedTuple):
-    """A task has got room at ``place``, which has room for ``capacity`` tasks, and work on it begins."""
-
-    time_ns: int
-    robot: str
-    goal_id: str
-    place: str
-    capacity: int
-
-
-class TaskBegan(NamedTuple):
-    """Work on a task begins; it will take ``duration_ns`` [ns]."""
-
-    time_ns: int
-    robot: str
-    goal_id: str
-    duration_ns: int
-
-
-class TaskEnded(NamedTuple):
-    """A task has ended; ``stamp_ns`` [ns] is the stamp of its id."""
-
-    time_ns: int
-    robot: str
-    goal_id: str
-    stamp_ns: int
-    state: GoalState
-    text: str
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'task_ended', self.goal_id, self.state._name_, self.text)
-
-
-class LoadChanged(NamedTuple):
-    """From now on the robot's work draws ``watts`` [W] from its battery, besides what the robot itself needs."""
-
-    time_ns: int
-    robot: str
-    watts: float
-
-
+@written(RowKind('motion',
+                 'x, y, yaw of the robot, max_speed, acceleration, turn_rate (0: no limit), xy_goal_tolerance, '
+                 'yaw_goal_tolerance',
+                 'the limits from the next leg on: when the robot is made, and when they change', True))
 class MotionSet(NamedTuple):
     """From now on the robot travels by these limits and tolerances: it has been made, at ``pose``, or they changed."""
 
@@ -363,6 +355,10 @@ class MotionSet(NamedTuple):
                 tolerances.xy, tolerances.yaw)
 
 
+@written(RowKind('phases',
+                 'start_turn_linear [s/rad], start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], '
+                 'turning_speed [rad/s], turning_gain [1/s], turning_offset [rad], bow_length [m]',
+                 'how a [calibrated](calibration_law.md) robot begins and ends its legs', True))
 class Phased(NamedTuple):
     """The robot exists from now on, and begins and ends its legs in these ``phases``."""
 
@@ -379,9 +375,3 @@ class Phased(NamedTuple):
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:
     """Return the event that ``robot`` travels from ``now_ns`` [ns] on by the limits and tolerances that it has."""
     return MotionSet(now_ns, robot.name, robot.pose_at(now_ns), robot.limits, robot.tolerances)
-
-
-#: the events whose fields are their rows, with the kinds of these rows
-PLAIN_ROWS = {
-    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Meets: 'meets', Encounter: 'encounter',
-    TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', WorksAt: 'works_at', TaskBegan: 'task_began'}

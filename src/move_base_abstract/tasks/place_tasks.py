@@ -9,21 +9,10 @@ from ..common.shown import shown_text
 from ..common.units import NS_PER_S, check_reachable
 from ..engine.chance import Chance, Purpose
 from ..engine.guard import attempt_each, fault_text, guarded
-from ..goals.events import (
-    EMPTY,
-    ChargePassed,
-    Departed,
-    Failed,
-    LoadChanged,
-    Stands,
-    TaskBegan,
-    TaskEnded,
-    TaskWaited,
-    TaskWaits,
-    WorksAt,
-)
+from ..goals.events import EMPTY, ChargePassed, Departed, Failed, Stands
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, CANCELLED, CLOCK_RESTARTED, FAILED, GoalState, Outcome, aborted
+from ..goals.task_events import LoadChanged, TaskBegan, TaskEnded, TaskWaited, TaskWaits, WorksAt
 from .arrivals import drawn_ns
 from .room import Guest, Rooms
 

@@ -29,7 +29,7 @@ Way = Tuple[Tuple[float, float], ...]
 Starts = Dict[str, Place]  # {robot: where it stands at the start}
 _NS_PER_S = 1e9  # dividing by it rounds once
 _NEAR = 1e-9  # m; a point must be nearer than another one by this much
-#: the kinds of rows about a robot's place, see trace.ROW_KINDS
+#: the kinds of rows about a robot's place, see goals.events
 PLACES = ('motion', 'departed', 'route', 'stands')
 #: the keys of times that each robot has; those of other states are there if any robot was in them
 _COMMON = ('moving_s', 'idle_s', 'waiting_s')

@@ -12,18 +12,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tupl
 import rospy
 from visualization_msgs.msg import MarkerArray
 
-from move_base_abstract.goals.events import (
-    Aimed,
-    ChargePassed,
-    Charging,
-    Failed,
-    Held,
-    Repaired,
-    Stands,
-    TaskBegan,
-    TaskEnded,
-    TaskWaits,
-)
+from move_base_abstract.goals.events import Aimed, ChargePassed, Charging, Failed, Held, Repaired, Stands
+from move_base_abstract.goals.task_events import TaskBegan, TaskEnded, TaskWaits
 from move_base_abstract.motion.geometry import Pose2D
 
 from .. import lockstep

@@ -15,8 +15,9 @@ from ..messages.outbox import Outbox
 from ..messages.outlets import LatchedOutlet, Outlet
 
 if TYPE_CHECKING:
-    from move_base_abstract.goals.events import Ended, TaskEnded
+    from move_base_abstract.goals.events import Ended
     from move_base_abstract.goals.ledger import GoalRecord
+    from move_base_abstract.goals.task_events import TaskEnded
 
 
 # A client that misses the acceptance of its goal misses only its active_cb, so a shorter wait is enough.

@@ -10,8 +10,8 @@ from geometry_msgs.msg import Pose
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.guard import fault_text
-from move_base_abstract.goals.events import TaskEnded, TaskWaits
 from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.goals.task_events import TaskEnded, TaskWaits
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
 from move_base_abstract.tasks.arrivals import Task
