@@ -69,7 +69,7 @@ class CoresTest(unittest.TestCase):
         one = os.sched_getaffinity(0)
         self.assertEqual(len(one), 1)
         self.assertLess(one, OWN)
-        self.assertIn(f'cores of this computer: one (core {min(one)})', self.why(ros))
+        self.assertIn(f'cores of this computer: one (core {min(one)}', self.why(ros))
         sleeper = subprocess.Popen(['sleep', '600'])  # inherits the core of the thread that starts it
         self.addCleanup(sleeper.wait)
         self.addCleanup(sleeper.kill)
@@ -111,15 +111,16 @@ class CoresTest(unittest.TestCase):
         for _turn, _number in zip(turns, range(ROUNDS)):
             self.assertEqual(os.sched_getaffinity(0), other)
 
-    def test_two_runs_have_a_core_each(self):
+    def test_two_runs_have_a_core_each_if_no_others_are_on_this_computer(self):
         masks = []
         for _ in range(2):
-            _ros, _child, client = self.join('one')
+            ros, _child, client = self.join('one')
             next(client.turns())
             masks.append(os.sched_getaffinity(0))
+            said = self.why(ros)
             wait_for('all cores for a long round', lambda: os.sched_getaffinity(0) == OWN)
         self.assertEqual([len(mask) for mask in masks], [1, 1])
-        self.assertTrue(masks[0].isdisjoint(masks[1]), masks)
+        self.assertTrue(masks[0].isdisjoint(masks[1]) or 'shared with other runs' in said, (masks, said))
 
     def test_with_a_lookahead_each_participant_has_one_of_several_cores(self):
         ros, _child, client = self.join('one', ['/fleet'], lookahead=STEP_NS / 1e9)

@@ -115,6 +115,7 @@ std::string CoreKeeper::text() const {
   if (numbers.empty()) {
     return "all";
   }
+  numbers += binding_.claimed().areShared() ? ", shared with other runs" : "";
   if (layout_ == CoreLayout::kApart) {
     return "one each (cores " + numbers + ")";
   }
