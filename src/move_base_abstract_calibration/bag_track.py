@@ -4,7 +4,7 @@ from __future__ import annotations
 import bisect
 import math
 import struct
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import genpy
 import numpy as np
@@ -35,15 +35,16 @@ class Track:
     :raises ConfigurationError: if there are no poses of the robot.
     """
 
-    def __init__(self, bag: Any, types: Any, namespace: str, pose_topic: Any, path: str) -> None:
+    def __init__(self, bag: Any, types: Mapping[str, str], namespace: str, pose_topic: Optional[str],
+                 path: str) -> None:
         topics = ['{}/{}'.format(namespace, name) for name in ([pose_topic] if pose_topic else _POSE_TOPICS)]
         found = [topic for topic in topics if types.get(topic) in _POSES]
         if not found:
             raise ConfigurationError('{}: no poses of {}; allowed: one of {}, of {}'.format(
                 path, namespace or '/', ', '.join(topics), ' or '.join(_POSES)))
         self.topic, self.frame = found[0], ''
-        track: List[Any] = []
-        told: Dict[Any, Any] = {}
+        track: List[Tuple[float, Optional[Pose2D]]] = []
+        told: Dict[Any, Tuple[float, float]] = {}  # by the name of a node, as rosbag has it
         for _, message, time, header in bag.read_messages(topics=[self.topic], return_connection_header=True):
             at = stamp(message.header, time)
             track.append((at, pose_of(message.pose.pose)))
@@ -51,20 +52,20 @@ class Track:
             who = header.get('callerid')
             told[who] = min(at, told.get(who, (at, at))[0]), max(at, told.get(who, (at, at))[1])
         self.publishers = _at_once(told)
-        track = sorted((one for one in track if one[1] is not None), key=lambda one: one[0])
-        self._times, self._poses = [time for time, _ in track], [pose for _, pose in track]
+        known = sorted(((time, pose) for time, pose in track if pose is not None), key=lambda one: one[0])
+        self._times, self._poses = [time for time, _ in known], [pose for _, pose in known]
         self._top_speed = _top_speed(self._times, self._poses)
         plans = [topic for topic, kind in types.items()
                  if kind == _PATH and topic.startswith(namespace + '/') and topic.endswith('/plan')]
         self._plans = [(stamp(message.header, time), _path(message))
                        for _, message, time in bag.read_messages(topics=plans)] if plans else []
 
-    def at(self, time: float) -> Any:
+    def at(self, time: float) -> Optional[Pose2D]:
         """Return the latest pose up to ``time`` [s], or None if there is none."""
         index = bisect.bisect_right(self._times, time)
         return self._poses[index - 1] if index else None
 
-    def way(self, begin: Any, end: Any, start: Any, goal: Any) -> Any:
+    def way(self, begin: float, end: float, start: Pose2D, goal: Pose2D) -> Optional[Way]:
         """Return the Way of the first plan from ``begin`` to ``end`` [s]; without a plan, of the poses, or None."""
         for time, plan in self._plans:
             if begin <= time <= end and len(plan) > 1:
@@ -72,7 +73,7 @@ class Track:
         driven = self._poses[bisect.bisect_left(self._times, begin):bisect.bisect_right(self._times, end)]
         return _way(start, [start, *driven], goal) if driven else None
 
-    def doubt(self, begin: Any, end: Any) -> Any:
+    def doubt(self, begin: float, end: float) -> str:
         """Return the fault of the poses from ``begin`` to ``end`` [s]: a key of checks.DOUBTS, or ''."""
         first = max(0, bisect.bisect_right(self._times, begin) - 1)
         last = bisect.bisect_right(self._times, end)
@@ -87,7 +88,7 @@ class Track:
                 return 'clock_leap'
         return 'rare' if any(length > FAR_STEP for _, length in steps) else ''
 
-    def returns(self) -> Any:
+    def returns(self) -> Optional[int]:
         """Return how often the robot is elsewhere for one pose and then back, as if two robots published in turns.
 
         Return None if that may be chance.
@@ -98,12 +99,12 @@ class Track:
         return found if found >= max(_RETURNS[0], _RETURNS[1] * len(poses)) else None
 
 
-def stamp(header: Any, time: Any) -> Any:
+def stamp(header: Any, time: Any) -> float:
     """Return when a message was made [s]; without a stamp in its header, when it was recorded."""
     return (header.stamp if header.stamp.to_nsec() else time).to_sec()
 
 
-def pose_of(pose: Any) -> Any:
+def pose_of(pose: Any) -> Optional[Pose2D]:
     """Return a geometry_msgs/Pose as a Pose2D, or None if its numbers are not valid."""
     try:
         return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(quaternion_of(pose)))
@@ -111,13 +112,13 @@ def pose_of(pose: Any) -> Any:
         return None
 
 
-def quaternion_of(pose: Any) -> Any:
+def quaternion_of(pose: Any) -> Tuple[float, float, float, float]:
     """Return (x, y, z, w) of a geometry_msgs/Pose."""
     orientation = pose.orientation
     return orientation.x, orientation.y, orientation.z, orientation.w
 
 
-def _at_once(told: Any) -> Any:
+def _at_once(told: Mapping[Any, Tuple[float, float]]) -> List[str]:
     """Return the names of nodes, sorted, whose spans overlap; ``told``: {name: (first, last) [s]}."""
     spans = sorted((span, name) for name, span in told.items() if name is not None)
     found = set()
@@ -127,14 +128,14 @@ def _at_once(told: Any) -> Any:
     return sorted(name.decode() if isinstance(name, bytes) else str(name) for name in found)
 
 
-def _top_speed(times: Any, poses: Any) -> Any:
+def _top_speed(times: Sequence[float], poses: Sequence[Pose2D]) -> float:
     """Return the speed [m/s] of fast steps: the 95th percentile of all steps in which the robot moves."""
     speeds = [one.distance_to(other) / (later - sooner) for sooner, later, one, other in zip(
         times, times[1:], poses, poses[1:]) if later > sooner and one.distance_to(other) > 0.01]
     return float(np.quantile(speeds, 0.95)) if speeds else 0.0
 
 
-def _way(start: Any, poses: Any, goal: Any) -> Any:
+def _way(start: Pose2D, poses: Sequence[Pose2D], goal: Pose2D) -> Way:
     """Return the Way along ``poses``; its directions are those of the first and the last metre."""
     points = [(pose.x, pose.y) for pose in poses]
     length = math.fsum(math.dist(one, other) for one, other in zip(points, points[1:]))
@@ -147,6 +148,6 @@ def _way(start: Any, poses: Any, goal: Any) -> Any:
                normalize_angle(goal.yaw - math.atan2(points[-1][1] - last[1], points[-1][0] - last[0])))
 
 
-def _path(message: Any) -> Any:
+def _path(message: Any) -> List[Pose2D]:
     found = [pose_of(one.pose) for one in message.poses]
     return [pose for pose in found if pose is not None]

@@ -2,27 +2,37 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.engine.factors import along
 
-from .fit import fit, succeeded
+from .fit import ended, fit, succeeded
 from .law import Durations
 from .legs import met_no_robot
 
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
 
-    from .legs import RecordedLeg, Way
+    from .law import Values
+    from .legs import Pair, Pairs, RecordedLeg
+
+    #: the legs to fit, and the legs to predict
+    Fold = Tuple[Sequence[Pair], Sequence[Pair]]
 
 PARTS = 10
 _MOST_RECORDINGS = 8  # up to so many recordings, each is predicted from the others
 MET = 1.5  # m; a leg that came nearer to another robot may have been held up
 _SEED = 20130213
 _INTERVAL = (0.05, 0.95)
+#: (name, unit, function that returns the value of a (leg, way) or None, borders of the classes)
+_KINDS = (
+    ('start turn', 'degrees', lambda leg, way: math.degrees(abs(way.start_turn)), (60.0, 120.0, 150.0)),
+    ('nearest other robot', 'm', lambda leg, way: leg.nearest_robot, (1.0, 1.5, 3.0, 5.0)),
+    ('clearance of the way', 'm', lambda leg, way: leg.clearance, (0.3, 0.5, 1.0)),
+)
 
 
 class Predicted(NamedTuple):
@@ -47,11 +57,10 @@ class Score(NamedTuple):
     within: float  # the share of legs within the predicted interval of 90 %
     straight_error: float  # the median error of the straight line
     straight_ratio: float  # the median of measured durations by those of the straight line
-    success: Optional[tuple] = None  # the rates of success (predicted, measured)
+    success: Optional[Tuple[float, float]] = None  # the rates of success (predicted, measured)
 
 
-def predict(values: Mapping[str, Union[List[List[float]], float, str]], pairs: Sequence[Tuple[RecordedLeg, Way]],
-            nominal_speed: Any) -> Predicted:
+def predict(values: Values, pairs: Pairs, nominal_speed: float) -> Predicted:
     """Return the Predicted for those ``pairs`` [(leg, way)] that succeeded and count.
 
     ``values``: {parameter of a calibration: value}; ``nominal_speed`` [m/s]: that of the straight line.
@@ -60,8 +69,8 @@ def predict(values: Mapping[str, Union[List[List[float]], float, str]], pairs: S
     law = Durations(values, [way for _, way in used])
     measured = np.array([leg.duration for leg, _ in used])
     straight = np.array([leg.start.distance_to(leg.goal) for leg, _ in used]) / nominal_speed
-    return Predicted(measured, law.quantile(0.5), law.mean(), *map(law.quantile, _INTERVAL),  # type: ignore[call-arg]
-                     law.share_below(measured), straight)
+    return Predicted(measured, law.quantile(0.5), law.mean(), law.quantile(_INTERVAL[0]),
+                     law.quantile(_INTERVAL[1]), law.share_below(measured), straight)
 
 
 def score(name: str, predicted: Predicted, success: Optional[Tuple[float, float]] = None) -> Score:
@@ -75,23 +84,22 @@ def score(name: str, predicted: Predicted, success: Optional[Tuple[float, float]
         float(np.median(measured / np.maximum(predicted.straight, 1e-9))), success)
 
 
-def success_rates(values: Any,
-                  pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[float, float]:
+def success_rates(values: Values, pairs: Pairs) -> Tuple[float, float]:
     """Return the predicted and the measured rate of success of ``pairs``, as shares."""
-    ended = [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
-    failures: Any = tuple(map(tuple, values['failure_by_length']))
-    chances = [along(failures, way.length) if failures else 0.0 for _, way in ended]
-    return 1.0 - float(np.mean(chances)), sum(leg.succeeded for leg, _ in ended) / len(ended)
+    all_ended = ended(pairs)
+    failures = tuple((length, chance) for length, chance in values['failure_by_length'])
+    chances = [along(failures, way.length) if failures else 0.0 for _, way in all_ended]
+    return 1.0 - float(np.mean(chances)), sum(leg.succeeded for leg, _ in all_ended) / len(all_ended)
 
 
-def by_parts(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
+def by_parts(pairs: Pairs) -> List[Fold]:
     """Return [(legs to fit, legs to predict)] for random parts of ``pairs``; they are the same in each call."""
     order = np.random.default_rng(_SEED).permutation(len(pairs))
     return [([pairs[index] for index in np.setdiff1d(order, order[part::PARTS])],
              [pairs[index] for index in order[part::PARTS]]) for part in range(PARTS)]
 
 
-def by_regions(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
+def by_regions(pairs: Pairs) -> List[Fold]:
     """Return [(legs to fit, legs to predict)] for the four quarters around the median goal.
 
     The legs that end in a quarter are predicted from legs that neither begin nor end in it.
@@ -105,19 +113,18 @@ def by_regions(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[List[Tupl
              [pair for pair in pairs if quarter(pair[0].goal) == one]) for one in quarters]
 
 
-def by_recordings(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[List[Any], List[Any]]]:
+def by_recordings(pairs: Pairs) -> Dict[str, Fold]:
     """Return {name of a recording: (legs of the others, its own legs)}; {} if there is only one, or very many."""
     folds = _by(pairs, lambda leg: leg.recording)
     return folds if len(folds) <= _MOST_RECORDINGS else {}
 
 
-def by_maps(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
+def by_maps(pairs: Pairs) -> Dict[str, Fold]:
     """Return {name of a map: (legs on the others, legs on it)}; {} if there is only one."""
     return _by(pairs, lambda leg: leg.map)
 
 
-def _by(pairs: Sequence[Tuple[RecordedLeg, Way]],
-        key: Callable[..., Any]) -> Dict[str, Tuple[List[Tuple[Any, ...]], List[Tuple[Any, ...]]]]:
+def _by(pairs: Pairs, key: Callable[[RecordedLeg], str]) -> Dict[str, Fold]:
     names = sorted({key(leg) for leg, _ in pairs})
     return {name: ([pair for pair in pairs if key(pair[0]) != name],
                    [pair for pair in pairs if key(pair[0]) == name]) for name in names} if len(names) > 1 else {}
@@ -127,16 +134,18 @@ class Folds(NamedTuple):
     """The result of folds, all together."""
 
     predicted: Predicted
-    pairs: list  # the legs that were predicted, with their ways
-    success: tuple  # the rates of success (predicted, measured)
+    pairs: List[Pair]  # the legs that were predicted, with their ways
+    success: Tuple[float, float]  # the rates of success (predicted, measured)
 
 
-def predict_folds(folds: Any, nominal_speed: Any) -> Any:
+def predict_folds(folds: Iterable[Fold], nominal_speed: float) -> Optional[Folds]:
     """Return the Folds of [(legs to fit, legs to predict)], or None if none can be used.
 
     Folds with too few legs to fit, or with none to predict, are left out.
     """
-    found, rates, used = [], [], []
+    found: List[Predicted] = []
+    rates: List[Tuple[float, ...]] = []
+    used: List[Pair] = []
     for known, asked in folds:
         try:
             values = fit(known)
@@ -153,7 +162,7 @@ def predict_folds(folds: Any, nominal_speed: Any) -> Any:
                  (float(np.average(predicted, weights=weights)), float(np.average(measured, weights=weights))))
 
 
-def scores(values: Any, pairs: Any, nominal_speed: Any) -> Any:
+def scores(values: Values, pairs: Pairs, nominal_speed: float) -> Tuple[List[Score], Optional[Folds]]:
     """Return ([Score], the Folds for the pictures and classes); the first Score is of the legs that were fitted.
 
     If there are several maps, the Folds are those by maps, otherwise random parts; None if there are too few legs.
@@ -173,22 +182,14 @@ def scores(values: Any, pairs: Any, nominal_speed: Any) -> Any:
     return rows, predict_folds(list(maps.values()), nominal_speed) if maps else told[0][1]
 
 
-#: (name, unit, function that returns the value of a (leg, way) or None, borders of the classes)
-_KINDS = (
-    ('start turn', 'degrees', lambda leg, way: math.degrees(abs(way.start_turn)), (60.0, 120.0, 150.0)),
-    ('nearest other robot', 'm', lambda leg, way: leg.nearest_robot, (1.0, 1.5, 3.0, 5.0)),
-    ('clearance of the way', 'm', lambda leg, way: leg.clearance, (0.3, 0.5, 1.0)),
-)
-
-
 class ClassErrors(NamedTuple):
-    """The errors by one ``kind`` of classes (a name); ``rows``: [(class in words, check.Score)]."""
+    """The errors by one ``kind`` of classes (a name); ``rows``: [(class in words, Score)]."""
 
     kind: str
-    rows: list
+    rows: List[Tuple[str, Score]]
 
 
-def by_class(pairs: Any, predicted: Any) -> Any:
+def by_class(pairs: Pairs, predicted: Predicted) -> List[ClassErrors]:
     """Return [ClassErrors] of ``pairs`` [(leg, way)]; ``predicted`` (Predicted) has a value for each, in their order.
 
     Legs without a value have a class of their own. A kind without any value is left out.
@@ -206,11 +207,12 @@ def by_class(pairs: Any, predicted: Any) -> Any:
     return found
 
 
-def _chosen(predicted: Any, which: int) -> Any:
+def _chosen(predicted: Predicted, which: np.ndarray) -> Predicted:
+    """Return the part of a Predicted whose places are True in ``which``."""
     return Predicted(*(part[which] for part in predicted))
 
 
-def _words(place: Any, edges: Any, unit: str) -> str:
+def _words(place: int, edges: Sequence[float], unit: str) -> str:
     if place < 0:
         return 'not known'
     if place == 0:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import TYPE_CHECKING, AbstractSet, Any, Dict, Iterator, List, Mapping, Sequence, Tuple
+from typing import TYPE_CHECKING, AbstractSet, Any, Dict, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def examine(legs: Sequence[RecordedLeg]) -> Tuple[List[RecordedLeg], List[str]]:
     return kept, notes
 
 
-def shown_twice(times: Any) -> Any:
+def shown_twice(times: Iterable[float]) -> List[Tuple[float, float]]:
     """Return [(low, high)]: the spans of time that a clock showed twice; ``times`` [s]: in the order as they came."""
     found, highest = [], -math.inf
     for time in times:
@@ -85,7 +85,8 @@ def _doubts(legs: Sequence[RecordedLeg]) -> Iterator[str]:
         seen.add(same)
 
 
-def _doubt_of(leg: RecordedLeg, back: Mapping[Any, Any], overlapping: AbstractSet[Any], is_known: bool, fastest: float,
+def _doubt_of(leg: RecordedLeg, back: Mapping[Tuple[str, str], List[Tuple[float, float]]],
+              overlapping: AbstractSet[int], is_known: bool, fastest: float,
               furthest: float) -> str:
     straight = leg.start.distance_to(leg.goal)
     found = {
@@ -113,7 +114,7 @@ def _by_robot(legs: Sequence[RecordedLeg]) -> Dict[Tuple[str, str], List[Recorde
     return found
 
 
-def _sent_twice(legs: Sequence[RecordedLeg]) -> Dict[Any, Any]:
+def _sent_twice(legs: Sequence[RecordedLeg]) -> Dict[Tuple[str, str], List[Tuple[float, float]]]:
     """Return {(recording, robot): [(low, high)]}: spans of time shown twice, by goals in the order of their numbers."""
     found: Dict[Any, Any] = {}
     for name, own in _by_robot(legs).items():
@@ -126,7 +127,7 @@ def _sent_twice(legs: Sequence[RecordedLeg]) -> Dict[Any, Any]:
     return found
 
 
-def _overlapping(legs: Sequence[RecordedLeg]) -> Any:
+def _overlapping(legs: Sequence[RecordedLeg]) -> Set[int]:
     """Return the id() of legs of one robot that overlap in time."""
     found = set()
     for own in _by_robot(legs).values():

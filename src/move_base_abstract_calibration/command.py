@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -22,8 +22,10 @@ from move_base_abstract.common.shown import shown
 from move_base_abstract.motion.calibration import calibration_file, read_calibration
 
 if TYPE_CHECKING:
+    from move_base_abstract.maps.occupancy import OccupancyMap
+
     from .check import Score
-    from .legs import RecordedLeg, Way
+    from .legs import Pair, RecordedLeg
 
 _YAML = 'calibration.yaml'
 _COUNT = word_of(number(0, 100_000, whole=True))
@@ -45,7 +47,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
         sys.exit(2)
 
 
-def _parse(words: Any) -> argparse.Namespace:
+def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='calibrate', description='Fit how long the legs of a real robot take, from recordings of it. Write a YAML '
         'file that scenarios can name, and a page that shows how well it predicts.',
@@ -110,14 +112,15 @@ def _encounters(options: argparse.Namespace) -> None:
     outputs.check(options.output)
     name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
     values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
-    sections: Any = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
-    outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))  # type: ignore[call-arg]
+    source, recorded, kept, motion = (values.pop(name, None) for name in (
+        'source', 'recorded', 'intervals', 'tail_motion'))
+    outputs.write(options.output, outputs.yaml_text(values, source, recorded, kept, _KEPT, motion))
     for line in encounter_report.lines(fitted, scores):
         print(line)
     print(options.output)
 
 
-def _pairs(options: argparse.Namespace) -> Tuple[List[Tuple[RecordedLeg, Way]], List[str]]:
+def _pairs(options: argparse.Namespace) -> Tuple[List[Pair], List[str]]:
     """Return the legs with their ways, and notes; the notes are printed, too."""
     from . import checks
     from .legs import met_no_robot, ways_of
@@ -173,7 +176,7 @@ def _say(rows: Sequence[Score]) -> None:
                   *(100.0 * rate for rate in row.success), 100.0 * row.straight_error))  # type: ignore[union-attr]
 
 
-def _read(options: argparse.Namespace) -> Tuple[List[RecordedLeg], List[Any]]:
+def _read(options: argparse.Namespace) -> Tuple[List[RecordedLeg], List[str]]:
     """Return all RecordedLegs, and notes."""
     legs, notes = [], []
     for path in options.recordings:
@@ -188,7 +191,7 @@ def _read(options: argparse.Namespace) -> Tuple[List[RecordedLeg], List[Any]]:
     return legs, notes
 
 
-def _map(options: argparse.Namespace, notes: Any) -> Any:
+def _map(options: argparse.Namespace, notes: List[str]) -> Optional[OccupancyMap]:
     """Return the OccupancyMap of --map, or None."""
     if options.map is None:
         return None

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Mapping, Optional, Union
 
 from move_base_abstract.common.csv_files import open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
@@ -32,19 +32,19 @@ def read_legs(path: Union[str, Path]) -> List[RecordedLeg]:
 class _Lines:
     """The lines of a stream that are no comments; ``number``: that of the latest line, from 1 on."""
 
-    def __init__(self, stream: Any) -> None:
+    def __init__(self, stream: Iterable[str]) -> None:
         self._stream = stream
         self.number = 0
 
-    def __iter__(self) -> Iterator[Optional[str]]:
+    def __iter__(self) -> Iterator[str]:
         for line in self._stream:
             self.number += 1
             if not line.startswith('#'):
                 yield line
 
 
-def _read(lines: Any, path: str) -> List[RecordedLeg]:
-    legs: List[Any] = []
+def _read(lines: _Lines, path: str) -> List[RecordedLeg]:
+    legs: List[RecordedLeg] = []
     for where, row in rows_of(lines, path):
         missing = [name for name in _NEEDED if name not in row]
         if missing:
@@ -83,13 +83,13 @@ def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
         reverse=optional['reverse_s'], turned=_turned_beyond(optional))
 
 
-def _turned_beyond(values: Any) -> Any:
+def _turned_beyond(values: Mapping[str, Optional[float]]) -> Optional[float]:
     """Return by how much more a robot turned [rad] than its way asks for; None if the table does not say it."""
     asked: Any = [values[name] for name in ('plan_turn_rad', 'start_turn_rad', 'end_turn_rad')]
     return None if None in asked or values['turned_rad'] is None else values['turned_rad'] - sum(asked)
 
 
-def _way(values: Any, start: Pose2D, goal: Pose2D) -> Optional[Way]:
+def _way(values: Mapping[str, Any], start: Pose2D, goal: Pose2D) -> Optional[Way]:
     """Return the recorded way, as planned or otherwise as driven. Its turns have the signs of the straight line's."""
     length = values['driven_m'] if values['plan_m'] is None else values['plan_m']
     if length is None:

@@ -9,7 +9,7 @@ and its row says so (``held``).
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy import optimize, special, stats
@@ -20,6 +20,7 @@ from move_base_abstract.motion.encounter_law import KINDS
 from .law import Durations
 
 if TYPE_CHECKING:
+    from .law import Values
     from .meetings import Meeting, MetLeg
 
 LEAST_MET = 20
@@ -61,7 +62,7 @@ class Fitted(NamedTuple):
     counts: dict
 
 
-def fit_encounters(legs: Sequence[MetLeg], calibration: Mapping[str, Union[float, str]], radius: float) -> Fitted:
+def fit_encounters(legs: Sequence[MetLeg], calibration: Values, radius: float) -> Fitted:
     """Return the :class:`Fitted` for ``legs`` [MetLeg].
 
     ``calibration``: {parameter: value} for a robot alone; ``radius`` [m]: that of an encounter.
@@ -93,7 +94,7 @@ def fit_encounters(legs: Sequence[MetLeg], calibration: Mapping[str, Union[float
     return Fitted(values, rows, counts)
 
 
-def log_likelihoods(legs: Sequence[MetLeg], calibration: Mapping[str, Union[float, str]], fitted: Fitted,
+def log_likelihoods(legs: Sequence[MetLeg], calibration: Values, fitted: Fitted,
                     radius: float) -> Tuple[float, float]:
     """Return (with encounters, without): the sums of the logarithms of the densities of ``legs`` that met a robot."""
     met = [leg for leg in legs if leg.succeeded and any(one.may_yield for one in leg.meetings)]
@@ -107,7 +108,7 @@ def log_likelihoods(legs: Sequence[MetLeg], calibration: Mapping[str, Union[floa
     return float(data.log_likelihood(packed, both).sum()), float(data.log_likelihood(never, both).sum())
 
 
-def mean_seconds(leg: MetLeg, values: Mapping[str, Any], radius: float) -> float:
+def mean_seconds(leg: MetLeg, values: Values, radius: float) -> float:
     """Return the mean delay [s] of a leg that succeeds by its encounters, with the ``values`` of a section.
 
     Blocks that end with giving up, and long blocks, belong to legs that do not succeed.
@@ -123,11 +124,11 @@ def mean_seconds(leg: MetLeg, values: Mapping[str, Any], radius: float) -> float
     return sum(mean(one) for one in leg.meetings if one.may_yield)
 
 
-def _inverse(back: Any) -> Any:
+def _inverse(back: Callable[..., Any]) -> Callable[..., Any]:
     return special.logit if back is special.expit else np.log
 
 
-def _share(meeting: Meeting, both: Any) -> float:
+def _share(meeting: Meeting, both: float) -> float:
     """Return the chance that this robot must stand if the encounter costs time at all."""
     return 0.5 * (1.0 + both) if meeting.kind in ('head_on', 'crossing') else 1.0
 
@@ -141,7 +142,7 @@ def _table(packed: np.ndarray, kind: str, radius: float) -> List[List[float]]:
 class _Data:
     """The legs that met a robot, as arrays: the density of each without a delay, and after each delay."""
 
-    def __init__(self, met: Sequence[MetLeg], calibration: Any, radius: float) -> None:
+    def __init__(self, met: Sequence[MetLeg], calibration: Values, radius: float) -> None:
         self.met = met
         law = Durations(calibration, [leg.way for leg in met])
         times = np.array([leg.duration for leg in met])

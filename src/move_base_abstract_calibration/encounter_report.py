@@ -1,7 +1,7 @@
 """Fit the section ``encounters`` of a calibration to recordings of several robots, and judge it on other maps."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from .meetings import met_legs
 from .recordings import read_recordings
 
 if TYPE_CHECKING:
+    from .encounter_fit import Fitted
+    from .law import Values
     from .meetings import MetLeg
 
 RADIUS = 3.0  # m; the radius of an encounter, if the calibration has no such section yet
@@ -31,7 +33,7 @@ class MapScore(NamedTuple):
 
 
 def calibrate_encounters(folders: Sequence[str], name: str,
-                         robot_radius: float) -> Tuple[Dict[str, Union[float, str]], Any, List[Any], List[MetLeg]]:
+                         robot_radius: float) -> Tuple[Dict[str, Any], Fitted, List[MapScore], List[MetLeg]]:
     """Return (values of the calibration ``name`` with the section, the Fitted, [MapScore], legs).
 
     ``folders``: those of the recordings; ``robot_radius`` [m]: the distance of ways from occupied cells.
@@ -41,7 +43,7 @@ def calibrate_encounters(folders: Sequence[str], name: str,
     calibration = read_calibration(name, 'calibrate')
     raw = load_yaml_file(calibration_file(name, 'calibrate'))
     radius = RADIUS if calibration.encounters is None else calibration.encounters.radius
-    legs: List[Any] = []
+    legs: List[MetLeg] = []
     for folder in folders:
         legs += _numbered_from(len(legs), met_legs(read_recordings(folder), folder, calibration, radius, robot_radius))
     fitted = fit_encounters(legs, raw, radius)
@@ -50,13 +52,13 @@ def calibrate_encounters(folders: Sequence[str], name: str,
     return {'source': raw['source'], **values}, fitted, map_scores(legs, raw, radius), legs
 
 
-def _source(legs: Sequence[MetLeg], fitted: Any) -> str:
+def _source(legs: Sequence[MetLeg], fitted: Fitted) -> str:
     met = sum(any(one.may_yield for one in leg.meetings) for leg in legs)
     return '{} encounters on {} of {} legs of {} maps'.format(
         sum(fitted.counts.values()), met, len(legs), len({leg.map for leg in legs}))
 
 
-def map_scores(legs: Any, calibration: Any, radius: float) -> Any:
+def map_scores(legs: Sequence[MetLeg], calibration: Values, radius: float) -> List[MapScore]:
     """Return a MapScore for each map if all other maps together have enough legs that met a robot."""
     found = []
     for name in sorted({leg.map for leg in legs}):
@@ -82,7 +84,7 @@ def _numbered_from(first: int, legs: Sequence[MetLeg]) -> List[MetLeg]:
                                         for one in leg.meetings)) for leg in legs]
 
 
-def _renumbered(chosen: Any, legs: Any) -> Any:
+def _renumbered(chosen: Sequence[MetLeg], legs: Sequence[MetLeg]) -> List[MetLeg]:
     """Return ``chosen`` of the list ``legs``, with the numbers of the legs that they met counted in ``chosen``."""
     numbers = {id(leg): number for number, leg in enumerate(chosen)}
     return [leg._replace(meetings=tuple(one._replace(
@@ -90,7 +92,7 @@ def _renumbered(chosen: Any, legs: Any) -> Any:
         for leg in chosen]
 
 
-def lines(fitted: Any, scores: Any) -> Iterator[Any]:
+def lines(fitted: Fitted, scores: Sequence[MapScore]) -> Iterator[str]:
     """Yield the lines of the result: the values with their intervals, and how well maps are predicted by others."""
     yield 'encounters: {}'.format(', '.join('{} {}'.format(count, kind) for kind, count in fitted.counts.items()))
     for row in fitted.rows:

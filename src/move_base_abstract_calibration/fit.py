@@ -6,7 +6,7 @@ around a usual value, so that a parameter about which a recording says nothing s
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
 import numpy as np
 from scipy import optimize, special
@@ -16,9 +16,13 @@ from move_base_abstract.common.errors import ConfigurationError
 from .law import Durations
 
 if TYPE_CHECKING:
-    from .legs import RecordedLeg, Way
+    from .law import Values
+    from .legs import Pair, Pairs
 
 LEAST_LEGS = 25
+_LEAST_TAILS = 5  # of legs that drive backwards, and of legs that spin, after a tail
+_LATE = 3.0  # s; less may be chance
+_LONG = 10.0  # m; on a shorter way, a robot may drive backwards all the way
 _ROUNDS = 150
 _NEAR_ENOUGH = 1e-6  # a search from nearby stops when a round lowers the cost by a smaller share
 _STRANGE = 1e-3  # the share of legs that nothing explains, in a Cauchy distribution
@@ -39,7 +43,7 @@ _NAMES = [name for name, *_ in _FITTED]
 PACKED_NAMES = (*_NAMES, 'tail_chance_level', 'tail_chance_slope')
 
 
-def fit(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Union[List[List[float]], float]]:
+def fit(pairs: Pairs) -> Dict[str, Any]:
     """Fit a calibration to ``pairs`` [(RecordedLeg, Way)]; return {parameter: value}.
 
     :raises ConfigurationError: if too few legs count and have succeeded.
@@ -54,14 +58,14 @@ class Problem:
     :raises ConfigurationError: if too few legs count and have succeeded.
     """
 
-    def __init__(self, pairs: Sequence[Tuple[RecordedLeg, Way]]) -> None:
+    def __init__(self, pairs: Pairs) -> None:
         used = succeeded(pairs)
         if len(used) < LEAST_LEGS:
             raise ConfigurationError('got {} legs that succeeded and count; allowed: at least {}'.format(
                 len(used), LEAST_LEGS))
         self._ways = np.array([way for _, way in used], float)
         self._durations = np.array([leg.duration for leg, _ in used])
-        self._fixed: Any = {**_tolerances(used), 'failure_by_length': _failures(pairs)}
+        self._fixed: Dict[str, Any] = {**_tolerances(used), 'failure_by_length': _failures(pairs)}
         usual = np.array([float(np.quantile(self._ways[:, 0] / self._durations, 0.95)) if value is None else value
                           for _, value, _ in _FITTED])
         self.first = np.append(np.log(np.maximum(usual, 1e-3)), [value for value, _ in _LOGISTIC])
@@ -93,7 +97,7 @@ class Problem:
         strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + excess ** 2))
         return -np.log((1.0 - _STRANGE) * law.density(self._durations) + _STRANGE * strange)
 
-    def values(self, packed: np.ndarray) -> Dict[str, Union[List[List[float]], float]]:
+    def values(self, packed: np.ndarray) -> Dict[str, Any]:
         """Return {parameter of a calibration: value} of packed values."""
         level, slope = packed[len(_NAMES):]
         chances = special.expit(level + slope * (_TURNS - 0.75 * math.pi))
@@ -112,17 +116,17 @@ class Problem:
         return np.append(found.x, self.first[_PHASES:])
 
 
-def succeeded(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[RecordedLeg, Way]]:
+def succeeded(pairs: Pairs) -> List[Pair]:
     """Return the ``pairs`` whose duration counts: those that succeeded and count."""
     return [(leg, way) for leg, way in pairs if leg.counts and leg.succeeded]
 
 
-def ended(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[Tuple[RecordedLeg, Way]]:
+def ended(pairs: Pairs) -> List[Pair]:
     """Return the ``pairs`` that count for the rate of success: those that count and succeeded or failed."""
     return [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
 
 
-def _tolerances(used: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, float]:
+def _tolerances(used: Pairs) -> Dict[str, float]:
     """Return the tolerances of goals: the medians of the errors at the end; of yaw only after a last turn."""
     ends: Any = [(leg, way) for leg, way in used if leg.end is not None]
     xy = [leg.end.distance_to(leg.goal) for leg, _ in ends]
@@ -132,19 +136,14 @@ def _tolerances(used: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, float]:
         ('xy_goal_tolerance', xy), ('yaw_goal_tolerance', yaw))}
 
 
-def _failures(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> List[List[float]]:
+def _failures(pairs: Pairs) -> List[List[float]]:
     """Return the chance of failure by length, [[m, chance]], if failures come at random along the ways."""
     all_ended = ended(pairs)
     rate = sum(leg.failed for leg, _ in all_ended) / max(1e-9, math.fsum(way.length for _, way in all_ended))
     return [[length, -math.expm1(-rate * length)] for length in (0.0, 25.0, 50.0, 100.0, 200.0)] if rate else []
 
 
-_LEAST_LEGS = 5  # of each kind
-_LATE = 3.0  # s; less may be chance
-_LONG = 10.0  # m; on a shorter way, a robot may drive backwards all the way
-
-
-def tail_motion(values: Any, pairs: Any) -> Any:
+def tail_motion(values: Values, pairs: Pairs) -> Optional[Dict[str, float]]:
     """Return {'reverse_speed': m/s, 'spin_speed': rad/s} of ``pairs`` [(leg, way)], or None if they do not say it.
 
     ``values``: those of the fitted calibration. A robot that drives backwards for a time t is late by t (1 - reverse
@@ -157,7 +156,7 @@ def tail_motion(values: Any, pairs: Any) -> Any:
             if leg.reverse is not None and leg.reverse > _LATE and extra > 0.0 and way.length > _LONG]
     spun = [(extra, leg.turned) for extra, (leg, _) in zip(late, used)
             if leg.turned is not None and leg.reverse is not None and leg.reverse < 1.0 and extra > _LATE]
-    if min(len(back), len(spun)) < _LEAST_LEGS:
+    if min(len(back), len(spun)) < _LEAST_TAILS:
         return None
     share = float(np.median([extra / reverse for extra, reverse in back]))
     extra, turned = np.sum(spun, axis=0)

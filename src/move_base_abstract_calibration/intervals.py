@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import stats
@@ -13,7 +13,8 @@ from move_base_abstract.motion.recorded_range import HELD
 from .fit import PACKED_NAMES, Problem, ended, succeeded
 
 if TYPE_CHECKING:
-    from .legs import RecordedLeg, Way
+    from .law import Values
+    from .legs import Pair, Pairs
 
 SAMPLES = 100
 _SEED = 20130213
@@ -25,12 +26,15 @@ _STEP = 0.01  # the step of the packed values for derivatives
 _ANGLES = (90, 135, 180)  # degrees; the report shows the chance of the tail at these turns
 _TOLERANCES = ('xy_goal_tolerance', 'yaw_goal_tolerance')
 
+#: (low, high) of 90 %, or HELD
+Interval = Union[Tuple[float, float], str]
 
-def clusters(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[List[List[Tuple[Any, ...]]], str]:
+
+def clusters(pairs: Pairs) -> Tuple[List[List[Pair]], str]:
     """Return ([pairs that were recorded together], the kind of these groups in words)."""
     for words, key in (('recordings', lambda leg: leg.recording),
                        ('robots of recordings', lambda leg: (leg.recording, leg.robot))):
-        groups: Dict[Any, Any] = {}
+        groups: Dict[Any, List[Pair]] = {}
         for pair in pairs:
             groups.setdefault(key(pair[0]), []).append(pair)
         if len(groups) >= _LEAST_CLUSTERS:
@@ -62,8 +66,7 @@ def held_by_prior(problem: Problem, packed: np.ndarray, spread: np.ndarray) -> L
             if share > _MOST_OF_PRIOR and way < 1.0]
 
 
-def intervals(pairs: Sequence[Tuple[RecordedLeg, Way]],
-              samples: int = SAMPLES) -> Any:
+def intervals(pairs: Pairs, samples: int = SAMPLES) -> Tuple[Dict[str, Interval], str]:
     """Return ({name: (low, high) of 90 %, or HELD}, how they were found, in words) for ``pairs``.
 
     Each interval is the wider one of two: by bootstrap, and by information. (A bootstrap sample stays at the prior if
@@ -77,7 +80,7 @@ def intervals(pairs: Sequence[Tuple[RecordedLeg, Way]],
     groups, words = clusters(pairs)
     found = _samples(groups, samples, packed)
     ends = [_told(problem.values(np.minimum(packed + way * _NORMAL * spread, problem.highest))) for way in (-1.0, 1.0)]
-    result: Dict[str, Any] = {}
+    result: Dict[str, Interval] = {}
     for name in ends[0]:
         values = [one[name] for one in found]
         both = [*(np.quantile(values, _LEVELS) if values else ()),
@@ -91,7 +94,7 @@ def intervals(pairs: Sequence[Tuple[RecordedLeg, Way]],
                    "Fisher's information".format(len(found), len(groups), words)
 
 
-def _samples(groups: Sequence[List[Tuple[RecordedLeg, Way]]], count: int, packed: np.ndarray) -> List[Dict[str, float]]:
+def _samples(groups: Sequence[List[Pair]], count: int, packed: np.ndarray) -> List[Dict[str, float]]:
     """Return the values of the fits to ``count`` samples of ``groups``; each search starts from ``packed``."""
     generator = np.random.default_rng(_SEED)
     found = []
@@ -105,7 +108,7 @@ def _samples(groups: Sequence[List[Tuple[RecordedLeg, Way]]], count: int, packed
     return found
 
 
-def recorded_range(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[float, float]]:
+def recorded_range(pairs: Pairs) -> Dict[str, Tuple[float, float]]:
     """Return {'length', 'start_turn', and 'clearance' if it is known: (lowest, highest)} for the fitted legs."""
     used = succeeded(pairs)
     parts = {'length': [way.length for _, way in used], 'start_turn': [abs(way.start_turn) for _, way in used],
@@ -115,7 +118,7 @@ def recorded_range(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Dict[str, Tuple[
     return {name: (min(values), max(values)) for name, values in parts.items()}
 
 
-def _told(values: Any) -> Dict[str, float]:
+def _told(values: Values) -> Dict[str, float]:
     """Return {name: number} for the values that the report shows with an interval."""
     turns, chances = np.transpose(values['tail_chance_by_turn'])
     return {**{name: values[name] for name in (*PACKED_NAMES[:-2], *_TOLERANCES)},
@@ -123,7 +126,7 @@ def _told(values: Any) -> Dict[str, float]:
                for angle in _ANGLES}}
 
 
-def _failures_per_km(pairs: Sequence[Tuple[RecordedLeg, Way]]) -> Tuple[float, float]:
+def _failures_per_km(pairs: Pairs) -> Tuple[float, float]:
     """Return the exact 90 % interval (Garwood) of the rate of failures [1/km], as a Poisson process."""
     all_ended = ended(pairs)
     count = sum(leg.failed for leg, _ in all_ended)

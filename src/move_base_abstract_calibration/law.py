@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Sequence, Tuple, Union
+from typing import Any, Mapping, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import special, stats
@@ -10,8 +10,11 @@ from scipy import special, stats
 from move_base_abstract.motion.calibration import LEAST_MOST
 
 _SHARES = (np.arange(200) + 0.5) / 200  # the quantiles of a tail from which its mean is computed
+#: the values of a calibration, by its parameters: numbers, and tables as lists of pairs
+Values = Mapping[str, Any]
 
-def approach_seconds(distance: np.ndarray, speed: Any, acceleration: Any, gain: Any, offset: Any) -> np.ndarray:
+
+def approach_seconds(distance: np.ndarray, speed: float, acceleration: float, gain: float, offset: float) -> np.ndarray:
     """Return how long each ``distance`` [m] takes [s], as ``seconds`` of the simulator's ApproachProfile.
 
     ``speed`` [m/s], ``acceleration`` [m/s^2], ``gain`` [1/s], ``offset`` [m]; or the same with angles.
@@ -28,7 +31,7 @@ def approach_seconds(distance: np.ndarray, speed: Any, acceleration: Any, gain: 
     return np.where(distance > 0.0, seconds, 0.0)
 
 
-def motion_seconds(values: Any, ways: np.ndarray) -> np.ndarray:
+def motion_seconds(values: Values, ways: np.ndarray) -> np.ndarray:
     """Return how long the motion along each way takes [s], without the delay at the start.
 
     ``values``: {parameter of a calibration: value}; ``ways``: array of rows (length [m], start turn, end turn [rad]).
@@ -55,18 +58,17 @@ class Durations:
     rest x becomes x m / (x + m), where m is ``values['tail_most']`` times the length.
     """
 
-    def __init__(self, values: Any,
-                 ways: Union[Sequence[Tuple[float, float, float]], np.ndarray]) -> None:
+    def __init__(self, values: Values, ways: Union[Sequence[Tuple[float, float, float]], np.ndarray]) -> None:
         ways = np.asarray(ways, float)
-        motion: Any = motion_seconds(values, ways)
+        motion = motion_seconds(values, ways)
         self.least = values['start_delay'] + motion
-        self._spread: Any = max(values['spread'], 1e-6)
+        self._spread = max(values['spread'], 1e-6)
         self._delay = np.maximum(values['delay_share'] * motion, 1e-6)
         self._for_turn = np.interp(np.abs(ways[:, 1]), *np.transpose(values['tail_chance_by_turn']))
         self.tail = 1.0 - np.exp(-values['tail_rate'] * motion) * (1.0 - self._for_turn)
         self._most = np.maximum(LEAST_MOST, values.get('tail_most', math.inf) * np.maximum(ways[:, 0], 1e-9))
         self._shape = 1.0 / values['tail_cv'] ** 2
-        self._tail_mean: Any = values['tail_mean']
+        self._tail_mean = values['tail_mean']
 
     def mean(self) -> np.ndarray:
         """Return the mean duration of each leg [s]."""

@@ -2,9 +2,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
+
+if TYPE_CHECKING:
+    from move_base_abstract.maps.occupancy import OccupancyMap
 
 FAR_STEP = 1.0  # m; two successive poses of a robot should not be farther apart
 
@@ -50,12 +53,17 @@ class RecordedLeg(NamedTuple):
     turned: Optional[float] = None
 
 
+#: a leg, and the way that it counts as
+Pair = Tuple[RecordedLeg, Way]
+Pairs = Sequence[Pair]
+
+
 def met_no_robot(leg: RecordedLeg, distance: float) -> bool:
     """Return whether no other robot came nearer than ``distance`` [m], or it is not known."""
     return leg.nearest_robot is None or leg.nearest_robot >= distance
 
 
-def way_along(start: Pose2D, points: Sequence[Any], goal: Pose2D) -> Way:
+def way_along(start: Pose2D, points: Sequence[Tuple[float, float]], goal: Pose2D) -> Way:
     """Return the :class:`Way` of straight pieces from ``start`` by ``points`` [(x, y), m] to ``goal`` (Pose2D)."""
     places = [(start.x, start.y), *points, (goal.x, goal.y)]
     pieces = [(math.dist(one, other), math.atan2(other[1] - one[1], other[0] - one[0]))
@@ -66,7 +74,7 @@ def way_along(start: Pose2D, points: Sequence[Any], goal: Pose2D) -> Way:
                normalize_angle(goal.yaw - pieces[-1][1]))
 
 
-def ways_of(legs: Sequence[RecordedLeg], occupancy: Any = None, radius: float = 0.0) -> List[Tuple[RecordedLeg, Way]]:
+def ways_of(legs: Sequence[RecordedLeg], occupancy: Optional[OccupancyMap] = None, radius: float = 0.0) -> List[Pair]:
     """Return [(leg, Way)] for ``legs``: their recorded ways, or straight ones; with a map, ways planned on it.
 
     ``occupancy``: the map (OccupancyMap) or None. Planned ways keep ``radius`` [m] away from occupied cells, and the

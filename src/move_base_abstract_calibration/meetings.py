@@ -64,7 +64,7 @@ def met_legs(recordings: Recordings, folder: Union[str, Path], calibration: Cali
     ``calibration``: that of the robots; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: the distance of ways
     from occupied cells.
     """
-    found: List[Any] = []
+    found: List[MetLeg] = []
     for mission in recordings.missions:
         rows = [row for row in recordings.legs if row['run'] == mission.run]
         ways = _ways(mission.map, folder, robot_radius)

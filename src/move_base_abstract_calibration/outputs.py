@@ -4,7 +4,7 @@ from __future__ import annotations
 import base64
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence, Tuple
 
 import jinja2
 
@@ -16,7 +16,9 @@ from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
 if TYPE_CHECKING:
     from move_base_abstract.common.parameter_table import Parameter
 
-    from .check import Score
+    from .check import ClassErrors, Score
+    from .intervals import Interval
+    from .law import Values
 
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
@@ -37,9 +39,8 @@ def check(*paths: str) -> None:
         own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
 
 
-def yaml_text(values: Any, source: Any,
-              recorded: Any = None,
-              intervals: Optional[Mapping[str, Union[Sequence[float], str]]] = None, how: str = '',
+def yaml_text(values: Values, source: str, recorded: Optional[Mapping[str, Tuple[float, float]]] = None,
+              intervals: Optional[Mapping[str, Interval]] = None, how: str = '',
               motion: Optional[Mapping[str, float]] = None) -> str:
     """Return the YAML of a calibration, with its numbers rounded to 5 digits and its content checked.
 
@@ -66,8 +67,7 @@ def yaml_text(values: Any, source: Any,
     return '\n'.join(lines) + '\n'
 
 
-def _rows(table: Sequence[Parameter], values: Mapping[str, Union[List[List[float]], float, str]],
-          indent: str) -> Iterator[str]:
+def _rows(table: Sequence[Parameter], values: Values, indent: str) -> Iterator[str]:
     for parameter in table:
         value = values[parameter.name]
         unit = _UNITS.get(parameter.name)
@@ -85,12 +85,12 @@ def write(path: str, text: str) -> None:
         stream.write(text)
 
 
-def page_text(calibration: str, source: str, rows: Sequence[Score], picture: bytes, nominal_speed: Any,
-              notes: Sequence[str], classes: Sequence[Any] = (),
-              intervals: Optional[Mapping[str, Union[Tuple[float, float], str]]] = None, how: str = '') -> str:
+def page_text(calibration: str, source: str, rows: Sequence[Score], picture: bytes, nominal_speed: float,
+              notes: Sequence[str], classes: Sequence[ClassErrors] = (),
+              intervals: Optional[Mapping[str, Interval]] = None, how: str = '') -> str:
     """Return the page as text. ``calibration``: the YAML; ``rows``: [check.Score]; ``picture``: the bytes of a PNG.
 
-    ``classes``: [classes.ClassErrors]; ``intervals``, ``how``: as for :func:`yaml_text`.
+    ``classes``: [check.ClassErrors]; ``intervals``, ``how``: as for :func:`yaml_text`.
     """
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(Path(__file__).with_name('templates'))),
                                      autoescape=True, undefined=jinja2.StrictUndefined)

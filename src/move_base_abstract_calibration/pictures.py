@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, Any, List, Mapping, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
@@ -15,12 +15,13 @@ from .law import Durations
 
 if TYPE_CHECKING:
     from .check import Predicted
-    from .legs import RecordedLeg, Way
+    from .law import Values
+    from .legs import Pairs
 
 _BLUE, _GREY, _RED = '#1f6fb4', '#9a9a9a', '#c0392b'
 
 
-def draw(values: Mapping[str, Union[List[List[float]], float]], pairs: Sequence[Tuple[RecordedLeg, Way]],
+def draw(values: Values, pairs: Pairs,
          predicted: Predicted) -> bytes:
     """Return the PNG of four plots: three of ``predicted`` (Predicted, by cross-validation), one of the tail.
 
@@ -69,8 +70,7 @@ def _chances(axes: Any, predicted: Predicted) -> None:
              title='Even where the distributions are right')
 
 
-def _tail(axes: Any, values: Any,
-          pairs: Sequence[Tuple[RecordedLeg, Way]]) -> None:
+def _tail(axes: Any, values: Values, pairs: Pairs) -> None:
     used = succeeded(pairs)
     law = Durations(values, [way for _, way in used])
     excess = np.array([leg.duration for leg, _ in used]) - law.least

@@ -7,7 +7,7 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Type, Union
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Type, Union
 
 import numpy
 
@@ -79,7 +79,7 @@ def _missions(path: Path) -> Iterator[Mission]:
 
 
 def _poses(path: Path) -> Dict[Tuple[str, int], numpy.ndarray]:
-    rows: Dict[Any, Any] = {}
+    rows: Dict[Tuple[str, int], List[List[float]]] = {}
     with open_csv(path) as stream:  # by position, because there are a hundred thousand rows
         lines = csv.reader(stream, strict=True)
         head = next(lines, [])
@@ -100,7 +100,7 @@ def _poses(path: Path) -> Dict[Tuple[str, int], numpy.ndarray]:
     return {key: numpy.array(values) for key, values in rows.items()}
 
 
-def _rows(path: Path, needed: Any) -> Iterator[Tuple[str, Dict[str, str]]]:
+def _rows(path: Path, needed: Iterable[str]) -> Iterator[Tuple[str, Dict[str, str]]]:
     with open_csv(path) as stream:
         for where, row in rows_of(stream, str(path)):
             missing = [name for name in needed if name not in row]
