@@ -4,9 +4,10 @@ A colour stands for a level of one factor, a mark for a level of another one.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, List, NamedTuple, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
+    from .design import Levels
     from .outcome import Experiment
 
 #: (on white, on black) per level. Any two have a distance of at least 20 (CIELAB), also as seen without red, green or
@@ -43,13 +44,13 @@ class Looks:
         count = 1 if self.colour_factor is None else len(self._factors[self.colour_factor].levels)
         self.colours = palette(count)  # (on white, on black) per number
 
-    def of_levels(self, levels: Sequence[int]) -> Look:
+    def of_levels(self, levels: Levels) -> Look:
         """Return the Look of a configuration by the places of its levels."""
         colour = levels[self.colour_factor] if self.colour_factor is not None else 0
         mark = levels[self.mark_factor] if self.mark_factor is not None else 0
         return Look(colour or 0, MARKS[mark or 0])
 
-    def of_level(self, factor: int, level: Any) -> Look:
+    def of_level(self, factor: int, level: int) -> Look:
         """Return the Look of a level of a factor; a colour of None is the text's own."""
         is_colour = factor == self.colour_factor
         return Look(level if is_colour else None,

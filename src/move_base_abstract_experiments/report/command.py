@@ -9,7 +9,7 @@ import importlib
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import PART, FolderKind, check_file, whole_file
@@ -63,7 +63,7 @@ def write(out: Union[str, Path], with_own: bool = True) -> Tuple[Path, List[str]
 
 
 def _tables(analysis: Analysis) -> Dict[str, pd.DataFrame]:
-    experiment: Any = analysis.experiment
+    experiment = analysis.experiment
     return {'trials': frames.trials(experiment), 'means': frames.means(experiment),
             **{name: frames.differences(experiment, found) for name, found in (
                 ('main_effects', analysis.mains), ('differences', analysis.singles),

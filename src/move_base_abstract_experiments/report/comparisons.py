@@ -5,13 +5,14 @@ of the trials justify. What the difference leaves out, and where it is the other
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Sequence, Tuple
+from typing import TYPE_CHECKING, Dict, List, Sequence, Tuple
 
 from .design import level_label
 from .wording import NBSP, counted, digits, estimate_texts, probability, whole, with_interval
 
 if TYPE_CHECKING:
-    from .effects import Difference
+    from .design import Metric
+    from .effects import Difference, Group
     from .outcome import Experiment
     from .wording import Scale
 
@@ -30,7 +31,7 @@ _AT_ONCE = {'constant': 'in every pair', 'fixed': 'the same in every replication
 _MOST_LISTED = 6
 
 
-def verdict_of(difference: Any) -> str:
+def verdict_of(difference: Difference) -> str:
     """Return the verdict of an effects.Difference, a key of VERDICTS."""
     estimate, smallest = difference.estimate, difference.metric.smallest
     if difference.is_cut:
@@ -74,17 +75,17 @@ def _of_shown(difference: Difference) -> str:
 
 # ---- the sentence ------------------------------------------------------------------------------------------------
 
-def difference_scale(metric: Any, scale: Scale) -> Scale:
+def difference_scale(metric: Metric, scale: Scale) -> Scale:
     """Return the Scale for differences of a metric: differences of shares are in percentage points."""
     return scale._replace(unit='percentage points') if metric.is_share else scale
 
 
-def names_of(experiment: Any, difference: Difference) -> Any:
+def names_of(experiment: Experiment, difference: Difference) -> Tuple[str, str]:
     """Return the labels of the two levels or configurations that are compared."""
     if difference.factor is None:
-        return tuple(experiment.configurations[place].label for place in (difference.first, difference.second))
-    return tuple(level_label(experiment.factors, difference.factor, level)
-                 for level in (difference.first, difference.second))
+        return experiment.configurations[difference.first].label, experiment.configurations[difference.second].label
+    return (level_label(experiment.factors, difference.factor, difference.first),
+            level_label(experiment.factors, difference.factor, difference.second))
 
 
 def at_text(experiment: Experiment, difference: Difference) -> str:
@@ -115,7 +116,7 @@ def size_text(difference: Difference, scale: Scale, noun: str = 'pairs') -> str:
     return f'{value}{scale.suffix} ({"; ".join(filter(None, inside))})'
 
 
-def _share_text(difference: Any) -> str:
+def _share_text(difference: Difference) -> str:
     """Return the difference in per cent of the first side, '' where that says nothing."""
     value, reference = difference.estimate.value, difference.reference
     if difference.metric.is_share or value == 0.0 or not 0.0 < reference + value <= 11.0 * reference:
@@ -134,13 +135,14 @@ def pairs_text(difference: Difference, noun: str = 'pairs') -> str:
 
 
 def _order_text(difference: Difference) -> str:
-    order: Any = difference.order
+    order = difference.order
+    assert order is not None
     return f'larger in {whole(order.larger)}, smaller in {whole(order.smaller)} of {counted(order.known, "pairs")}'
 
 
 # ---- the row ------------------------------------------------------------------------------------------------------
 
-def asides(experiment: Experiment, difference: Any, scale: Scale) -> Dict[str, str]:
+def asides(experiment: Experiment, difference: Difference, scale: Scale) -> Dict[str, str]:
     """Return {one of ASIDES: text} of a Difference, of those that have something to say."""
     found = {'not in it': _left_out(experiment, difference),
              'the other way round': '; '.join(f'{groups_text(experiment, difference, [group])}: '
@@ -159,7 +161,7 @@ def asides(experiment: Experiment, difference: Any, scale: Scale) -> Dict[str, s
 
 def _left_out(experiment: Experiment, difference: Difference) -> str:
     """Return the combinations of the other factors of which a difference says nothing, and why."""
-    texts: Dict[Any, Any] = {}
+    texts: Dict[str, List[Group]] = {}
     for group, count, is_cut in zip(difference.groups, difference.counts, difference.cut):
         if count < difference.needed or not difference.used:
             why = 'limit of time' if is_cut else 'too few pairs' if count else 'no pairs'
@@ -176,15 +178,15 @@ def _of_sides(difference: Difference, *counts: str) -> str:
         if any(sums) else ''
 
 
-def groups_text(experiment: Experiment, difference: Difference, groups: Sequence[Tuple[int, int]]) -> str:
+def groups_text(experiment: Experiment, difference: Difference, groups: Sequence[Group]) -> str:
     """Return groups of configurations in words, by the factors that are not compared."""
     varied = [place for place in range(len(experiment.factors)) if place != difference.factor
               and len({each.levels[place] for each in experiment.configurations}) > 1]
     labels = []
     for group in groups[:_MOST_LISTED]:
         levels = experiment.configurations[group[0]].levels
-        labels.append(' '.join(level_label(experiment.factors, place, levels[place]) for place in varied
-                               if levels[place] is not None))
+        labels.append(' '.join(level_label(experiment.factors, place, level) for place, level in enumerate(levels)
+                               if place in varied and level is not None))
     more = f' and {whole(len(groups) - len(labels))} more' if len(groups) > len(labels) else ''
     return ', '.join(labels) + more
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.common.shown import shown_text
 
@@ -14,14 +14,17 @@ if TYPE_CHECKING:
 NO_LEVEL = 'none'
 YES_NO = 'yes/no'  # the unit of a metric that is 1 or 0 in each trial
 
+#: per factor the place of its level; None if the configuration has none
+Levels = Tuple[Optional[int], ...]
+
 
 class Factor(NamedTuple):
     """A factor: something that the experiment varies, with its levels."""
 
     name: str
     title: str
-    levels: tuple  # of texts, in the order of the plan
-    keys: tuple  # of texts: the values of the levels as JSON
+    levels: Tuple[str, ...]  # in the order of the plan
+    keys: Tuple[str, ...]  # the values of the levels as JSON
     is_numeric: bool
 
 
@@ -29,7 +32,7 @@ class Configuration(NamedTuple):
     """One combination of levels."""
 
     place: int
-    levels: tuple  # per factor: the place of its level; None if the configuration has none
+    levels: Levels
     label: str
 
 
@@ -40,10 +43,10 @@ class Metric:
     name: str
     title: str
     unit: str
-    better: Any  # 'lower', 'higher' or None
+    better: Optional[str]  # 'lower', 'higher' or None
     is_share: bool = False  # yes or no in each trial, so that means are shares
     smallest: float = 0.0  # the smallest difference that counts, in the metric's unit; 0: the plan names none
-    at_limit: Any = None  # what it means in a trial that the limit of time ended, see endings; None: not declared
+    at_limit: Optional[str] = None  # in a trial that the limit of time ended, see endings; None: not declared
     is_primary: bool = False  # whether the experiment's file names it as the primary metric
     outcome: str = ''  # 'failed' or 'limit' if this is not a measured metric, but a way in which trials ended
 
@@ -89,7 +92,7 @@ def words(name: str) -> str:
     return ' '.join(str(name).replace('_', ' ').split()) or '(no name)'
 
 
-def level_label(factors: Sequence[Factor], place: Any, level: Any) -> str:
+def level_label(factors: Sequence[Factor], place: int, level: int) -> str:
     """Return a level so that no level of another factor reads the same: 'auction', 'robots 4'."""
     factor = factors[place]
     text = factor.levels[level]
@@ -109,11 +112,11 @@ def configurations_of(factors: Sequence[Factor],
     return configurations, [places[levels] for levels in combinations]
 
 
-def _place(factor: Factor, configuration: Any) -> Any:
+def _place(factor: Factor, configuration: Mapping[str, Any]) -> Optional[int]:
     return factor.keys.index(key_of(configuration[factor.name])) if factor.name in configuration else None
 
 
-def _label(factors: Sequence[Factor], levels: Sequence[int]) -> str:
+def _label(factors: Sequence[Factor], levels: Levels) -> str:
     return ', '.join(level_label(factors, place, level) for place, level in enumerate(levels)
                      if level is not None) or 'the only configuration'
 
@@ -150,7 +153,7 @@ def unknown_names(plan: Mapping[str, Any], factors: Sequence[Factor], metrics: S
     return lines
 
 
-def baseline_of(plan: Mapping[str, Any], factor: Factor) -> Any:
+def baseline_of(plan: Mapping[str, Any], factor: Factor) -> Optional[int]:
     """Return the place of the level of a Factor that the plan names as the baseline, or None."""
     key = key_of((plan.get('baseline') or {}).get(factor.name))
     return factor.keys.index(key) if factor.name in (plan.get('baseline') or {}) and key in factor.keys else None

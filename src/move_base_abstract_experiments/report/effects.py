@@ -17,12 +17,17 @@ from .intervals import NOTHING, Estimate
 from .outcome import COMPLETE, FAILED
 
 if TYPE_CHECKING:
-    from .design import Configuration, Factor, Metric
+    from .design import Configuration, Factor, Levels, Metric
     from .intervals import Comparison
     from .outcome import Experiment
 
 MAX_INTERACTION_LEVELS = 3  # if a factor has more levels, only its first and its last are compared
 ALL_PAIRS = 12  # up to so many configurations are all compared with one another if no two differ in one factor only
+
+#: configurations that are compared: their places
+Group = Tuple[int, ...]
+#: levels that are held fixed: (place of a factor, place of a level)
+At = Tuple[Tuple[int, int], ...]
 
 
 class Side(NamedTuple):
@@ -42,22 +47,22 @@ class Side(NamedTuple):
 class Difference(NamedTuple):
     """The difference of one metric between two levels or configurations, second minus first."""
 
-    metric: Any  # design.Metric
-    factor: Any  # the place of the factor whose levels are compared; None: whole configurations are compared
-    first: Any  # the place of the level, or of the configuration
-    second: Any
-    at: tuple  # the levels that are held fixed: pairs (place of a factor, place of a level)
+    metric: Metric
+    factor: Optional[int]  # the place of the factor whose levels are compared; None: whole configurations are compared
+    first: int  # the place of the level, or of the configuration
+    second: int
+    at: At
     estimate: Estimate
     p: float
     p_holm: float  # Holm's, among all comparisons of its family, see _adjusted
     reference: float  # the mean of the first one in the same trials
-    groups: tuple  # the configurations compared, as tuples of places; one for each combination of the other factors
-    counts: tuple  # per group: the number of replications with values on all sides; 0 if values are cut off
-    cut: tuple  # per group: whether the limit of time cut values off, so that they are at best bounds
-    median: Any  # the Estimate of the median difference if the differences are skewed, otherwise None
-    sides: tuple = ()  # the Sides, first and second
-    against: tuple = ()  # (group, Estimate) of the groups in which the difference has the opposite sign
-    order: Any = None  # the orders.Order if there is no mean and values are lower bounds; p is then of its test
+    groups: Tuple[Group, ...]  # one for each combination of the other factors
+    counts: Tuple[int, ...]  # per group: the number of replications with values on all sides; 0 if values are cut off
+    cut: Tuple[bool, ...]  # per group: whether the limit of time cut values off, so that they are at best bounds
+    median: Optional[Estimate]  # of the median difference if the differences are skewed, otherwise None
+    sides: Tuple[Side, ...] = ()  # first and second
+    against: Tuple[Tuple[Group, Estimate], ...] = ()  # of the groups in which the difference has the opposite sign
+    order: Optional[orders.Order] = None  # if there is no mean and values are lower bounds; p is then of its test
     is_everywhere: bool = False  # whether each pair, also of groups that are not used, has the sign of the mean
 
     @property
@@ -108,7 +113,7 @@ class Level(NamedTuple):
     estimate: Estimate
 
 
-def summary(experiment: Any, metric: Metric) -> List[Estimate]:
+def summary(experiment: Experiment, metric: Metric) -> List[Estimate]:
     """Return the Estimate of the mean or share of each configuration; method 'cut' if values are cut off."""
     estimate = intervals.share_estimate if metric.is_share else intervals.mean_estimate
     return [NOTHING._replace(n=len(intervals.known(row)), method='cut') if cut.any() else estimate(row)
@@ -157,13 +162,14 @@ def _any_differences(experiment: Experiment, metrics: Sequence[Metric]) -> List[
     return [_difference(experiment, metric, None, pair, (), [pair]) for metric in metrics for pair in pairs]
 
 
-def outcome_differences(experiment: Experiment) -> Any:
+def outcome_differences(experiment: Experiment) -> Tuple[List[Difference], List[Difference]]:
     """Return the Differences of how trials ended: a list of those between levels, a list between configurations.
 
     Each way of ending is a family of its own for Holm's correction.
     """
-    return tuple([each for metric in experiment.outcomes for each in found(experiment, [metric])]
-                 for found in (main_effects, single_differences))
+    outcomes = experiment.outcomes
+    return ([each for metric in outcomes for each in main_effects(experiment, [metric])],
+            [each for metric in outcomes for each in single_differences(experiment, [metric])])
 
 
 def interactions(experiment: Experiment) -> List[Difference]:
@@ -194,28 +200,28 @@ def _pairs(configurations: Sequence[Configuration], factor: int, first: int, sec
 
 
 def _quadruples(configurations: Sequence[Configuration], one: int, firsts: Tuple[int, int], two: int,
-                seconds: Tuple[int, int]) -> List[Tuple[int, int, int, int]]:
+                seconds: Tuple[int, int]) -> List[Group]:
     """Return the places (b at d, a at d, b at c, a at c) of configurations that differ in these two factors only."""
     (a, b), (c, d) = firsts, seconds
-    found: Dict[Any, Any] = {}
+    found: Dict[Levels, Dict[Any, int]] = {}
     for each in configurations:
         found.setdefault(_without(each.levels, (one, two)), {})[each.levels[one], each.levels[two]] = each.place
     wanted = ((b, d), (a, d), (b, c), (a, c))
     return [tuple(group[key] for key in wanted) for group in found.values() if all(key in group for key in wanted)]
 
 
-def _without(levels: Sequence[int], factors: Sequence[int]) -> Tuple[int, ...]:
+def _without(levels: Levels, factors: Sequence[int]) -> Levels:
     return tuple(level for place, level in enumerate(levels) if place not in factors)
 
 
-def _difference(experiment: Experiment, metric: Metric, factor: Any, levels: Tuple[int, int],
-                at: Sequence[Tuple[int, int]], pairs: Sequence[Tuple[int, int]]) -> Difference:
+def _difference(experiment: Experiment, metric: Metric, factor: Optional[int], levels: Tuple[int, int],
+                at: At, pairs: Sequence[Tuple[int, int]]) -> Difference:
     """Return the Difference of these pairs of configurations; its p_holm is still NaN."""
     return _of_groups(experiment, metric, (factor, *levels, at), pairs, (-1, 1))
 
 
-def _of_groups(experiment: Experiment, metric: Metric, what: Tuple[Any, Any, Any, Any],
-               groups: Sequence[Tuple[int, ...]], signs: Sequence[int]) -> Difference:
+def _of_groups(experiment: Experiment, metric: Metric, what: Tuple[Optional[int], int, int, At],
+               groups: Sequence[Group], signs: Sequence[int]) -> Difference:
     """Return the Difference of groups of configurations; its p_holm is still NaN.
 
     :param what: factor, first, second and at of the Difference. :param groups: tuples of places of configurations.
@@ -244,7 +250,7 @@ def _of_groups(experiment: Experiment, metric: Metric, what: Tuple[Any, Any, Any
                           against=_against(metric, found.used, tables, rows, left, comparison.estimate.value))
 
 
-def _ordered(experiment: Experiment, difference: Any) -> Difference:
+def _ordered(experiment: Experiment, difference: Difference) -> Difference:
     """Return a Difference without a mean, together with the order of its values if that is known."""
     if not difference.is_cut or len(difference.sides) != len(difference.groups[0]) \
             or difference.metric.at_limit not in endings.BOUNDS:
@@ -255,8 +261,8 @@ def _ordered(experiment: Experiment, difference: Any) -> Difference:
     return difference if order is None else difference._replace(order=order, p=order.p)
 
 
-def _against(metric: Metric, groups: Sequence[Tuple[int, ...]], tables: Sequence[np.ndarray], rows: np.ndarray,
-             left: np.ndarray, value: float) -> Tuple[Any, ...]:
+def _against(metric: Metric, groups: Sequence[Group], tables: Sequence[np.ndarray], rows: np.ndarray,
+             left: np.ndarray, value: float) -> Tuple[Tuple[Group, Estimate], ...]:
     """Return (group, Estimate) of the groups whose interval excludes 0 and whose sign is not that of all together."""
     if len(groups) < 2 or len(tables) != 2:
         return ()
@@ -284,7 +290,7 @@ def _compared(metric: Metric, tables: Sequence[np.ndarray], rows: np.ndarray, le
     return found._replace(p=max(found.p, intervals.flip_test(np.sign(np.nansum(rows, axis=0)))))
 
 
-def _sides(experiment: Experiment, metric: Metric, groups: Sequence[Tuple[int, ...]]) -> Any:
+def _sides(experiment: Experiment, metric: Metric, groups: Sequence[Group]) -> Tuple[Side, ...]:
     """Return the Sides (first, second) of groups; for an interaction those at the two levels of the other factor."""
     half = len(groups[0]) // 2
     parts = (slice(0, half), slice(half, None)) if half == 1 else (slice(half, None), slice(0, half))
@@ -324,10 +330,11 @@ def levels_of(experiment: Experiment, metric: Metric, factor: int,
     """
     values = experiment.values(metric)
     there = (~np.isnan(values)).any(axis=1)
-    groups: Dict[Any, Any] = {}
+    groups: Dict[int, Dict[Levels, int]] = {}
     for each in experiment.configurations:
-        if all(each.levels[other] == level for other, level in fixed) and each.levels[factor] is not None:
-            groups.setdefault(each.levels[factor], {})[_without(each.levels, (factor,))] = each.place
+        own = each.levels[factor]
+        if all(each.levels[other] == level for other, level in fixed) and own is not None:
+            groups.setdefault(own, {})[_without(each.levels, (factor,))] = each.place
     common = [key for key in next(iter(groups.values()), {}) if all(key in group for group in groups.values())]
     common = [key for key in common if all(there[group[key]] for group in groups.values())]
     found = []

@@ -10,23 +10,28 @@ import contextlib
 import importlib
 import os
 import sys
-from typing import Any, Iterator, List, Mapping, NamedTuple
+from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, NamedTuple
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown, shown_text
 
 from .parts import Figure, Html, Section, Table
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .outcome import Experiment
+
 
 class Tables(NamedTuple):
     """The argument of such a function."""
 
-    experiment: Any  # outcome.Experiment: plan, factors, configurations, metrics, folder
-    trials: Any  # pandas.DataFrame, a row per planned trial; columns as of trials.csv
-    means: Any  # pandas.DataFrame, a row per metric and configuration (tables/means.csv)
-    main_effects: Any  # tables/main_effects.csv
-    differences: Any  # tables/differences.csv
-    interactions: Any  # tables/interactions.csv
+    experiment: Experiment  # plan, factors, configurations, metrics, folder
+    trials: pd.DataFrame  # a row per planned trial; columns as of trials.csv
+    means: pd.DataFrame  # a row per metric and configuration (tables/means.csv)
+    main_effects: pd.DataFrame  # tables/main_effects.csv
+    differences: pd.DataFrame  # tables/differences.csv
+    interactions: pd.DataFrame  # tables/interactions.csv
 
 
 def names_of(plan: Mapping[str, Any]) -> List[str]:
@@ -42,7 +47,7 @@ def names_of(plan: Mapping[str, Any]) -> List[str]:
     return names
 
 
-def sections(name: str, tables: Any) -> List[Section]:
+def sections(name: str, tables: Tables) -> List[Section]:
     """Return the Sections that a function adds; a function that fails adds a Section that says so.
 
     :param name: of the function, 'module:function'. :param tables: its argument.

@@ -2,12 +2,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import design, effects, endings, intervals, orders
-from .comparisons import LAST_RESULT, VERDICTS, difference_scale, sentence, size_text, verdict_of
+from .comparisons import LAST_RESULT, VERDICTS, difference_scale, names_of, sentence, size_text, verdict_of
 from .intervals import Estimate
 from .outcome import FAILED
 from .wording import EXACT_DIGITS, counted, digits, whole, with_interval
@@ -88,7 +88,7 @@ def of_differences(experiment: Experiment, differences: Sequence[Difference], sc
     return told
 
 
-def _chosen(experiment: Experiment, factor: Optional[int], own: Sequence[Difference]) -> Any:
+def _chosen(experiment: Experiment, factor: Optional[int], own: Sequence[Difference]) -> Sequence[Difference]:
     """Return the Differences of a factor that are told: with the baseline, or else of the best level with each other.
 
     The best level comes second, so that the others are subtracted from it. If no level leads all others, or if whole
@@ -103,7 +103,7 @@ def _chosen(experiment: Experiment, factor: Optional[int], own: Sequence[Differe
     return own[:MOST_TOLD]
 
 
-def turned(difference: Any) -> Any:
+def turned(difference: Difference) -> Difference:
     """Return a Difference with first and second exchanged."""
     estimate, median = _negative(difference.estimate), difference.median
     return difference._replace(
@@ -114,19 +114,19 @@ def turned(difference: Any) -> Any:
         order=orders.turned(difference.order))
 
 
-def _negative(estimate: Any) -> Any:
+def _negative(estimate: Estimate) -> Estimate:
     return Estimate(-estimate.value or 0.0, -estimate.high or 0.0, -estimate.low or 0.0, *estimate[3:])
 
 
-def _leads(own: Any) -> Any:
+def _leads(own: Sequence[Difference]) -> Optional[List[Difference]]:
     """Return the Differences of the best level with each other one, in which it is the second: the smallest lead first.
 
     The best level is the one whose smallest lead is the largest; of equal ones the first. If neither side is better,
     it is the lowest. Those without a mean come last. None if no level leads all that it is compared with.
     """
     sign = 1.0 if own[0].metric.better == 'higher' else -1.0
-    sides: Dict[Any, Any] = {}
-    leads: Dict[Any, Any] = {}
+    sides: Dict[int, List[Difference]] = {}
+    leads: Dict[int, List[Difference]] = {}
     for each in own:
         sides.setdefault(each.second, []).append(each)
         sides.setdefault(each.first, []).append(turned(each))
@@ -143,7 +143,7 @@ def _leads(own: Any) -> Any:
 
 def _strongest(changes: Sequence[Difference], metric: Metric) -> List[Difference]:
     """Return for each pair of factors the interaction with the smallest Holm p, if any is shown."""
-    best: Dict[Any, Any] = {}
+    best: Dict[Any, Difference] = {}
     for each in changes:
         key = each.factor, each.at[0][0]
         if each.metric is metric and each.is_shown and (key not in best or each.p_holm < best[key].p_holm):
@@ -154,8 +154,7 @@ def _strongest(changes: Sequence[Difference], metric: Metric) -> List[Difference
 def _change(experiment: Experiment, difference: Difference, scale: Scale) -> Finding:
     """Return the Finding of an interaction."""
     first, second = (design.level_label(experiment.factors, *place) for place in difference.at)
-    a, b = (design.level_label(experiment.factors, difference.factor, level)
-            for level in (difference.first, difference.second))
+    a, b = names_of(experiment, difference)
     scale = difference_scale(difference.metric, scale)
     size = size_text(difference._replace(reference=math.nan), scale, 'replications')
     return Finding(difference.metric.title, 'depends',
@@ -190,7 +189,7 @@ def _cut_text(experiment: Experiment, metric: Metric, place: int) -> str:
     return f'no mean: the limit of time ended {whole(cut)} of {counted(seen, "trials")}; {bounds}'
 
 
-def _mini(difference: Difference, family: Sequence[Difference]) -> Any:
+def _mini(difference: Difference, family: Sequence[Difference]) -> Optional[Tuple[float, ...]]:
     """Return where zero, the low end, the difference and the high end lie in its picture, in per cent of the width.
 
     All differences of a family have the same scale. None if the difference has no interval.

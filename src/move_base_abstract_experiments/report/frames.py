@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Dict, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Sequence, Tuple, Union
 
 import pandas as pd
 
@@ -10,6 +10,7 @@ from . import comparisons, effects, intervals
 from .outcome import COMPLETE
 
 if TYPE_CHECKING:
+    from .design import Levels
     from .effects import Difference
     from .intervals import Estimate
     from .outcome import Experiment
@@ -26,7 +27,8 @@ def trials(experiment: Experiment) -> pd.DataFrame:
     """
     fixed = ('id', 'replication', 'seed', 'status', 'labels', *_TRIAL_COLUMNS)
     trials, places = experiment.trials, [trial.configuration for trial in experiment.trials]
-    columns = {'id': [trial.id for trial in trials]}  # by columns: a mapping per row takes ten times as long
+    # by columns: a mapping per row takes ten times as long
+    columns: Dict[str, List[Any]] = {'id': [trial.id for trial in trials]}
     for number, factor in enumerate(experiment.factors):
         levels = [configuration.levels[number] for configuration in experiment.configurations]
         shown = ['' if level is None else factor.levels[level] for level in levels]
@@ -61,7 +63,7 @@ def means(experiment: Experiment) -> pd.DataFrame:
     return _framed(rows, ('metric', 'unit', *_ESTIMATE))
 
 
-def _levels(experiment: Experiment, levels: Sequence[int]) -> Dict[str, str]:
+def _levels(experiment: Experiment, levels: Levels) -> Dict[str, str]:
     return {f'factor.{factor.name}': '' if level is None else factor.levels[level]
             for factor, level in zip(experiment.factors, levels)}
 
@@ -70,7 +72,7 @@ def _estimate(estimate: Estimate) -> Dict[str, Union[float, str]]:
     return dict(zip(_ESTIMATE, (estimate.n, estimate.value, estimate.low, estimate.high, estimate.method)))
 
 
-def differences(experiment: Any, found: Sequence[Difference]) -> pd.DataFrame:
+def differences(experiment: Experiment, found: Sequence[Difference]) -> pd.DataFrame:
     """Return a frame with a row per effects.Difference."""
     rows = []
     for each in found:
@@ -93,7 +95,7 @@ def differences(experiment: Any, found: Sequence[Difference]) -> pd.DataFrame:
 
 def robots(experiment: Experiment) -> pd.DataFrame:
     """Return a frame with a row per configuration, robot and quantity: the mean over complete trials."""
-    sums: Dict[Any, Any] = {}
+    sums: Dict[Tuple[int, str, str], List[float]] = {}
     for trial in experiment.trials:
         if trial.status == COMPLETE:
             for robot, quantities in trial.robots.items():
@@ -106,12 +108,12 @@ def robots(experiment: Experiment) -> pd.DataFrame:
     return _framed(rows, ('robot', 'quantity', *_ESTIMATE))
 
 
-def waits(experiment: Any) -> pd.DataFrame:
+def waits(experiment: Experiment) -> pd.DataFrame:
     """Return a frame with the mean wait [s] over complete trials.
 
     It has a row per configuration and place, zone or lane where robots waited.
     """
-    found: Dict[Any, Any] = {}
+    found: Dict[int, Dict[str, None]] = {}
     for trial in experiment.complete:
         for where in trial.waits:
             found.setdefault(trial.configuration, {}).setdefault(where)
@@ -126,7 +128,7 @@ def waits(experiment: Any) -> pd.DataFrame:
     return _framed(rows, ('where', *_ESTIMATE))
 
 
-def estimate_of(row: Any) -> Any:
+def estimate_of(row: Mapping[str, Any]) -> Estimate:
     """Return the intervals.Estimate in a row (a mapping) of such a frame."""
     return intervals.Estimate(row['value'], row['low_95'], row['high_95'], row['n'], row['interval'])
 

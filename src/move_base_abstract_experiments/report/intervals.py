@@ -6,7 +6,7 @@ out.
 from __future__ import annotations
 
 import math
-from typing import Any, List, NamedTuple, Sequence, Tuple, Union
+from typing import List, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import special, stats
@@ -181,7 +181,7 @@ def clustered(rows: np.ndarray, left: Union[float, np.ndarray] = 0.0) -> Compari
                       float(2.0 * special.stdtr(fewest - 1, -abs(value) / error)))
 
 
-def flip_test(sums: Any) -> float:
+def flip_test(sums: np.ndarray) -> float:
     """Return the probability of a total at least as far from 0 if the sign of each whole number were by chance."""
     sums = np.abs(np.asarray(sums, dtype=int)), int(np.sum(sums))
     sizes, total = sums[0][sums[0] > 0], abs(sums[1])
@@ -228,9 +228,9 @@ def share_differences(first: np.ndarray, second: np.ndarray) -> Comparison:
     found = clustered(rows).estimate
     if found.method == 'none':
         return Comparison(found, math.nan)
-    parts: List[Any] = [paired_shares(*each).estimate for each in zip(first, second)]
-    below, above = (math.sqrt(math.fsum(((part.value - part[side]) / len(parts)) ** 2 for part in parts))
-                    for side in (1, 2))
+    parts = [paired_shares(*each).estimate for each in zip(first, second)]
+    below, above = (math.sqrt(math.fsum(((part.value - bound_of(part)) / len(parts)) ** 2 for part in parts))
+                    for bound_of in (lambda part: part.low, lambda part: part.high))
     sums = np.nansum(rows, axis=0)
     is_alike = (sums.sum() < 0.0) == (found.value < 0.0)  # otherwise the rows with many values have the opposite sign
     return Comparison(found._replace(low=max(-1.0, min(found.low, found.value - below)), method='newcombe',

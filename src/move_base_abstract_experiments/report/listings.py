@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.runs.states import STATES
 
@@ -21,16 +21,18 @@ if TYPE_CHECKING:
     from .effects import Difference
     from .intervals import Estimate
     from .notable_trials import Pick
-    from .outcome import Experiment
+    from .outcome import Experiment, Trial
 
 MOST_ROWS = 200  # the largest number of rows in a table of the page
 _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
               'constant': 'all the same', 'fixed': 'the same per seed',
               'none': 'none', 'cut': 'cut off'}
 
+#: the cells of a row of a table
+Row = Tuple[Union[None, str, Cell], ...]
 
-def cut(rows: Sequence[Tuple[Union[str, Cell], ...]], note: str,
-        where: str) -> Tuple[Tuple[Tuple[Union[str, Cell], ...], ...], str]:
+
+def cut(rows: Sequence[Row], note: str, where: str) -> Tuple[Tuple[Row, ...], str]:
     """Return the rows that the page shows, and the note; if rows are left out, it says that ``where`` has all."""
     if len(rows) <= MOST_ROWS:
         return tuple(rows), note
@@ -75,11 +77,11 @@ def _in(scale: Scale) -> str:
     return f' in {scale.unit}' if scale.unit else ''
 
 
-def _link(experiment: Experiment, pick: Any) -> Any:
+def _link(experiment: Experiment, pick: Optional[Pick]) -> Union[str, Cell]:
     return Cell(pick.trial.id, notable_trials.link(experiment, pick.trial)) if pick else ''
 
 
-def differences(experiment: Experiment, title: str, found: Any, scale: Scale,
+def differences(experiment: Experiment, title: str, found: Sequence[Difference], scale: Scale,
                 where: str) -> Optional[Table]:
     """Return the table of one metric's effects.Differences, or None if there are none."""
     if not found:
@@ -105,12 +107,12 @@ def _probability(p: float) -> str:
     return probability(p).replace(f'={NBSP}', '')
 
 
-def changes(experiment: Any, found: Sequence[Difference], scale: Scale) -> Optional[Table]:
+def changes(experiment: Experiment, found: Sequence[Difference], scale: Scale) -> Optional[Table]:
     """Return the table of one metric's interactions, or None if there are none."""
     if not found:
         return None
     unit = comparisons.difference_scale(found[0].metric, scale)
-    rows: Any = []
+    rows: List[Row] = []
     for each in found:
         first, second = comparisons.names_of(experiment, each)
         places = [level_label(experiment.factors, *place) for place in each.at]
@@ -118,10 +120,10 @@ def changes(experiment: Any, found: Sequence[Difference], scale: Scale) -> Optio
         rows.append((f'{second} − {first}', f'{places[1]} − {places[0]}', whole(each.estimate.n), value,
                      f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
                      comparisons.VERDICTS[_of_change(comparisons.verdict_of(each))][0]))
-    rows, note = cut(rows, '', 'tables/interactions.csv')
+    shown_rows, note = cut(rows, '', 'tables/interactions.csv')
     return Table(f'How differences depend on other factors{_in(unit)}',
-                 ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'), rows,
-                 note)
+                 ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'),
+                 shown_rows, note)
 
 
 def _of_change(verdict: str) -> str:
@@ -130,7 +132,7 @@ def _of_change(verdict: str) -> str:
 
 def configurations(experiment: Experiment) -> Table:
     """Return the table of the configurations: the numbers of trials, their length and their speed."""
-    rows: Any = []
+    rows: List[Row] = []
     for configuration in experiment.configurations:
         own = experiment.trials_of(configuration)
         counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED, MISSING)]
@@ -138,12 +140,12 @@ def configurations(experiment: Experiment) -> Table:
         speed = intervals.median_estimate([trial.times_real_time for trial in complete])
         span = intervals.mean_estimate([trial.simulated_seconds for trial in complete])
         rows.append((configuration.label, *map(whole, counts), digits(span.value), digits(speed.value, 2)))
-    rows, note = cut(rows, '', 'trials.csv')
+    shown_rows, note = cut(rows, '', 'trials.csv')
     return Table('Configurations', ('configuration', 'complete', 'failed', 'not run', 'simulated s per trial',
-                                    'times real time (median)'), rows, note)
+                                    'times real time (median)'), shown_rows, note)
 
 
-def factors(experiment: Any) -> Optional[Table]:
+def factors(experiment: Experiment) -> Optional[Table]:
     """Return the table of the factors, or None if there are none."""
     if not experiment.factors:
         return None
@@ -151,49 +153,49 @@ def factors(experiment: Any) -> Optional[Table]:
                  tuple((factor.title, ', '.join(factor.levels)) for factor in experiment.factors))
 
 
-def worth_a_look(experiment: Any, metric: Metric, scale: Scale, found: Sequence[Pick]) -> Table:
+def worth_a_look(experiment: Experiment, metric: Metric, scale: Scale, found: Sequence[Pick]) -> Table:
     """Return the table of the worst and the median trial of each configuration."""
-    rows: Any = []
+    rows: List[Row] = []
     for pick in found:
         rows.append((experiment.configurations[pick.configuration].label, pick.role,
                      digits(pick.value * scale.factor) + scale.suffix + _bound(experiment, metric, pick.trial),
                      str(pick.trial.replication),
                      str(pick.trial.seed), Cell(pick.trial.id, notable_trials.link(experiment, pick.trial))))
-    rows, note = cut(rows, '', 'trials.csv')
+    shown_rows, note = cut(rows, '', 'trials.csv')
     return Table('Worst and median trials', ('configuration', 'which', metric.title, 'replication', 'seed', 'trial'),
-                 rows, note, is_open=len(rows) <= 24)
+                 shown_rows, note, is_open=len(rows) <= 24)
 
 
-def _bound(experiment: Experiment, metric: Metric, trial: Any) -> str:
+def _bound(experiment: Experiment, metric: Metric, trial: Trial) -> str:
     """Return the words that follow a value which the limit of time has cut off, '' if it is complete."""
     if not endings.is_cut(experiment, metric, trial):
         return ''
     return ' or more' if metric.at_limit in endings.BOUNDS else ' (cut off)'
 
 
-def failures(experiment: Any) -> Optional[Table]:
+def failures(experiment: Experiment) -> Optional[Table]:
     """Return the table of trials with an error, failed or complete, grouped by the error; None if there are none."""
-    groups: Dict[Any, Any] = {}
+    groups: Dict[Tuple[str, str], List[Trial]] = {}
     for trial in experiment.trials:
         if trial.error:
             groups.setdefault((trial.error, trial.status), []).append(trial)
     if not groups:
         return None
-    rows: Any = []
+    rows: List[Row] = []
     for (error, status), trials in sorted(groups.items(), key=lambda item: -len(item[1])):
         first = trials[0]
         where = notable_trials.node_logs(experiment, first) or notable_trials.event_log(experiment, first)
         labels = list(dict.fromkeys(experiment.configurations[trial.configuration].label for trial in trials))
         rows.append((error, status, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
                      Cell(first.id, where), whole(max(trial.attempts for trial in trials))))
-    rows, note = cut(rows, '', 'trials.csv')
+    shown_rows, note = cut(rows, '', 'trials.csv')
     header = ('error', 'status', 'trials', 'configurations', 'first of them', 'attempts')
-    return Table('Trials by the first line of their error', header, rows, note, is_open=True)
+    return Table('Trials by the first line of their error', header, shown_rows, note, is_open=True)
 
 
 def labels(experiment: Experiment) -> Optional[Table]:
     """Return the table of the reasons why trials may not be repeatable, or None if there are none."""
-    counts: Dict[Any, Any] = {}
+    counts: Dict[str, int] = {}
     for trial in experiment.complete:
         for label in dict.fromkeys(trial.labels):
             counts[label] = counts.get(label, 0) + 1
@@ -206,14 +208,15 @@ def labels(experiment: Experiment) -> Optional[Table]:
 
 def not_identical(experiment: Experiment) -> Optional[Table]:
     """Return the table of trials whose second run was different, or None if there are none."""
-    rows: Any = [(experiment.configurations[trial.configuration].label,
-             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not recorded')
-            for trial in experiment.complete if trial.verified == 'different']
+    rows: List[Row] = [(experiment.configurations[trial.configuration].label,
+                        Cell(trial.id, notable_trials.event_log(experiment, trial)),
+                        trial.difference or 'not recorded')
+                       for trial in experiment.complete if trial.verified == 'different']
     if not rows:
         return None
-    rows, note = cut(rows, '', 'trials.csv')
-    return Table('Trials that were different when run again', ('configuration', 'trial', 'first difference'), rows,
-                 note, is_open=True)
+    shown_rows, note = cut(rows, '', 'trials.csv')
+    return Table('Trials that were different when run again', ('configuration', 'trial', 'first difference'),
+                 shown_rows, note, is_open=True)
 
 
 def robots(frame: pd.DataFrame) -> Optional[Table]:
@@ -224,15 +227,18 @@ def robots(frame: pd.DataFrame) -> Optional[Table]:
              'goals_begun': 'goals begun', 'goals_beyond': 'goals outside of what was recorded'}
     columns = [name for name in dict.fromkeys(frame['quantity']) if not name.startswith('goals_beyond_')]
     factors_of = [name for name in frame.columns if name.startswith('factor.')]
-    rows: Dict[Any, Any] = {}
+    rows: Dict[Any, Dict[str, str]] = {}
     for record in frame.to_dict('records'):
         key = tuple(record[name] for name in factors_of), record['robot']
         rows.setdefault(key, {})[record['quantity']] = digits(record['value'])
-    cells: Any = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
-             for (levels, robot), values in rows.items()]
-    cells, note = cut(cells, 'Means over the complete trials; a trial that the limit of time ended counts until then.',
-                      'tables/robots.csv')
-    return Table('Each robot', ('configuration', 'robot', *(names.get(name, name) for name in columns)), cells, note)
+    cells: List[Row] = [
+        (', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
+        for (levels, robot), values in rows.items()]
+    shown_rows, note = cut(
+        cells, 'Means over the complete trials; a trial that the limit of time ended counts until then.',
+        'tables/robots.csv')
+    header = ('configuration', 'robot', *(names.get(name, name) for name in columns))
+    return Table('Each robot', header, shown_rows, note)
 
 
 def provenance(experiment: Experiment) -> Table:

@@ -22,11 +22,11 @@ class Pick(NamedTuple):
 
     configuration: int
     role: str  # 'worst' or 'median'
-    trial: Any  # outcome.Trial
+    trial: Trial
     value: float
 
 
-def primary_metric(experiment: Any) -> Optional[Metric]:
+def primary_metric(experiment: Experiment) -> Optional[Metric]:
     """Return the Metric by which trials are picked: the first with a better side and values; None if there is none."""
     for metric in experiment.metrics:
         if metric.better and any(metric.name in trial.metrics and not math.isnan(trial.metrics[metric.name])
@@ -35,7 +35,7 @@ def primary_metric(experiment: Any) -> Optional[Metric]:
     return None
 
 
-def picks(experiment: Any, metric: Metric) -> List[Pick]:
+def picks(experiment: Experiment, metric: Metric) -> List[Pick]:
     """Return the Picks of a metric: the worst and the median trial of each configuration.
 
     Of trials with equal values the first one in the plan is picked. Of two trials in the middle, the median is the one
@@ -75,7 +75,7 @@ def _median(experiment: Experiment, metric: Metric,
     return median if is_known else None
 
 
-def event_log(experiment: Experiment, trial: Trial) -> Any:
+def event_log(experiment: Experiment, trial: Trial) -> Optional[str]:
     """Return the path of a trial's event log, relative to the experiment's folder, or None."""
     path = os.path.join('trials', trial.id, 'events.jsonl')
     return path if (experiment.folder / path).is_file() else None
@@ -87,7 +87,7 @@ def node_logs(experiment: Experiment, trial: Trial) -> Optional[str]:
     return path + '/' if (experiment.folder / path).is_dir() else None
 
 
-def link(experiment: Experiment, trial: Any) -> str:
+def link(experiment: Experiment, trial: Trial) -> Optional[str]:
     """Return the path of a trial's replay; if there is none, that of its event log, otherwise None."""
     return f'replays/{trial.id}.html' if trial.id in experiment.replays else event_log(experiment, trial)
 
@@ -99,16 +99,17 @@ def write_replays(experiment: Experiment, found: Sequence[Pick], write_page: Cal
     """
     names = dict.fromkeys(pick.trial.id for pick in found)
     by_id = {trial.id: trial for trial in experiment.trials}
-    wanted = [by_id[name] for name in names if event_log(experiment, by_id[name])][:MOST_REPLAYS]
-    problems: List[Any] = []
+    logs = {name: event_log(experiment, by_id[name]) for name in names}
+    wanted = [(by_id[name], log) for name, log in logs.items() if log is not None][:MOST_REPLAYS]
+    problems: List[str] = []
     if not wanted:
         return problems
     folder = experiment.folder / 'replays'
     marker = KIND.make(folder)
     try:
-        for trial in wanted:
+        for trial, log in wanted:
             try:
-                write_page([experiment.folder / event_log(experiment, trial)], folder / f'{trial.id}.html')
+                write_page([experiment.folder / log], folder / f'{trial.id}.html')
                 experiment.replays.add(trial.id)
             except Exception as error:  # if one log cannot be shown, the report still shows the rest
                 text = str(error).replace(str(experiment.folder) + os.sep, '')  # the page is the same anywhere

@@ -49,7 +49,7 @@ def signs(first: np.ndarray, second: np.ndarray, first_cut: np.ndarray,
 
 
 def order_of(tables: Sequence[np.ndarray], cuts: Sequence[np.ndarray],
-             groups: Sequence[Tuple[int, int]]) -> Optional[Order]:
+             groups: Sequence[Tuple[int, ...]]) -> Optional[Order]:
     """Return the Order of the second table's values against the first's, or None if no pair has a known order.
 
     :param tables, cuts: two values, and whether they are lower bounds; each of shape (groups, replications).

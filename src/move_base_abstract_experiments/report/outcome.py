@@ -8,7 +8,7 @@ import re
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from .. import records
 from . import design, endings
 
 if TYPE_CHECKING:
-    from .design import Configuration, Metric
+    from .design import Configuration, Factor, Metric
 
 FORMAT = 1
 COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
@@ -38,23 +38,23 @@ class Trial:
     id: str
     configuration: int  # its place in Experiment.configurations
     replication: int
-    seed: Any
+    seed: Optional[int]
     status: str  # COMPLETE, FAILED or MISSING
     error: str = ''  # a complete trial can have one too, for example of its metrics
-    metrics: dict = field(default_factory=dict)  # name: float, NaN where the trial has none
+    metrics: Dict[str, float] = field(default_factory=dict)  # NaN where the trial has none
     simulated_seconds: float = math.nan
     wall_seconds: float = math.nan
     times_real_time: float = math.nan
-    repeatable: Any = None  # True, False, or None: not recorded
-    labels: tuple = ()
-    verified: Any = None  # 'identical', 'different', or None: not run again
+    repeatable: Optional[bool] = None  # None: not recorded
+    labels: Tuple[str, ...] = ()
+    verified: Optional[str] = None  # 'identical', 'different', or None: not run again
     difference: str = ''
-    robots: dict = field(default_factory=dict)  # name: {quantity: float}
-    waits: dict = field(default_factory=dict)  # place, zone or lane: s for which all robots together waited there
+    robots: Dict[str, Dict[str, float]] = field(default_factory=dict)  # by name and quantity
+    waits: Dict[str, float] = field(default_factory=dict)  # [s] of all robots together, by place, zone or lane
     attempts: int = 1
     ended_by: str = ''  # see endings; '': not recorded
     kept: str = ''  # the trial's program, if it is not the present one and the trial was kept nevertheless
-    open_goals: Any = None  # the number of goals that had not ended at the trial's end; None: not recorded
+    open_goals: Optional[int] = None  # the number of goals that had not ended at the trial's end; None: not recorded
     properties: Any = None  # the 'properties' of trial.json, unchecked; sections.properties reads them
 
 
@@ -63,13 +63,13 @@ class Experiment:
     """An experiment, as read from its folder."""
 
     folder: Path
-    plan: dict
-    factors: tuple  # of design.Factor
-    configurations: tuple  # of design.Configuration
-    metrics: tuple  # of design.Metric
-    trials: tuple  # of Trial, in the order of the plan
-    replays: set = field(default_factory=set)  # the IDs of the trials whose replay this report has written
-    known: dict = field(default_factory=dict, compare=False)  # a cache of tables
+    plan: Dict[str, Any]
+    factors: Tuple[Factor, ...]
+    configurations: Tuple[Configuration, ...]
+    metrics: Tuple[Metric, ...]
+    trials: Tuple[Trial, ...]  # in the order of the plan
+    replays: Set[str] = field(default_factory=set)  # the IDs of the trials whose replay this report has written
+    known: Dict[Any, Any] = field(default_factory=dict, compare=False)  # a cache of tables
 
     @property
     def name(self) -> str:
@@ -95,7 +95,7 @@ class Experiment:
         has_failed = any(trial.status == FAILED for trial in self.trials)
         return (design.FAILED_TRIALS,) * has_failed + (design.LIMITED_TRIALS,) * endings.has_limited(self)
 
-    def values(self, metric: Any) -> np.ndarray:
+    def values(self, metric: Metric) -> np.ndarray:
         """Return the values of a Metric, shape (configurations, replications).
 
         NaN stands for a trial that failed, has not run or has no value. Columns are replications in ascending order;
@@ -106,7 +106,7 @@ class Experiment:
         return self._table(('values', metric.name, metric.outcome), of.get(metric.outcome, lambda trial: (
             trial.metrics.get(metric.name, math.nan))), math.nan)
 
-    def cut(self, metric: Any) -> np.ndarray:
+    def cut(self, metric: Metric) -> np.ndarray:
         """Return which of values() the limit of time cut off, so that they are at best bounds: booleans, same shape."""
         return self._table(('cut', metric.name, metric.outcome),
                            lambda trial: endings.is_cut(self, metric, trial), 0.0) > 0.0
@@ -115,7 +115,7 @@ class Experiment:
         """Return the number of trials with this status, per configuration."""
         return np.nansum(self._table(('count', status), lambda trial: float(trial.status == status), 0.0), axis=1)
 
-    def _table(self, key: Sequence[str], value_of: Callable[..., Any], nothing: float) -> np.ndarray:
+    def _table(self, key: Tuple[str, ...], value_of: Callable[[Trial], float], nothing: float) -> np.ndarray:
         if key not in self.known:
             keys = sorted({(each.kept, each.replication) for each in self.trials})
             columns = {one: place for place, one in enumerate(keys)}
@@ -145,7 +145,7 @@ def read(folder: Path) -> Experiment:
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
 
 
-def _share(planned: Sequence[Dict[str, Union[Dict[str, Any], int, str]]], places: Sequence[int]) -> None:
+def _share(planned: Sequence[Dict[str, Any]], places: Sequence[int]) -> None:
     """Let the trials of a plan share equal configurations and programs, to save memory.
 
     :param places: the place of each trial's configuration.
@@ -210,20 +210,20 @@ def _rows_of_csv(path: Path, metrics: Mapping[str, Dict[str, str]]) -> Dict[str,
 
 
 def _of_row(row: Mapping[str, str],
-            metrics: Mapping[str, Dict[str, str]]) -> Any:
+            metrics: Mapping[str, Dict[str, str]]) -> Dict[str, Any]:
     known = {key: value for key, value in row.items() if isinstance(key, str) and value not in ('', None)}
     labels = known.pop('labels', '')
-    told: Any = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
+    told: Dict[str, Any] = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
             'labels': [labels] if labels else []}
     if 'repeatable' in told:
         told['repeatable'] = told['repeatable'].lower() in ('true', '1', 'yes')
     return told
 
 
-def _trial(folder: Any, plan: Mapping[str, Any], planned: Mapping[str, Union[Dict[str, Union[int, str]], int, str]],
-           configuration: int, rows: Mapping[Any, Any]) -> Trial:
+def _trial(folder: Path, plan: Mapping[str, Any], planned: Mapping[str, Any],
+           configuration: int, rows: Mapping[str, Dict[str, Any]]) -> Trial:
     """Return the Trial of an entry of the plan."""
-    base: Any = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
+    base: Dict[str, Any] = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
                 seed=planned.get('seed'), kept=str(planned.get('program')) if planned.get('kept') else '')
     path = folder / 'trials' / planned['id'] / 'trial.json'
     try:
@@ -243,7 +243,7 @@ def _trial(folder: Any, plan: Mapping[str, Any], planned: Mapping[str, Union[Dic
         return Trial(**base, status=FAILED, error=str(error))
 
 
-def _check_same(told: Mapping[str, Any], planned: Mapping[str, Union[Dict[str, Union[int, str]], int, str]],
+def _check_same(told: Mapping[str, Any], planned: Mapping[str, Any],
                 path: Path) -> None:
     for key in ('configuration', 'replication', 'seed'):
         if key in told and told[key] != planned.get(key):
@@ -251,7 +251,7 @@ def _check_same(told: Mapping[str, Any], planned: Mapping[str, Union[Dict[str, U
                                      f'{shown(planned.get(key))}')
 
 
-def _told(base: Any, told: Mapping[str, Any], until: Optional[Mapping[str, int]]) -> Trial:
+def _told(base: Mapping[str, Any], told: Mapping[str, Any], until: Optional[Mapping[str, int]]) -> Trial:
     """Return the Trial of a trial.json (a mapping). Any part of it may be missing or wrong."""
     status = told.get('status')
     lines = str(told.get('error') or '').strip().splitlines()
@@ -291,10 +291,10 @@ def _number(value: Any) -> float:
     return number if abs(number) <= LARGEST else math.nan
 
 
-def _count(value: Optional[Union[Sequence[Any], int]]) -> int:
+def _count(value: Any) -> int:
     return _whole(value) or 1
 
 
-def _whole(value: Optional[Union[Sequence[Any], int]]) -> Optional[int]:
+def _whole(value: Any) -> Optional[int]:
     """Return the value if it is a whole number of at least 0, otherwise None."""
     return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None

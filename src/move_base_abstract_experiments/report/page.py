@@ -10,9 +10,8 @@ from typing import (
     TYPE_CHECKING,
     Any,
     Dict,
-    Iterator,
+    Iterable,
     List,
-    Mapping,
     NamedTuple,
     Optional,
     Sequence,
@@ -44,6 +43,7 @@ from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, sc
 
 if TYPE_CHECKING:
     from .design import Metric
+    from .effects import Difference
     from .findings import Finding
     from .outcome import Experiment
     from .parts import Table
@@ -60,13 +60,13 @@ _NUMBER = re.compile(f'[{MINUS}+<{NBSP}]*[0-9][0-9,.]*(·10.*)?|{UNKNOWN}|')
 class Analysis(NamedTuple):
     """An experiment, and the statistics of it that the page and the tables share."""
 
-    experiment: Any
-    scales: dict  # metric name: wording.Scale
+    experiment: Experiment
+    scales: Dict[str, Scale]  # by the name of the metric
     looks: Looks
-    mains: list  # of effects.Difference
-    singles: list
-    changes: list
-    endings: tuple  # (between levels, between configurations) of how trials ended
+    mains: List[Difference]
+    singles: List[Difference]
+    changes: List[Difference]
+    endings: Tuple[List[Difference], List[Difference]]  # (between levels, between configurations) of how trials ended
 
 
 class Shares(NamedTuple):
@@ -110,9 +110,9 @@ def _columns(table: Table) -> List[str]:
     return ['n' if texts and all(_NUMBER.fullmatch(str(text)) for text in texts) else '' for texts in columns]
 
 
-def _page(analysis: Analysis, added: Any,
-          problems: Sequence[str]) -> Dict[str, Union[List[Union[Tuple[str, List[Any]], str, Table]], int, str]]:
-    experiment: Any = analysis.experiment
+def _page(analysis: Analysis, added: Sequence[Section],
+          problems: Sequence[str]) -> Dict[str, Any]:
+    experiment = analysis.experiment
     told = findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
     others = [each for each in told if not each.is_primary] if any(each.is_primary for each in told) else []
     told = [each for each in told if each not in others]
@@ -135,15 +135,15 @@ def _page(analysis: Analysis, added: Any,
             _repeatable(experiment), _method(analysis), _provenance(experiment, problems))))
 
 
-def _by_metric(told: Union[Sequence[Finding], Iterator[Any]]) -> Any:
+def _by_metric(told: Iterable[Finding]) -> List[Tuple[str, List[Finding]]]:
     """Return pairs (title of a metric, its Findings)."""
-    groups: Dict[Any, Any] = {}
+    groups: Dict[str, List[Finding]] = {}
     for each in told:
         groups.setdefault(each.metric, []).append(each)
     return list(groups.items())
 
 
-def _lede(experiment: Any) -> str:
+def _lede(experiment: Experiment) -> str:
     varied = [factor.title for factor in experiment.factors if len(factor.levels) > 1]
     what = f'{counted(len(experiment.configurations), "configurations")}'
     by = f' of {listed(varied)}' if varied else ''
@@ -151,7 +151,7 @@ def _lede(experiment: Any) -> str:
     return f'{what}{by}; {trials}.'
 
 
-def _warnings(experiment: Any) -> Any:
+def _warnings(experiment: Experiment) -> List[str]:
     """Return the warnings that a reader must see before the findings."""
     texts = []
     failed = sum(trial.status == FAILED for trial in experiment.trials)
@@ -188,7 +188,7 @@ def _warnings(experiment: Any) -> Any:
     return texts + design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)
 
 
-def _findings_notes(analysis: Any) -> Any:
+def _findings_notes(analysis: Analysis) -> List[str]:
     found = analysis.mains or analysis.singles
     if not found:
         return []
@@ -204,7 +204,7 @@ def _findings_notes(analysis: Any) -> Any:
             'the interval says which differences are still possible.']
 
 
-def _metrics_notes(experiment: Any) -> Any:
+def _metrics_notes(experiment: Experiment) -> List[str]:
     if not experiment.complete:
         return []
     return ['Each tick is a trial. The mark is the mean, and its bar is the 95 % interval of the mean. In plots over '
@@ -213,7 +213,7 @@ def _metrics_notes(experiment: Any) -> Any:
             'be clear: see the tables.']
 
 
-def _facts(experiment: Any) -> Any:
+def _facts(experiment: Experiment) -> List[Tuple[str, str, str]]:
     complete = experiment.complete
     plan = experiment.plan
     varied = [f'{factor.title}: {counted(len(factor.levels), "levels")}' for factor in experiment.factors
@@ -240,7 +240,7 @@ def _facts(experiment: Any) -> Any:
     return facts
 
 
-def until_text(until: Optional[Union[Mapping[str, Any], int]]) -> str:
+def until_text(until: Any) -> str:
     """Return in words when a trial ends, from the ``until`` of the plan."""
     if not isinstance(until, dict) or not until:
         return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
@@ -259,18 +259,18 @@ def until_text(until: Optional[Union[Mapping[str, Any], int]]) -> str:
     return ', or '.join(words) or 'until it ends'
 
 
-def _metric(analysis: Analysis, metric: Metric) -> Any:
+def _metric(analysis: Analysis, metric: Metric) -> Dict[str, Any]:
     """Return the part of the page about a metric, as a mapping for the template."""
     experiment, looks = analysis.experiment, analysis.looks
     scale = analysis.scales[metric.name]
     estimates = effects.summary(experiment, metric)
     shown = pictures.strips(experiment, metric, scale, looks, estimates)
-    better = {'lower': 'lower is better', 'higher': 'higher is better'}.get(metric.better, '')
+    better = {'lower': 'lower is better', 'higher': 'higher is better'}.get(metric.better or '', '')
     if metric.is_share:
         better = ', '.join(filter(None, ('share of trials with yes', better)))
     unit = '' if scale.unit == metric.title.lower() else scale.in_brackets
-    about: Any = dict(title=metric.title, unit=unit, better=better, strips=shown, plots=[], tables=[],
-                 problem='' if shown else 'No complete trial has a value.')
+    about: Dict[str, Any] = dict(title=metric.title, unit=unit, better=better, strips=shown, plots=[], tables=[],
+                                 problem='' if shown else 'No complete trial has a value.')
     if shown is None:
         return about
     if findings.is_constant(experiment, metric):
@@ -297,7 +297,7 @@ def _metric(analysis: Analysis, metric: Metric) -> Any:
     return about
 
 
-def _plots(experiment: Any, metric: Metric, scale: Scale, looks: Looks) -> List[Plot]:
+def _plots(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks) -> List[Plot]:
     varied = [place for place, factor in enumerate(experiment.factors) if len(factor.levels) > 1]
     plots = [pictures.factor_plot(experiment, metric, scale, looks, place) for place in varied]
     plots += [pictures.pair_plot(experiment, metric, scale, looks, pair)
@@ -305,9 +305,9 @@ def _plots(experiment: Any, metric: Metric, scale: Scale, looks: Looks) -> List[
     return [plot for plot in plots if plot is not None]
 
 
-def _robots(analysis: Analysis) -> Any:
+def _robots(analysis: Analysis) -> Union[Section, Shares, None]:
     """Return the section about how the robots spent their time, or None if no trial recorded it."""
-    experiment: Any = analysis.experiment
+    experiment = analysis.experiment
     table = listings.robots(frames.robots(experiment))
     sums = [[math.fsum(intervals.known([robot.get(state.key, math.nan) for trial in experiment.complete
                                         if trial.configuration == configuration.place
@@ -330,11 +330,11 @@ def _robots(analysis: Analysis) -> Any:
                   (f'Shares of the time of all robots in all complete trials{_cut_text(rows)}.', table))
 
 
-def _cut_text(rows: Any) -> str:
+def _cut_text(rows: Sequence[Any]) -> str:
     return f'; the first {listings.MOST_ROWS} configurations' if len(rows) > listings.MOST_ROWS else ''
 
 
-def _looks(analysis: Analysis) -> Any:
+def _looks(analysis: Analysis) -> Optional[Section]:
     experiment = analysis.experiment
     metric = notable_trials.primary_metric(experiment)
     if metric is None:
@@ -346,7 +346,7 @@ def _looks(analysis: Analysis) -> Any:
         'or to the event log if there is no replay.', table))
 
 
-def _repeatable(experiment: Any) -> Any:
+def _repeatable(experiment: Experiment) -> Optional[Section]:
     complete = experiment.complete
     again = [trial for trial in complete if trial.verified]
     told = [trial for trial in complete if trial.repeatable is not None]
@@ -362,12 +362,12 @@ def _repeatable(experiment: Any) -> Any:
         parts.append('No trial was run again to see whether it repeats.')
     if told:
         parts.append('Trials whose run says that it is repeatable: '
-                     f'{whole(sum(trial.repeatable for trial in told))} of {whole(len(told))}.')
+                     f'{whole(sum(bool(trial.repeatable) for trial in told))} of {whole(len(told))}.')
     parts += there((listings.not_identical(experiment), listings.labels(experiment)))
     return Section('Repeatability', tuple(parts)) if complete else None
 
 
-def _method(analysis: Any) -> Any:
+def _method(analysis: Analysis) -> Optional[Section]:
     """Return the section that explains the intervals and tests."""
     parts = [
         "Means of configurations have Student's 95 % interval. Shares of yes and no have Wilson's. Medians have the "
@@ -393,6 +393,6 @@ def _method(analysis: Any) -> Any:
     return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
 
 
-def _provenance(experiment: Any, problems: Sequence[str]) -> Any:
+def _provenance(experiment: Experiment, problems: Sequence[str]) -> Section:
     parts = [listings.provenance(experiment), *problems]
     return Section('Provenance', tuple(parts))

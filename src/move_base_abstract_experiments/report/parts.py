@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import io
 import re
-from typing import Any, Iterable, List, NamedTuple
+from typing import Any, Iterable, List, NamedTuple, Optional
 
 import numpy as np
 
@@ -16,7 +16,7 @@ class Cell(NamedTuple):
     """A cell of a table with a link."""
 
     text: str
-    link: str  # an address; '' or None: only the text is shown
+    link: Optional[str]  # an address; '' or None: only the text is shown
 
 
 class Table(NamedTuple):

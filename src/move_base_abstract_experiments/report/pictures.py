@@ -5,7 +5,7 @@ Positions are percentages of a row's width, or units of a plot's own size, so th
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import effects
 from .design import level_label
@@ -75,11 +75,11 @@ class Row(NamedTuple):
     """One configuration: its trials as ticks, its mean with the interval; positions in per cent."""
 
     label: str
-    look: Any  # colours.Look
+    look: Look
     ticks: str  # an SVG path, x in 0..TICK_STEPS, y in 0..10
-    mid: Any  # None if there is no mean
-    low: Any  # low and high are None if there is no interval
-    high: Any
+    mid: Optional[float]  # None if there is no mean
+    low: Optional[float]  # low and high are None if there is no interval
+    high: Optional[float]
     text: str
     note: str
 
@@ -105,7 +105,7 @@ class Line(NamedTuple):
     """The means of one level of a factor, or of all trials."""
 
     label: str
-    look: Any
+    look: Optional[Look]
     path: str
     points: tuple  # of (colours.Look, Point)
     dash: str
@@ -121,7 +121,7 @@ class Plot(NamedTuple):
     note: str
 
 
-def strips(experiment: Any, metric: Metric, scale: Scale, looks: Looks,
+def strips(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks,
            estimates: Sequence[Estimate]) -> Optional[Strips]:
     """Return the Strips of a metric, or None if no trial has a value."""
     values = [[value * scale.factor for value in row if not math.isnan(value)]
@@ -152,7 +152,7 @@ def _percent(share: float) -> float:
     return round(100.0 * share, 2)
 
 
-def factor_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks, factor: int) -> Any:
+def factor_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks, factor: int) -> Optional[Plot]:
     """Return the Plot of a metric over the levels of a factor, or None if no level has a value."""
     levels, is_like_for_like = effects.levels_of(experiment, metric, factor)
     about = experiment.factors[factor]
@@ -162,7 +162,8 @@ def factor_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Loo
                  lambda level: looks.of_level(factor, level))
 
 
-def pair_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks, pair: Tuple[int, int]) -> Any:
+def pair_plot(experiment: Experiment, metric: Metric, scale: Scale, looks: Looks,
+              pair: Tuple[int, int]) -> Optional[Plot]:
     """Return the Plot of a metric over two factors, or None if there is no value.
 
     Each line is a level of one of the two factors: of the one that gives the colours, if it is among them.
@@ -187,7 +188,7 @@ def _roles(factors: Sequence[Factor], pair: Tuple[int, int], looks: Looks) -> Tu
 
 
 def _plot(title: str, about: Factor, lines: Sequence[Tuple[str, Optional[Look], List[Level]]], scale: Scale, note: str,
-          look_of: Any = None) -> Optional[Plot]:
+          look_of: Callable[[int], Optional[Look]] = lambda level: None) -> Optional[Plot]:
     """Return the Plot of lines, or None if there is no value.
 
     :param lines: tuples (label, look, effects.Levels). :param look_of: returns the look of a level, for a line whose

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
+from typing import TYPE_CHECKING, NamedTuple, Sequence, Tuple
 
 if TYPE_CHECKING:
     from .design import Metric
@@ -101,7 +101,7 @@ def counted(number: int, noun: str) -> str:
     return f'{whole(number)} {_SMALL_PLURALS.get(noun, noun) if number == 1 else noun}'
 
 
-def estimate_texts(estimate: Estimate, scale: Scale) -> Any:
+def estimate_texts(estimate: Estimate, scale: Scale) -> Tuple[str, str, str]:
     """Return (value, low, high) of an Estimate as texts without unit; low and high are '' if there is no interval."""
     value, low, high = (each * scale.factor for each in estimate[:3])
     if math.isnan(value):
@@ -109,11 +109,12 @@ def estimate_texts(estimate: Estimate, scale: Scale) -> Any:
     if math.isnan(low):
         return digits(value), '', ''
     if low == high:
-        return (digits(value, 3 if scale.unit in ('%', 'percentage points') else EXACT_DIGITS),) * 3
+        text = digits(value, 3 if scale.unit in ('%', 'percentage points') else EXACT_DIGITS)
+        return text, text, text
     decimals = _decimals_of_estimate(value, low, high)
     if decimals > _MOST_DECIMALS:
         return digits(value, 2), digits(low, 2), digits(high, 2)
-    return tuple(fixed(each, decimals) for each in (value, low, high))
+    return fixed(value, decimals), fixed(low, decimals), fixed(high, decimals)
 
 
 def _decimals_of_estimate(value: float, low: float, high: float) -> int:
@@ -121,7 +122,7 @@ def _decimals_of_estimate(value: float, low: float, high: float) -> int:
     return decimals_of(min((high - low) / 2.0, 2.0 * min(reaches)) if reaches else high - low, low, high)
 
 
-def with_interval(estimate: Any, scale: Scale) -> str:
+def with_interval(estimate: Estimate, scale: Scale) -> str:
     """Return '612 s (598 to 626 s)'; without an interval '612 s', without a value a dash."""
     value, low, high = estimate_texts(estimate, scale)
     if value == UNKNOWN:

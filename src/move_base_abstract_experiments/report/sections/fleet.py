@@ -1,7 +1,7 @@
 """The section about where robots waited for room: places, zones, lanes, chargers; per trial, all robots together."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 from .. import frames
 from ..listings import cut
@@ -15,7 +15,7 @@ HEADING = 'Where robots waited'
 _SECONDS = Scale(1.0, 's')
 
 
-def section(experiment: Experiment) -> Any:
+def section(experiment: Experiment) -> Optional[Section]:
     """Return the section, or None if no robot waited for room in any trial."""
     frame = frames.waits(experiment)
     if frame.empty:

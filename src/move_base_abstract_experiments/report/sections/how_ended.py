@@ -1,7 +1,7 @@
 """How trials ended, in words: which failed, which the limit of time ended, and whether the shares of these differ."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
+from typing import TYPE_CHECKING, Dict, List, Optional, Sequence
 
 from .. import effects, endings, listings
 from ..findings import of_differences
@@ -32,7 +32,7 @@ def findings(experiment: Experiment, mains: Sequence[Difference], singles: Seque
             for finding in of_differences(experiment, own, SCALE) if finding.verdict != 'same']
 
 
-def tables(experiment: Any, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Optional[Table]]:
+def tables(experiment: Experiment, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Optional[Table]]:
     """Return the tables of the same differences."""
     return [listings.differences(experiment, f'{own[0].metric.title}: differences', own, SCALE, 'tables/endings.csv')
             for own in _compared(experiment, mains, singles)]
@@ -46,7 +46,7 @@ def _compared(experiment: Experiment, mains: Sequence[Difference],
     return [own[0] or own[1] for own in kinds if own[0] or own[1]]
 
 
-def table(experiment: Any) -> Optional[Table]:
+def table(experiment: Experiment) -> Optional[Table]:
     """Return the table of how the trials of each configuration ended, or None if experiment.outcomes is empty."""
     outcomes = experiment.outcomes
     if not outcomes:
@@ -67,7 +67,7 @@ def table(experiment: Any) -> Optional[Table]:
 
 def _ends_text(trials: Sequence[Trial]) -> str:
     """Return how trials ended, the most frequent way first: 'idle 28, limit of time 2'."""
-    counts: Dict[Any, Any] = {}
+    counts: Dict[str, int] = {}
     for trial in trials:
         if trial.ended_by:
             counts[trial.ended_by] = counts.get(trial.ended_by, 0) + 1

@@ -1,7 +1,7 @@
 """The section about properties: in how many trials each held, was broken, or was not judged; and its first break."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple, Type, TypeVar, Union
 
 from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
 from move_base_abstract.runs.built_in import ALL, BUILT_IN, SOMETIMES
@@ -19,6 +19,9 @@ HEADING = 'Properties'
 _ALL_OF_1_0 = ('no_crash', 'no_exception', 'no_standstill', 'no_zero_delay_loop', 'every_goal_ends', 'capacities_kept',
                'charged')
 MOST_TOLD = 6
+#: (name, node, text) of a property; a built-in one has no node and no text
+Key = Tuple[str, str, str]
+_Kind = TypeVar('_Kind')
 _NOTE = 'Not judged: the trial has not run, has left no event log, or has never made the statement. The first break ' \
         'is the first in the order of the plan; instants are in simulated time. All breaks are in trials/*/trial.json.'
 
@@ -26,7 +29,7 @@ _NOTE = 'Not judged: the trial has not run, has left no event log, or has never 
 class Break(NamedTuple):
     """The first break of a property in a trial: its instant [ns] (None: it has none), and what happened, in words."""
 
-    instant_ns: Any
+    instant_ns: Optional[int]
     words: str
 
 
@@ -38,12 +41,11 @@ class Judged(NamedTuple):
     statements: dict  # key: the outcome of the statement
 
 
-def read(told: Optional[Mapping[Any, Any]]) -> Any:
+def read(told: Any) -> Optional[Judged]:
     """Return the Judged of the 'properties' of a trial.json, or None if there are none. Wrong parts are left out."""
     if not isinstance(told, dict) or not told:
         return None
     broken = {}
-    one: Any
     for one in _rows(told.get('broken'), dict):
         key = _key(one.get('property'), one.get('node'), one.get('text'))
         if key is not None and key not in broken:
@@ -59,13 +61,14 @@ def read(told: Optional[Mapping[Any, Any]]) -> Any:
     return Judged(frozenset(_ALL_OF_1_0 if ALL in names else names) & frozenset(BUILT_IN), broken, stated)
 
 
-def _rows(value: Optional[Union[Sequence[Any], Mapping[Any, Any], int]],
-          kind: Type[Any]) -> List[Union[List[Any], Dict[str, Optional[Union[List[str], int, str]]], str]]:
+def _rows(value: Any, kind: Type[_Kind]) -> List[_Kind]:
     return [one for one in value if isinstance(one, kind)] if isinstance(value, list) else []
 
 
-def _key(name: Any, node: Any, text: Any) -> Optional[Tuple[str, str, str]]:
+def _key(name: Any, node: Any, text: Any) -> Optional[Key]:
     """Return the key of a property, or None if there is no property of this name."""
+    if not isinstance(name, str):  # anybody may have written it
+        return None
     if name in BUILT_IN:
         return name, '', ''
     return (name, str(node), str(text)) if name in KINDS else None
@@ -74,10 +77,10 @@ def _key(name: Any, node: Any, text: Any) -> Optional[Tuple[str, str, str]]:
 class Count(NamedTuple):
     """The numbers of trials in which a property held and in which it was broken, and its first break."""
 
-    key: Any
+    key: Key
     held: int
     broken: int
-    first: Any  # (Trial, Break) or None
+    first: Optional[Tuple[Trial, Break]]
 
 
 def _known(experiment: Experiment) -> List[Tuple[Trial, Judged]]:
@@ -91,8 +94,8 @@ def _known(experiment: Experiment) -> List[Tuple[Trial, Judged]]:
 def counts(experiment: Experiment) -> List[Count]:
     """Return the Count of each property by which a trial was judged: the built-in ones, then statements."""
     known = _known(experiment)
-    keys = {_key(name, '', ''): None for name in BUILT_IN if any(
-        name in judged.names or _key(name, '', '') in judged.broken for _, judged in known)}
+    keys: Dict[Key, None] = {(name, '', ''): None for name in BUILT_IN if any(
+        name in judged.names or (name, '', '') in judged.broken for _, judged in known)}
     for _, judged in known:
         keys.update(dict.fromkeys((*judged.statements, *judged.broken)))
     found = []
@@ -103,7 +106,7 @@ def counts(experiment: Experiment) -> List[Count]:
     return found
 
 
-def _has_held(judged: Judged, key: Any) -> bool:
+def _has_held(judged: Judged, key: Key) -> bool:
     outcome = judged.statements.get(key)
     if key[0] in BUILT_IN:
         return key[0] in judged.names and key not in judged.broken
@@ -145,7 +148,7 @@ def section(experiment: Experiment) -> Optional[Section]:
     return Section(HEADING, tuple(parts))
 
 
-def _row(experiment: Experiment, count: Any) -> Tuple[Union[str, Cell], ...]:
+def _row(experiment: Experiment, count: Count) -> Tuple[Union[str, Cell], ...]:
     rest = len(experiment.trials) - count.held - count.broken
     row = (_title(count.key), whole(count.held), whole(count.broken), whole(rest))
     if count.first is None:
@@ -156,10 +159,10 @@ def _row(experiment: Experiment, count: Any) -> Tuple[Union[str, Cell], ...]:
             UNKNOWN if trial.seed is None else str(trial.seed), at, first.words)
 
 
-def _stated(experiment: Experiment, key: Tuple[str, str, str]) -> int:
+def _stated(experiment: Experiment, key: Key) -> int:
     return sum(key in judged.statements for _, judged in _known(experiment))
 
 
-def _title(key: Tuple[str, str, str]) -> str:
+def _title(key: Key) -> str:
     name, node, text = key
     return f'{name}: {BUILT_IN[name].sentence}' if name in BUILT_IN else f'{name}: {text} ({node})'

@@ -1,7 +1,7 @@
 """How far a result that used calibrations can be trusted: the share of goals outside of what was recorded for them."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
+from typing import TYPE_CHECKING, Dict, Optional, Tuple
 
 from ..outcome import COMPLETE
 from ..wording import digits, listed, whole
@@ -16,7 +16,7 @@ _WORDS = {'longer': 'were longer than any recorded leg', 'shorter': 'were shorte
 
 def _sums(experiment: Experiment) -> Dict[str, float]:
     """Return {quantity: sum over all robots of all complete trials} for all goals and for goals outside."""
-    sums: Dict[Any, Any] = {}
+    sums: Dict[str, float] = {}
     for trial in experiment.trials:
         for quantities in trial.robots.values() if trial.status == COMPLETE else ():
             for name in ('goals_begun', 'goals_beyond', *(f'goals_beyond_{what}' for what in _WORDS)):
