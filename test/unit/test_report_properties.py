@@ -68,7 +68,8 @@ def test_the_page_names_each_with_the_first_break(tmp_path):
 
 @pytest.mark.parametrize('told', [None, {}, [], 3, {'broken': 3, 'statements': {}}, {
     'broken': [{}, 7, {'property': 'none'}, {'property': 'charged', 'instant_ns': 'x', 'details': 4}, {
-        'property': [1]}], 'statements': [[1, 2], ['/a', 'always', ['x'], {}], ['/a', ['always'], 'x', 'held'], 5], 'judged': [1, 'what']}])
+        'property': [1]}],
+    'statements': [[1, 2], ['/a', 'always', ['x'], {}], ['/a', ['always'], 'x', 'held'], 5], 'judged': [1, 'what']}])
 def test_what_is_no_judgement_is_no_error(tmp_path, told):
     folder = write(tmp_path, {}, 2, lambda _, replication: trial(properties=told))
     experiment = outcome.read(folder)
