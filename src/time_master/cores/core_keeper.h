@@ -45,9 +45,9 @@ class CoreKeeper {
   void end();
 
   /**
-   * @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)", and whether other runs have
-   * one of them; and a hint if participants often compute for long at once, which all cores would
-   * do sooner.
+   * @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)", and whether
+   * other runs have one of them; and a hint if participants often compute for long at once,
+   * which all cores would do sooner.
    */
   std::string text() const;
 
