@@ -7,16 +7,13 @@ from __future__ import annotations
 
 import json
 import os
-from typing import IO, TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Union
+from typing import IO, Any, Callable, List, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.input_files import open_text_input
 from ..common.own_files import PART, OutputError, check_file, create_file
 from ..common.shown import shown, shown_text
 from ..common.units import seconds_to_ns
-
-if TYPE_CHECKING:
-    pass
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
             "'measured_cpu:FILE' (this process's CPU), 'replay:FILE'")

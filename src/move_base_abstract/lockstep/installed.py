@@ -7,10 +7,7 @@ from __future__ import annotations
 import csv
 import os
 from functools import lru_cache
-from typing import TYPE_CHECKING, FrozenSet, Set
-
-if TYPE_CHECKING:
-    pass
+from typing import FrozenSet, Set
 
 _SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
 _LARGEST = 16 * 1024 * 1024  # the most bytes that are read of a list

@@ -6,7 +6,7 @@ knows no ROS and asks no node.
 """
 from __future__ import annotations
 
-from typing import Any, FrozenSet, List, Optional, Set
+from typing import Any, Collection, FrozenSet, List, Optional, Set
 
 #: nodes that each system has, already before the run
 KNOWN = ('/rosout', '/time_master')
@@ -21,7 +21,7 @@ class Registrations:
     seen only if it offers a topic or a service besides those that each node has; a node that only listens is not seen.
     """
 
-    def __init__(self, state: List[List[List[Any]]], present: List[str], gone: List[str]) -> None:
+    def __init__(self, state: List[List[List[Any]]], present: Collection[str], gone: Collection[str]) -> None:
         self._present = frozenset(present)
         self._gone = frozenset(gone) - self._present
         publishers, subscribers, services = state

@@ -50,7 +50,7 @@ class Window:
         """When the first of the kept items arrives [ns], or NEVER."""
         return self._arrivals[0][0] if self._arrivals else wire.NEVER
 
-    def walk(self, wish_ns: int, now_ns: int, done: List[bytes]) -> bool:
+    def walk(self, wish_ns: int, now_ns: int, done: List[Any]) -> bool:
         """Go to the next turn in the window, if there is one; return whether there is.
 
         ``wish_ns`` [ns]: when the program wants to go on. ``done``: the items (bytes) of the turn at ``now_ns`` [ns];
@@ -70,7 +70,7 @@ class Window:
             self._walked.append(wire.at(due_ns))
         return True
 
-    def take_walked(self, done: List[bytes]) -> List[bytes]:
+    def take_walked(self, done: List[Any]) -> List[bytes]:
         """Return the items of all turns since the grant; ``done``: those of the last turn; the list is emptied."""
         items = self._walked + done
         self._walked = []

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import os
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -24,9 +24,6 @@ from ..common.ros_names import is_robot_name
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
 from .topological_map import is_topological_map, plain_map
-
-if TYPE_CHECKING:
-    pass
 
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
 _COORDINATE = number(-1e9, 1e9, unit='m, global frame')

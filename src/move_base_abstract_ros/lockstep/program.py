@@ -7,7 +7,7 @@ import runpy
 import sys
 import types
 from importlib.machinery import SourceFileLoader
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
@@ -98,7 +98,7 @@ class _Joining:
         self._is_node = False
         self._is_strict = options.strict
         self._followers: Tuple[Any, ...] = (told, native, files, turns.install(), objects.install())
-        self.early: Any = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
+        self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
     def install(self) -> None:
         """Put the hooks in front of rospy.init_node and of calls that may wait before it."""
@@ -109,7 +109,7 @@ class _Joining:
         calls.before = self.early.take_part
         self.early.install()
 
-    def _init_node(self, init_node: Callable[..., Any], args: Tuple[str], kwds: Mapping[Any, Any]) -> None:
+    def _init_node(self, init_node: Callable[..., Any], args: Tuple[Any, ...], kwds: Dict[str, Any]) -> None:
         self.early.init_node(init_node, args, kwds)
         if self._is_node:
             return  # init_node has been called before
@@ -121,7 +121,7 @@ class _Joining:
         else:
             joining.node_is_there(joined)
 
-    def _follow(self, joined: Participant) -> None:
+    def _follow(self, joined: Optional[Participant]) -> None:
         if joined is not None and self._is_strict:
             joined.be_strict()
         for follower in self._followers:
@@ -149,13 +149,13 @@ def node_name(kind: str, path: str, arguments: Sequence[str]) -> str:
     return binary.node_name(name, arguments, os.environ) if name else ''
 
 
-def _execute(kind: str, path: str, arguments: Any, compile_script: Callable[..., Any],
+def _execute(kind: str, path: str, arguments: Sequence[str], compile_script: Callable[..., Any],
              names_of_script: Callable[..., Any]) -> None:
     """Run the program as ``__main__``, as Python itself would. Modules are not looked for in the launcher's folder."""
     module: Any = types.ModuleType('__main__')
     module.__builtins__ = builtins
     sys.modules['__main__'] = module
-    sys.argv[:] = [path] + arguments  # in place, as in warm_nodes.become
+    sys.argv[:] = [path, *arguments]  # in place, as in warm_nodes.become
     if kind == 'module':
         sys.path[0] = os.getcwd()
         _call(lambda: runpy._run_module_as_main(path))  # type: ignore[attr-defined]

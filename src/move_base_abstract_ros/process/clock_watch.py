@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, List, Optional, Tuple
+from typing import List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -25,7 +25,7 @@ class _Watch:
     """Watches simulated time. If it stands still while its publisher answers, that is no fault: it may be paused."""
 
     def __init__(self) -> None:
-        self._publishers: List[Any] = []  # the publishers of /clock when time began to move last
+        self._publishers: List[Tuple[str, str]] = []  # the publishers of /clock when time began to move last
         self._is_told = False
 
     def run(self) -> None:

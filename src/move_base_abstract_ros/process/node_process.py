@@ -9,7 +9,7 @@ import sys
 import threading
 import traceback
 import xmlrpc.client
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional
+from typing import Any, Callable, Dict, Optional
 
 import rosgraph
 import rospkg
@@ -23,14 +23,9 @@ from ..replacing.log_files import survive_full_disk
 from .process_end import ProcessEnd, leave
 from .ros_master_watch import RosMasterWatch, is_answering
 
-if TYPE_CHECKING:
-    pass
-
-
 _POLL_S = 0.05  # wall
 _MASTER_TIMEOUT_S = 2.0  # wall
 _FAILED = 1
-_WRONG_ARGUMENTS = 2
 #: the errors that rospy raises if the ROS master is gone
 _NETWORK_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
                    rosgraph.MasterError)
@@ -52,8 +47,8 @@ def parse_no_arguments(name: str, description: str, is_strict: bool = True) -> N
         print('{}: unknown argument {} is ignored'.format(name, shown_text(rest[0])), file=sys.stderr)
 
 
-def run_node(name: str, set_up: Callable[..., Any], say_goodbye: Optional[Callable[..., Any]] = None,
-             failed: int = _FAILED, **options: bool) -> None:
+def run_node(name: str, set_up: Callable[[], Any], say_goodbye: Optional[Callable[[Any], None]] = None,
+             failed: int = _FAILED, **options: Any) -> None:
     """Be the node ``name`` until ROS shuts down. At an error, print it in one line and exit.
 
     :param set_up: makes and returns the node's object; returns None if ROS shuts down meanwhile.
@@ -93,7 +88,7 @@ def _shut_down(signal: str, name: str, end: ProcessEnd) -> None:
     rospy.signal_shutdown(signal)
 
 
-def _start(name: str, set_up: Callable[..., Any], watch: RosMasterWatch, options: Mapping[str, bool]) -> Any:
+def _start(name: str, set_up: Callable[[], Any], watch: RosMasterWatch, options: Dict[str, Any]) -> Any:
     watch.start()
     survive_full_disk()
     rospy_start.prepare()

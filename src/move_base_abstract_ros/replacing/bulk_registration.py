@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 import xmlrpc.client
 from contextlib import contextmanager, suppress
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Collection, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -29,7 +29,7 @@ at_once = threading.RLock()
 class _State:
     """The bulk registration that is under way, if there is one."""
 
-    collector: Optional[Any] = None
+    collector: Optional[_Collector] = None
 
 
 @contextmanager
@@ -72,7 +72,7 @@ def get_namespace(name: str) -> Dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def set_params(namespace: str, values: Mapping[str, Union[bool, float]]) -> None:
+def set_params(namespace: str, values: Mapping[str, Any]) -> None:
     """Set {key: value} below ``namespace``, an absolute name. Other parameters there stay."""
     if _State.collector is None:
         for key, value in values.items():
@@ -81,7 +81,7 @@ def set_params(namespace: str, values: Mapping[str, Union[bool, float]]) -> None
         _State.collector.set_params(namespace, values)
 
 
-def delete_params(namespace: str, keys: Union[Sequence[Any], Mapping[str, None]]) -> None:
+def delete_params(namespace: str, keys: Collection[str]) -> None:
     """Delete the parameters ``keys`` below ``namespace``, an absolute name, and the namespace if nothing is left."""
     if not namespace.strip('/'):
         return
@@ -131,7 +131,7 @@ class _LazyPoller:
         if self._poller is not None:
             self._poller.remove_fd(fd)
 
-    def error_iter(self) -> Union[Tuple[Any, ...], Iterator[Any]]:
+    def error_iter(self) -> Iterable[Any]:
         """Return the connections that have failed."""
         return self._poller.error_iter() if self._poller is not None else ()
 
@@ -144,11 +144,11 @@ class _Collector(RegistrationListener):
 
     def __init__(self, managers: Sequence[Any]) -> None:
         self._managers = managers
-        self.calls: List[Any] = []
+        self.calls: List[Tuple[str, Tuple[Any, ...], Optional[str]]] = []  # method, arguments, topic to connect
         # Not rospy.get_param: for '/' it returns only the parameters in its cache.
         self.parameters = rosgraph.Master(rospy.get_name()).getParam('/')
 
-    def set_params(self, namespace: str, values: Any) -> None:
+    def set_params(self, namespace: str, values: Mapping[str, Any]) -> None:
         """Note parameters to be set. If the namespace is empty, it is set as a whole, in one call."""
         there = get_namespace(namespace)
         if not there:

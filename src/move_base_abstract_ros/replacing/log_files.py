@@ -8,7 +8,7 @@ from move_base_abstract.common.shown import shown_text
 
 from .replaced import replace
 
-_told: Set[Any] = set()
+_told: Set[int] = set()
 
 
 def survive_full_disk() -> None:

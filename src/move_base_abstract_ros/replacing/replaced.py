@@ -15,10 +15,7 @@ import sys
 import textwrap
 import tokenize
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, NamedTuple, Tuple, Type, Union
-
-if TYPE_CHECKING:
-    pass
+from typing import Any, Callable, Iterator, List, NamedTuple, Tuple
 
 #: the first and the last version of Python in which these names are as the replacements need them
 PYTHON = (3, 8), (3, 13)
@@ -267,11 +264,11 @@ _ROWS = (
     Row('rospy.topics._TopicManager.check_all', START, 'skips topics without connections', ('0b251c450202',)),
 )
 ROWS = {row.name: row for row in _ROWS}
-_done: List[Any] = []
-_unknown: List[Any] = []
+_done: List[str] = []
+_unknown: List[str] = []
 
 
-def replace(name: str, make: Union[Callable[..., Any], Type[Any]], on: Any = None) -> Any:
+def replace(name: str, make: Callable[..., Any], on: Any = None) -> Any:
     """Put ``make(original)`` in the place of ``name``, in the one object ``on`` if given; return the original.
 
     :raises KeyError: if the table has no row of this name.

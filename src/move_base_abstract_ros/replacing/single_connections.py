@@ -24,7 +24,7 @@ class _OneAtATime:
     def __init__(self, connect: Callable[..., Any]) -> None:
         self._connect = connect
         self._lock = threading.Lock()
-        self._under_way: Dict[Any, Any] = {}
+        self._under_way: Dict[Tuple[str, str], Tuple[Any, int]] = {}  # {(topic, URI): (lock, number of waiting calls)}
 
     def __call__(self, topic: str, uri: str) -> Tuple[int, str, int]:
         key = topic, uri

@@ -1,12 +1,9 @@
 """A heartbeat: it publishes for all robots of a process at once, at one rate."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List
+from typing import Any, Callable, List
 
 from move_base_abstract.engine.event_queue import NOBODY
-
-if TYPE_CHECKING:
-    pass
 
 #: heartbeats come after the robots' own events of the same instant
 SHARED_INDEX = 2 ** 31 - 1

@@ -5,12 +5,9 @@ Places that are noticed before the program takes part are reported when it does.
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any, Dict, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import rospy
-
-if TYPE_CHECKING:
-    pass
 
 
 class NoticedPlaces:
@@ -18,8 +15,9 @@ class NoticedPlaces:
 
     def __init__(self) -> None:
         self.participant: Any = None
-        self._places: Dict[Any, Any] = {}
-        self._lock = threading._allocate_lock()  # type: ignore[attr-defined]  # an ordinary lock, not one that gives the turn away
+        self._places: Dict[Tuple[str, str, int, str], bool] = {}
+        # an ordinary lock, not one that gives the turn away
+        self._lock = threading._allocate_lock()  # type: ignore[attr-defined]
 
     def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
@@ -47,17 +45,17 @@ class NoticedPlaces:
         if frame is not None:
             self.tell_place((frame.f_code.co_filename, frame.f_lineno), what, why)
 
-    def tell_place(self, place: Any, what: str, why: str) -> None:
+    def tell_place(self, place: Optional[Tuple[str, int]], what: str, why: str) -> None:
         """Report once that ``what`` is done at ``place`` (file, line). If ``place`` is None, do nothing."""
         if place is None or self.is_over():
             return
-        place = (what, *place, why)
+        noticed = (what, *place, why)
         with self._lock:
-            if place in self._places:
+            if noticed in self._places:
                 return
-            self._places[place] = True
+            self._places[noticed] = True
         if self.participant is not None:
-            self._say(place)
+            self._say(noticed)
 
     def _say(self, place: Tuple[str, str, int, str]) -> None:
         participant = self.participant

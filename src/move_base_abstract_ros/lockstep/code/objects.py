@@ -8,15 +8,12 @@ from __future__ import annotations
 import builtins
 import sys
 import weakref
-from typing import TYPE_CHECKING, AbstractSet, Any, List, Set, Tuple
+from typing import AbstractSet, Any, List, Set, Tuple
 
 import rospy
 
 from move_base_abstract.lockstep.object_order import BASES, ORDER
 from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
-
-if TYPE_CHECKING:
-    pass
 
 _SHOWN = 3  # number of classes that a warning names
 
@@ -34,8 +31,8 @@ class Order:
 
     def __init__(self) -> None:
         self._participant: Any = None
-        self._told: Set[Any] = set()
-        self._early: List[Any] = []
+        self._told: Set[Tuple[str, int]] = set()
+        self._early: List[str] = []
 
     def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on."""

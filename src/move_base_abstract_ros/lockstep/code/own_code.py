@@ -98,7 +98,7 @@ def compile_own(source: bytes, path: str) -> Any:
         return compile(source, path, 'exec', dont_inherit=True)
 
 
-def names_of_script(source: bytes) -> Dict[Any, Any]:
+def names_of_script(source: bytes) -> Dict[str, Any]:
     """Return {name: value} to be added to a script's names: ``compile``, if it is catkin's relay to the real script."""
     return {'compile': lambda text, path, mode: compile_own(text, path)} if _RELAY in source else {}
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import builtins
 import sys
 import types
-from typing import TYPE_CHECKING, Any, Callable, Dict, Set
+from typing import Any, Callable, Dict, Set, Tuple
 
 import rospy
 
@@ -19,16 +19,13 @@ from move_base_abstract.lockstep.instrument import ACT, CALLED, CALLS, COMPUTES,
 from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-if TYPE_CHECKING:
-    pass
-
 #: number of iterations in a row, without a wait and without sending anything, for a loop that may compute
 PATIENCE = 1000000
 #: the same for a loop that computes in each iteration, but nothing that would end it
 LONG_PATIENCE = 10000000
 #: {(file name, name, line): whether it can return without computing} of the program's functions that such loops may
 #: call; if it can, it says so before it does more than look
-LOOKING: Dict[Any, Any] = {}
+LOOKING: Dict[Any, bool] = {}
 
 
 def install() -> Turns:
@@ -45,7 +42,7 @@ class Turns:
 
     def __init__(self) -> None:
         self._participant: Any = None
-        self._waiting: Set[Any] = set()
+        self._waiting: Set[Tuple[str, int]] = set()
         self._late = 0
 
     def follow(self, participant: Any) -> None:

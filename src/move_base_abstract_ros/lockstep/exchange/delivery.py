@@ -11,7 +11,7 @@ gets them then.
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any, Callable, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
 
 from rospy.impl import registration
 
@@ -29,7 +29,7 @@ class Deliveries:
     def __init__(self, topics: Topics) -> None:
         self._topics = topics
         # (a subscription's implementation, its Delivery), for subscriptions that do not hear all
-        self._told: List[Any] = []
+        self._told: List[Tuple[Any, Delivery]] = []
         self._client_type = None
 
     def install(self) -> None:
@@ -51,7 +51,7 @@ class Deliveries:
 
     def _follow_callbacks(self) -> None:
         def looking(change: Callable[..., Any]) -> Callable[..., Any]:
-            def _change(impl: Any, *args: Optional[Callable[..., Any]]) -> None:
+            def _change(impl: Any, *args: Any) -> None:
                 change(impl, *args)
                 self._look_at(impl)
             return _change
@@ -102,7 +102,7 @@ class Deliveries:
         for impl, _ in self._told[:]:
             self._look_at(impl)
 
-    def _chosen_by(self, callback: Any) -> Any:
+    def _chosen_by(self, callback: Any) -> Delivery:
         """Return which messages (Delivery) have an effect on a callback."""
         client, function = getattr(callback, '__self__', None), getattr(callback, '__func__', None)
         if _puts_transforms_by(client, function):

@@ -6,7 +6,7 @@ these turns have happened; the others are taken back.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Sequence, Union
+from typing import TYPE_CHECKING, Callable, List, Sequence, Tuple, Union
 
 from move_base_abstract.lockstep import wire
 
@@ -29,10 +29,10 @@ class Foresight:
 
     def __init__(self, source: LockstepClock) -> None:
         self._source = source
-        self._turns: List[Any] = []  # (instant [ns], functions that take it back)
+        self._turns: List[Tuple[int, List[Callable[[], None]]]] = []  # (instant [ns], functions that take it back)
         self._most = _MOST_TURNS
 
-    def tell(self, before_ns: int, items: List[Union[bytes, Callable[..., Any]]]) -> int:
+    def tell(self, before_ns: int, items: List[Union[bytes, Callable[[], bytes]]]) -> int:
         """Append the turns before ``before_ns`` [ns] to the report's ``items``; return the instant after them [ns]."""
         instants, after_ns = self._source.foresee(before_ns, self._most)
         for due_ns, series in instants:
@@ -59,6 +59,6 @@ class Foresight:
         self._most = min(2 * self._most, _MOST_TURNS) if count == len(turns) else max(count + 1, _FEWEST_TURNS)
 
 
-def _take_back(undos: Sequence[Callable[..., Any]]) -> None:
+def _take_back(undos: Sequence[Callable[[], None]]) -> None:
     for undo in reversed(undos):
         undo()

@@ -62,8 +62,8 @@ class MemberLinks:
 
     direction, transport_type = 'o', 'LOCKSTEP'
     done = False
-    cleanup_cb: Optional[Any] = None
-    latch: Optional[Any] = None
+    cleanup_cb: Any = None
+    latch: Any = None
     is_latched = False
     stat_bytes = 0
     stat_num_msg = 0
@@ -76,8 +76,8 @@ class MemberLinks:
         self._topic = topic
         self.sub = sub
         self.target = 0
-        self.members: List[Any] = []
-        self._delivery: Dict[Any, Any] = {}  # {member: Delivery} of members that do not hear all messages
+        self.members: List[int] = []
+        self._delivery: Dict[int, Delivery] = {}  # {member: Delivery} of members that do not hear all messages
 
     def is_latching(self) -> bool:
         """Return whether the publisher's last message is kept for later listeners."""
@@ -99,7 +99,7 @@ class MemberLinks:
         self.members = [other for other in self.members if other != member]
         self._delivery.pop(member, None)
 
-    def choose(self, member: Any, what: str) -> None:
+    def choose(self, member: int, what: Delivery) -> None:
         """Note which messages (wire.Delivery) have any effect at ``member``."""
         self._delivery[member] = what
 
@@ -113,7 +113,7 @@ class MemberLinks:
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.NEWS)]
 
     @property
-    def hearers_of_repetition(self) -> List[Any]:
+    def hearers_of_repetition(self) -> List[str]:
         """The names of the nodes on which messages that say nothing new have any effect."""
         return [self._participant.members.names.get(member, '') for member in self._hear(wire.Delivery.ALL)]
 

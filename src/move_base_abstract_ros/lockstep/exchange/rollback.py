@@ -6,10 +6,7 @@ of a dictionary. Outside of foreseen turns nothing is noted. Not thread-safe: th
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Optional
-
-if TYPE_CHECKING:
-    pass
+from typing import Any, Callable, Dict, List, Optional
 
 _NOTHING = object()
 
@@ -21,7 +18,7 @@ class NotForeseeable(Exception):
 class _Journal:
     """The functions that take changes back; ``undos`` is None outside of a foreseen turn."""
 
-    undos: Optional[Any] = None
+    undos: Optional[List[Callable[[], None]]] = None
 
 
 _journal = _Journal()
@@ -32,10 +29,10 @@ def begin() -> None:
     _journal.undos = []
 
 
-def end() -> Any:
+def end() -> List[Callable[[], None]]:
     """Stop noting; return the functions that take the changes back, to be called from the last one to the first."""
     undos, _journal.undos = _journal.undos, None
-    return undos
+    return undos or []
 
 
 def is_recording() -> bool:
@@ -49,13 +46,13 @@ def changes(owner: Any, attribute: str) -> None:
         _journal.undos.append(partial(setattr, owner, attribute, getattr(owner, attribute)))
 
 
-def changes_entry(entries: Any, key: str) -> None:
+def changes_entry(entries: Dict[Any, Any], key: Any) -> None:
     """Note the present entry of a dictionary that the caller is about to change, add or remove."""
     if _journal.undos is not None:
         _journal.undos.append(partial(_put_back, entries, key, entries.get(key, _NOTHING)))
 
 
-def _put_back(entries: Any, key: str, value: Callable[..., Any]) -> None:
+def _put_back(entries: Dict[Any, Any], key: Any, value: Any) -> None:
     if value is _NOTHING:
         entries.pop(key, None)
     else:

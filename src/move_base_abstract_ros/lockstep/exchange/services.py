@@ -11,7 +11,7 @@ import sys
 import time
 from functools import partial
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Set, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Set, Tuple
 
 import rospy
 from rospy.impl import registration, tcpros_service
@@ -41,11 +41,11 @@ class Services:
 
     def __init__(self, participant: Participant) -> None:
         self._participant: Any = participant
-        self._names: List[Any] = []
-        self._offered: Dict[Any, Any] = {}
-        self._calls: Dict[Any, Any] = {}
+        self._names: List[str] = []
+        self._offered: Dict[Optional[int], Any] = {}
+        self._calls: Dict[int, Any] = {}
         self._call_count = 0
-        self._found: Set[Any] = set()
+        self._found: Set[str] = set()
 
     def install(self) -> None:
         """Take over the node's present and future services, without those that rospy itself offers."""
@@ -208,14 +208,14 @@ class Services:
 class _Asked:
     """A call in a thread of its own, which is not one of the application's threads."""
 
-    def __init__(self, call: Any) -> None:
+    def __init__(self, call: Callable[[], Any]) -> None:
         self.outcome: List[Any] = []  # when it is over: one (result, error), of which one is None
         self.is_over = _make_lock()
         self.is_over.acquire()
-        self._then: List[Any] = []
+        self._then: List[Callable[[], None]] = []
         _thread.start_new_thread(self._ask, (call,))
 
-    def _ask(self, call: Any) -> None:
+    def _ask(self, call: Callable[[], Any]) -> None:
         try:
             outcome: Any = (call(), None)
         except BaseException as error:
@@ -225,7 +225,7 @@ class _Asked:
         for then in self._then:
             then()
 
-    def when_over(self, then: Any) -> None:
+    def when_over(self, then: Callable[[], None]) -> None:
         """Call ``then()`` in the call's thread when the call is over, unless it is over already."""
         self._then.append(then)
 
@@ -295,7 +295,7 @@ def _replace_offering(services: Services) -> None:
 
 def _replace_calling(services: Services, scheduler: Scheduler) -> None:
     def calling(call: Callable[..., Any]) -> Callable[..., Any]:
-        def _call(self: Any, *args: Union[bool, float, str], **kwds: bool) -> Any:
+        def _call(self: Any, *args: Any, **kwds: Any) -> Any:
             if not scheduler.is_mine():
                 return call(self, *args, **kwds)
             request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)

@@ -5,7 +5,7 @@ Connections to all other nodes are rospy's own.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set, Tuple
 
 from rospy.impl import registration
 from rospy.impl.registration import Registration
@@ -29,16 +29,16 @@ class Topics:
 
     def __init__(self, participant: Participant) -> None:
         self._participant = participant
-        self.excluded: Set[Any] = set()
-        self.constants: Set[Any] = set()
-        self._numbers: Dict[Any, Any] = {}
-        self._names: List[Any] = []
-        self._links: Dict[Any, Any] = {}
-        self._publisher_links: Dict[Any, Any] = {}
-        self._told_types: Set[Any] = set()
+        self.excluded: Set[str] = set()
+        self.constants: Set[str] = set()
+        self._numbers: Dict[str, int] = {}
+        self._names: List[str] = []
+        self._links: Dict[int, MemberLinks] = {}
+        self._publisher_links: Dict[Tuple[int, int], PublisherLink] = {}
+        self._told_types: Set[str] = set()
         self.deliveries = Deliveries(self)
 
-    def choose(self, impl: Any, what: str) -> None:
+    def choose(self, impl: Any, what: wire.Delivery) -> None:
         """Report which messages (wire.Delivery) have any effect on the subscription ``impl``."""
         number = self._numbers.get(impl.resolved_name)
         if number is not None:
@@ -138,7 +138,7 @@ class Topics:
                 impl.connections = impl.connections + [link]
         one = link.for_one(member)
 
-        def publish_single(data: Any) -> None:
+        def publish_single(data: bytes) -> None:
             impl.publish(data, connection_override=one)
         for listener in impl.subscriber_listeners:
             listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
@@ -163,11 +163,11 @@ class Topics:
         for listener in impl.subscriber_listeners:
             listener.peer_unsubscribe(impl.resolved_name, count)
 
-    def on_delivery_chosen(self, number: int, member: Any, what: str) -> Any:
+    def on_delivery_chosen(self, number: int, member: int, what: wire.Delivery) -> Callable[[], None]:
         """Note which of this node's messages on a topic (wire.Delivery) have an effect on a participant."""
         return lambda: self._note_delivery(number, member, what)
 
-    def _note_delivery(self, number: int, member: Any, what: str) -> None:
+    def _note_delivery(self, number: int, member: int, what: wire.Delivery) -> None:
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed or member not in link.members:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import weakref
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Tuple
 
 import rospy
 
@@ -64,7 +64,7 @@ def install(participant: Participant) -> None:
     when_imported('multiprocessing.pool', _follow_pools)
 
 
-def _note(outcome: Union[_OfTask, _Outcome]) -> None:
+def _note(outcome: _Outcome) -> None:
     participant = _state.participant
     if participant is not None and not participant.scheduler.is_closed and not rospy.core.is_shutdown_requested():
         _state.open.append(outcome)

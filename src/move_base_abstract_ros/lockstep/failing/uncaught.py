@@ -119,7 +119,7 @@ def _handling(error_handler: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _executing(init: Callable[..., Any]) -> Callable[..., Any]:
-    def _init(self: Any, *args: Any, **kwds: bool) -> None:
+    def _init(self: Any, *args: Any, **kwds: Any) -> None:
         init(self, *args, **kwds)
         if self.execute_callback:
             self.execute_callback = told(self.execute_callback, "an action's execute callback")

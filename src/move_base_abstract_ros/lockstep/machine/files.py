@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any, Dict
+from typing import Any, Dict
 from urllib.parse import parse_qs, unquote
 
 from move_base_abstract.lockstep import wire
 
 from ..code.callers import own_frame
 from ..code.labels import told
-
-if TYPE_CHECKING:
-    pass
 
 _READS, _WRITES = (wire.NoteKind.READS,), (wire.NoteKind.WRITES,)
 _BOTH = _READS + _WRITES

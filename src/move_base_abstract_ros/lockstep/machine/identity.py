@@ -10,7 +10,7 @@ import itertools
 import os
 import sys
 import threading
-from typing import Any, Callable, Union
+from typing import Any, Callable
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.machine_view import DATE, UPTIME
@@ -54,7 +54,7 @@ def _is_foreign(frame: Any) -> bool:
 
 
 def _recording(make: Any, clocks: Any) -> Callable[..., Any]:
-    def record(*args: Union[int, str], **kwds: Any) -> Any:
+    def record(*args: Any, **kwds: Any) -> Any:
         made = make(*args, **kwds)
         if told.is_ordered() and sees_run(_Source(made.pathname)):
             now_ns = clocks.now(DATE)

@@ -18,7 +18,7 @@ import sys
 import threading
 import time
 import types
-from typing import Any, Callable, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -117,7 +117,7 @@ def hand_on(clocks: Any) -> None:
 
 
 def _telling(function: Any, name: str, why: str) -> Callable[..., Any]:
-    def call(*args: Any, **kwds: Any) -> Union[List[Any], int]:
+    def call(*args: Any, **kwds: Any) -> Any:
         frame = sys._getframe(1)
         if is_own(frame):
             told.tell(frame, name, why)

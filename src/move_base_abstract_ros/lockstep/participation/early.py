@@ -10,7 +10,7 @@ import atexit
 import socket
 import threading
 from contextlib import ExitStack
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -38,13 +38,13 @@ class Early:
     ``name`` is the node's name, '' if it is not known; ``join(name, uri)`` takes part.
     """
 
-    def __init__(self, name: str, join: Callable[..., Any]) -> None:
+    def __init__(self, name: str, join: Callable[[str, str], None]) -> None:
         self._name = name
         self._join = join
         self._stack = ExitStack()
-        self._reserved: Any = None
+        self._reserved: Optional[socket.socket] = None
         self._uri = ''
-        self._looks: Dict[Any, Any] = {}
+        self._looks: Dict[str, int] = {}  # {parameter: how often the program has read it}
         self._is_told = False
         self._is_over = False
 
@@ -58,13 +58,14 @@ class Early:
         for function in (rospy.client.get_param, rospy.client.has_param):
             enter(replaced_within(function, lambda look, function=function: self._looking(function, look)))
 
-    def _before(self, what: str, present: Callable[..., Any], original: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*args: str, **kwds: Any) -> Any:
+    def _before(self, what: str, present: Callable[[], Callable[..., Any]],
+                original: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any, **kwds: Any) -> Any:
             return (present() if self.take_part(what) else original)(*args, **kwds)
         return call
 
     def _looking(self, function: Callable[..., Any], original: Callable[..., Any]) -> Callable[..., Any]:
-        def look(name: str, *args: Union[Sequence[Any], bool, str], **kwds: Any) -> Union[List[str], bool, str]:
+        def look(name: str, *args: Any, **kwds: Any) -> Any:
             self._looks[name] = self._looks.get(name, 0) + 1
             is_loop = self._looks[name] > _LOOKS and self.take_part('a loop that looks at parameter {}'.format(name))
             return (function if is_loop else original)(name, *args, **kwds)
@@ -106,7 +107,7 @@ class Early:
         self._reserved.bind((network.get_bind_address(), 0))
         self._uri = network.create_local_xmlrpc_uri(self._reserved.getsockname()[1])
 
-    def init_node(self, init_node: Callable[..., Any], args: Tuple[str], kwds: Mapping[Any, Any]) -> None:
+    def init_node(self, init_node: Callable[..., Any], args: Tuple[Any, ...], kwds: Dict[str, Any]) -> None:
         """Call ``init_node``, with the reserved port if there is one.
 
         :raises rospy.ROSInitException: if the node has another name or address than the one that takes part.

@@ -12,7 +12,7 @@ import select
 import sys
 import threading
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Type
 
 import rospy
 
@@ -51,7 +51,7 @@ def install(participant: Participant) -> None:
         return _shutdown
 
     def excepthook(original: Callable[..., Any]) -> Callable[..., Any]:
-        def _excepthook(kind: Union[Type[Any], Type[TurnLost]], error: Any, trace: Any) -> None:
+        def _excepthook(kind: Type[BaseException], error: BaseException, trace: Any) -> None:
             """Show an uncaught error, but not TurnLost: the end of lockstep is no error of the application."""
             if issubclass(kind, TurnLost) and _state.code is None:
                 _state.code = 0  # the run is over, as wished, and that is no error of the program either

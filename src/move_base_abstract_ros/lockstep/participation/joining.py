@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 import time
 from types import SimpleNamespace
-from typing import Any, Optional
+from typing import Optional
 
 import rosgraph
 import rospy
@@ -32,7 +32,7 @@ def participant() -> Optional[Participant]:
     return _state.joined
 
 
-def join(rank: Optional[int] = None, own_threads: bool = True) -> Participant:
+def join(rank: Optional[int] = None, own_threads: bool = True) -> Optional[Participant]:
     """Take part in lockstep; return the :class:`Participant`, or None if the time master is not in lockstep.
 
     Call this after ``rospy.init_node``, before topics, threads and locks are made. (Topics that exist already are
@@ -83,11 +83,11 @@ def take_part(name: str, uri: str, rank: Optional[int], own_threads: bool = True
     return joining
 
 
-def _follow_master_calls(joining: Any, asks: bool) -> None:
+def _follow_master_calls(joining: Participant, asks: bool) -> None:
     """Order the setting and reading of parameters by the rounds; if ``asks``, also questions about nodes and topics."""
     master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
-    joining.parameters = Parameters(joining, master)
-    calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **joining.parameters.answers()})
+    parameters = joining.parameters = Parameters(joining, master)
+    calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **parameters.answers()})
 
 
 def node_is_there(joining: Participant) -> None:

@@ -4,7 +4,7 @@ With a window (:mod:`move_base_abstract.lockstep.window`) it goes through severa
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .taking_part import Participant
 
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
+#: an item of a report, or what makes it at the end of the round
+Item = Union[bytes, Callable[[], bytes]]
 
 
 class Rounds:
@@ -37,20 +39,20 @@ class Rounds:
         self.scheduler = Scheduler(self)
         self.charge = charge
         self.window = Window()
-        self.last_words: List[Any] = []
+        self.last_words: List[Callable[[], None]] = []
         self.number = 0
         self.is_granted = self.is_at_rest = False
         self.is_starting = True
         self._participant = participant
         self._connection = connection
-        self._items: List[Any] = []
+        self._items: List[Item] = []
         self._is_charged = type(charge) is not NoCharge
         self._foresight: Any = None
         self._source_is_background: Any = None
         self._has_mail = False
         self._told = ''
         self._delay = self._begin = None
-        self._handlers: Dict[Any, Any] = {}
+        self._handlers: Dict[int, Callable[..., Any]] = {}
 
     def prepare(self, name: str) -> None:
         """Read how reports of the node ``name`` are delayed, before it says hello.
@@ -59,12 +61,12 @@ class Rounds:
         """
         self._delay, self._begin = make_delay(name), make_beginning(name)
 
-    def begin(self, handlers: Mapping[int, Callable[..., Any]]) -> None:
+    def begin(self, handlers: Dict[int, Callable[..., Any]]) -> None:
         """Wait for the first grant; ``handlers`` is {kind of a grant's item: function that handles it}."""
         self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
         self.await_grant()
 
-    def set_source(self, source: LockstepClock, foresees: Callable[..., Any]) -> None:
+    def set_source(self, source: LockstepClock, foresees: Callable[[], bool]) -> None:
         """Drive the events of ``source`` by the grants, see :meth:`.Participant.set_source`.
 
         ``foresees()`` returns whether foreseen turns are reported; it is called if the source can foresee.
@@ -74,7 +76,7 @@ class Rounds:
         if not self._is_charged and hasattr(source, 'foresee') and foresees():
             self._foresight = Foresight(source)
 
-    def add(self, item: Union[bytes, Callable[..., Any]]) -> None:
+    def add(self, item: Item) -> None:
         """Add ``item`` to the next report: bytes, or a function that returns them at the end of the round.
 
         Any thread may call this. For a thread without the turn the item comes a round later.
@@ -84,7 +86,7 @@ class Rounds:
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))
 
-    def add_aside(self, item: Union[bytes, Callable[..., Any]]) -> None:
+    def add_aside(self, item: Item) -> None:
         """Add ``item`` to the next report, but do not count that as work: the thread may still only wait by looking.
 
         (:meth:`add` counts as work: the thread does something on which others may wait.)

@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Set
+from typing import TYPE_CHECKING, Any, Callable, Dict, NoReturn, Optional, Sequence, Set
 
 import rospy
 
@@ -25,6 +25,7 @@ from .rounds import Rounds
 if TYPE_CHECKING:
     from ...clocks.lockstep_clock import LockstepClock
     from ..exchange.connection import Connection
+    from ..ros_master.parameters import Parameters
 
 _LOOK_SECONDS = 0.05  # wall; a thread that waits for something else notices the end of lockstep within this time
 _encode = json.JSONEncoder(separators=(',', ':')).encode
@@ -48,7 +49,7 @@ class Participant:
         self.add, self.add_aside, self.last_words = self.rounds.add, self.rounds.add_aside, self.rounds.last_words
         self.rank, self.has_radio = 0, False
         self._leave_seconds = 0.0  # wall
-        self.parameters = None
+        self.parameters: Optional[Parameters] = None
         #: whether the node has been told to end, at some moment of the wall clock
         self.is_told_to_end = False
         self.topics = Topics(self)
@@ -88,7 +89,7 @@ class Participant:
         """Leave ``topic`` out of lockstep: it goes over rospy's own connections, at moments of the wall clock."""
         self.topics.excluded.add(rospy.resolve_name(topic))
 
-    def wait_until(self, condition: Callable[..., Any], timeout: Optional[float] = None,
+    def wait_until(self, condition: Callable[[], object], timeout: Optional[float] = None,
                    what: str = 'something') -> bool:
         """Let others go on until ``condition()`` holds, or ``timeout`` [s, simulated] is over; return whether it holds.
 
@@ -190,8 +191,12 @@ class Participant:
             wire.SUBSCRIBER: topics.on_subscriber, wire.NO_SUBSCRIBER: topics.on_no_subscriber,
             wire.DELIVER: topics.on_deliver, wire.DELIVERY_CHOSEN: topics.on_delivery_chosen,
             wire.CALL_IN: services.on_called, wire.ANSWER: services.on_answered, wire.FOUND: services.on_found,
-            wire.CHANGED: lambda: self.parameters and self.parameters.forget()})
+            wire.CHANGED: self._forget_parameters})
         self.scheduler.adopt_caller(threading.current_thread().name)
+
+    def _forget_parameters(self) -> None:
+        if self.parameters is not None:
+            self.parameters.forget()
 
     def take_in(self, kind: int, body: bytes) -> None:
         """Handle a frame of the time master that is not a grant: about the participants, or the end of the run."""
@@ -209,14 +214,14 @@ class Participant:
         elif kind == wire.GONE:
             self.members.left(body)
 
-    def lost(self, reason: str) -> Any:
+    def lost(self, reason: str) -> NoReturn:
         """End the node, since the time master is gone, and time would stand still for ever.
 
         :raises TurnLost: always.
         """
-        return self._give_up('the time master has ended lockstep: {}'.format(reason))
+        self._give_up('the time master has ended lockstep: {}'.format(reason))
 
-    def _give_up(self, reason: str, as_wished: bool = False) -> None:
+    def _give_up(self, reason: str, as_wished: bool = False) -> NoReturn:
         """Leave the run and end the node, with an error unless the run has ended ``as_wished``."""
         if not self.scheduler.is_closed:
             self.scheduler.close()
@@ -235,17 +240,17 @@ class Members:
     """The participants: ``names`` {number: name}, with this process's own name also at 0, and ``uris`` {name: URI}."""
 
     def __init__(self) -> None:
-        self.names: Dict[Any, Any] = {}
-        self.uris: Dict[Any, Any] = {}
-        self.gone: Set[Any] = set()  # names of participants that have left
+        self.names: Dict[int, str] = {}
+        self.uris: Dict[str, str] = {}
+        self.gone: Set[str] = set()  # names of participants that have left
 
     @property
-    def own_name(self) -> Any:
+    def own_name(self) -> str:
         """The name of this process's node."""
         return self.names[0]
 
     @property
-    def there(self) -> Any:
+    def there(self) -> Set[str]:
         """The names of all present participants."""
         return set(self.names.values()) - self.gone
 
@@ -253,8 +258,9 @@ class Members:
         """Return whether the node ``name`` takes part, or has taken part."""
         return name in self.uris
 
-    def came(self, body: bytes) -> Any:
+    def came(self, body: bytes) -> str:
         """Note the new participant in the ``body`` of a MEMBER frame; return its name."""
+        name: str
         number, name, uri = wire.read_frame(wire.MEMBER, body)
         self.names[number] = name
         self.uris[name] = uri
@@ -271,7 +277,7 @@ class Members:
         self.gone.add(self.names.get(number, ''))
 
 
-def _to_json(values: Any) -> str:
+def _to_json(values: Sequence[Any]) -> str:
     """Return the ``values`` of a line of the event log as JSON; each by itself, in a third of json.dumps' time."""
     parts = []
     for value in values:

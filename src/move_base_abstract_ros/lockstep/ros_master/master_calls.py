@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 from urllib.parse import urlsplit
 
 import rosgraph
@@ -18,15 +18,13 @@ from move_base_abstract.lockstep.parameters import in_order
 
 from ...replacing.replaced import replace
 
-if TYPE_CHECKING:
-    pass
-
 QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
 CHANGES = ('setParam', 'deleteParam')
 _MULTICALL = 'system.multicall'
 _METHODS = frozenset((*QUESTIONS, *CHANGES, _MULTICALL, 'getParam', 'hasParam', 'searchParam', 'getParamNames',
                       'subscribeParam'))
 _local = threading.local()
+Answer = List[Any]  # of the ROS master: [code, message, value]
 
 
 class MasterCalls:
@@ -34,9 +32,10 @@ class MasterCalls:
 
     def __init__(self) -> None:
         self._is_installed = False
-        self.before = None  # take_part(what), for a program that is not a node yet
-        self._participant = None
-        self._answers: Dict[Any, Any] = {}
+        #: take_part(what), for a program that is not a node yet
+        self.before: Optional[Callable[[str], bool]] = None
+        self._participant: Any = None
+        self._answers: Dict[str, Callable[..., Answer]] = {}
 
     def install(self) -> None:
         """Put a hook in front of XML-RPC requests."""
@@ -46,7 +45,7 @@ class MasterCalls:
             # In front of its lock: a thread that waits for other nodes must not hold it, since others may need it.
             replace('rospy.core._LockedServerProxy._ServerProxy__request', self._following)
 
-    def follow(self, participant: Any, answers: Any) -> None:
+    def follow(self, participant: Any, answers: Dict[str, Callable[..., Answer]]) -> None:
         """Answer calls of the thread that has the turn, from now on; ``answers`` is {method: answer(ask, *arguments)}.
 
         ``ask()`` sends the request to the ROS master.
@@ -57,7 +56,7 @@ class MasterCalls:
 
     def _following(self, request: Callable[..., Any]) -> Callable[..., Any]:
         def _request(proxy: Any, method: str, arguments: Sequence[Any]) -> List[Any]:
-            def ask(*others: Sequence[Dict[str, Union[Tuple[str, ...], str]]]) -> List[Any]:
+            def ask(*others: Any) -> List[Any]:
                 with aside():
                     return request(proxy, method, others or arguments)
             if method not in _METHODS or getattr(_local, 'is_aside', False) or not _is_of_ros_master(proxy):
@@ -113,12 +112,12 @@ def _is_of_ros_master(proxy: Any) -> bool:
     return proxy._ServerProxy__host == urlsplit(rosgraph.get_master_uri()).netloc
 
 
-def _label_stray(participant: Any, arguments: Any) -> None:
+def _label_stray(participant: Any, arguments: Sequence[Any]) -> None:
     participant.label('parameter {} is set or deleted by a thread that lockstep does not order'.format(
         rosgraph.names.resolve_name(arguments[1], arguments[0])))
 
 
-def _in_order(method: str, answer: Sequence[Any]) -> Any:
+def _in_order(method: str, answer: Answer) -> Answer:
     """Return an answer of the ROS master with its lists of names in order."""
     code, message, value = answer
     if code != 1:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import xmlrpc.client
 from collections import deque
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Set, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Set, Tuple
 
 import rosgraph
 import rospy.core
@@ -17,7 +17,7 @@ from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.parameters import MISSING, PendingParameters, in_order, search
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .master_calls import aside
+from .master_calls import Answer, aside
 
 if TYPE_CHECKING:
     from ..participation.taking_part import Participant
@@ -38,11 +38,11 @@ class Parameters:
         self._master = master
         self._pending = PendingParameters()
         self._untold: Any = deque()  # the pending changes as calls of the ROS master
-        self._asked: Set[Any] = set()
-        self._kept: Dict[Any, Any] = {}  # {(method, name): answer of the ROS master}
+        self._asked: Set[str] = set()
+        self._kept: Dict[Tuple[str, str], Tuple[int, Any]] = {}  # {(method, name): (code, value) of the ROS master}
         self._keeps = True
 
-    def answers(self) -> Dict[str, Callable[..., Any]]:
+    def answers(self) -> Dict[str, Callable[..., Answer]]:
         """Return {method: answer(ask, *arguments)}."""
         return {'setParam': self._set, 'deleteParam': self._delete, 'getParam': self._get, 'hasParam': self._has,
                 'searchParam': self._search, 'getParamNames': self._names, 'subscribeParam': self._subscribe}
@@ -77,8 +77,7 @@ class Parameters:
 
     # --- changes ----------------------------------------------------------------------------------------------------
 
-    def _set(self, _ask: Callable[..., Any], caller: str, key: str,
-             value: Union[bool, int, str]) -> List[Union[int, str]]:
+    def _set(self, _ask: Any, caller: str, key: str, value: Any) -> Answer:
         name = _resolved(caller, key)
         text = xmlrpc.client.dumps((value,))  # raises the same errors as the request
         (value,), _ = xmlrpc.client.loads(text)
@@ -87,7 +86,7 @@ class Parameters:
                      ('setParam', name, value))
         return [1, 'parameter {} set'.format(name), 0]
 
-    def _delete(self, _ask: Any, caller: str, key: str) -> Any:
+    def _delete(self, _ask: Any, caller: str, key: str) -> Answer:
         name = _resolved(caller, key)
         if not self._is_set(name):
             return [-1, 'parameter [{}] is not set'.format(name), 0]
@@ -95,7 +94,7 @@ class Parameters:
         self._report(wire.parameter(name, False, ''), ('deleteParam', name))
         return [1, 'parameter {} deleted'.format(name), 0]
 
-    def _report(self, item: bytes, call: Any) -> None:
+    def _report(self, item: bytes, call: Tuple[Any, ...]) -> None:
         self._untold.append(call)
 
         def told() -> bytes:
@@ -132,18 +131,18 @@ class Parameters:
             return self._value(name) is not MISSING
         return self._ask('hasParam', name) == (1, True)
 
-    def _get(self, _ask: Callable[..., Any], caller: str, key: str) -> List[Any]:
+    def _get(self, _ask: Any, caller: str, key: str) -> Answer:
         name = _resolved(caller, key)
         value = self._value(name)
         if value is MISSING:
             return [-1, 'Parameter [{}] is not set'.format(name), 0]
         return [1, 'Parameter [{}]'.format(name), in_order(value)]
 
-    def _has(self, _ask: Callable[..., Any], caller: str, key: str) -> List[Union[bool, int, str]]:
+    def _has(self, _ask: Any, caller: str, key: str) -> Answer:
         name = _resolved(caller, key)
         return [1, name, self._is_set(name)]
 
-    def _search(self, ask: Callable[..., Any], caller: str, key: str) -> List[Union[int, str]]:
+    def _search(self, ask: Callable[[], Answer], caller: str, key: str) -> Answer:
         if not key or key.startswith('~'):
             return ask()  # refused
         found = search(caller, key, self._is_set)
@@ -151,14 +150,14 @@ class Parameters:
             return [-1, 'Cannot find parameter [{}] in an upwards search'.format(key), '']
         return [1, 'Found [{}]'.format(found), found]
 
-    def _names(self, ask: Any, _caller: str) -> Any:
+    def _names(self, ask: Callable[[], Answer], _caller: str) -> Answer:
         self._note('/')
         code, message, names = ask()
         if code == 1:
             names = sorted(name for name in self._pending.names(names) if not name.startswith(_OF_ROSLAUNCH + '/'))
         return [code, message, names]
 
-    def _subscribe(self, ask: Any, caller: str, api: Any, key: str) -> Any:
+    def _subscribe(self, ask: Callable[[], Answer], caller: str, _api: str, key: str) -> Answer:
         self._participant.label('it has the ROS master tell it of parameter {}: that comes at some moment of the '
                                 'wall clock'.format(_resolved(caller, key)))
         return ask()

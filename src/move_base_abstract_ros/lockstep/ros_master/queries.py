@@ -9,13 +9,13 @@ An answer names participants, and of the other nodes those that offer something.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Set, Tuple
 
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .master_calls import aside
+from .master_calls import Answer, aside
 
 if TYPE_CHECKING:
     from move_base_abstract.lockstep.scheduler import Scheduler
@@ -55,19 +55,19 @@ class Queries:
     """The questions of one participant; for its thread that has the turn. ``master`` is a proxy of the ROS master."""
 
     def __init__(self, participant: Participant, master: Any) -> None:
-        self._participant: Any = participant
+        self._participant = participant
         self._master = master
-        self._told: Set[Any] = set()
+        self._told: Set[str] = set()
         self._asked = _Asked(participant.scheduler)
 
-    def answers(self) -> Dict[str, Callable[..., Any]]:
+    def answers(self) -> Dict[str, Callable[..., Answer]]:
         """Return {method: answer(ask, *arguments)}."""
         return {'getPublishedTopics': self._after_others(self._published), 'getTopicTypes':
                 self._after_others(self._types), 'getSystemState': self._after_others(self._state),
                 'lookupNode': self._after_others(self._node), 'lookupService': self._after_others(self._service)}
 
-    def _after_others(self, answer: Callable[..., Any]) -> Callable[..., Any]:
-        def ask_who(ask: Callable[..., Any], *arguments: str) -> List[Union[List[List[str]], int, str]]:
+    def _after_others(self, answer: Callable[..., Answer]) -> Callable[..., Answer]:
+        def ask_who(ask: Callable[[], Answer], *arguments: str) -> Answer:
             scheduler = self._participant.scheduler
             try:
                 self._asked.once_more()
@@ -86,7 +86,7 @@ class Queries:
         state = state if code == 1 else [[], [], []]
         return Registrations(state, self._participant.members.there, self._participant.members.gone), state
 
-    def _published(self, ask: Callable[..., Any], *_arguments: str) -> List[Union[List[List[str]], int, str]]:
+    def _published(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, pairs = ask()
         if code == 1:
             there, _ = self._registrations()
@@ -94,7 +94,7 @@ class Queries:
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
 
-    def _types(self, ask: Any, *_arguments: Any) -> Any:
+    def _types(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, pairs = ask()
         if code == 1:
             there, _ = self._registrations()
@@ -102,7 +102,7 @@ class Queries:
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
 
-    def _state(self, ask: Any, *_arguments: Any) -> Any:
+    def _state(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, state = ask()
         if code == 1:
             there = Registrations(state, self._participant.members.there, self._participant.members.gone)
@@ -110,7 +110,7 @@ class Queries:
             self._tell(there.strangers())
         return [code, message, state]
 
-    def _node(self, ask: Callable[..., Any], _caller: str, node: str) -> List[Union[int, str]]:
+    def _node(self, ask: Callable[[], Answer], _caller: str, node: str) -> Answer:
         participant = self._participant
         if node in participant.members.gone:
             return [-1, 'unknown node [{}]'.format(node), '']
@@ -118,13 +118,13 @@ class Queries:
             self._tell([node])
         return ask()
 
-    def _service(self, ask: Any, _caller: str, service: str) -> Any:
+    def _service(self, ask: Callable[[], Answer], _caller: str, service: str) -> Answer:
         there, state = self._registrations()
         if there.only_gone_serve(service, state):
             return [-1, 'no provider', '']
         return ask()
 
-    def _tell(self, strangers: Sequence[Any]) -> None:
+    def _tell(self, strangers: Iterable[str]) -> None:
         for node in strangers:
             if node not in self._told:
                 self._told.add(node)

@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 import types
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep.loops import STEP_NS
@@ -99,9 +99,7 @@ class _When(float):
 
 
 def _in_order_of_creation(init: Callable[..., Any]) -> Callable[..., Any]:
-    def init_in_order(self: Any, when: Any,
-                      *args: Optional[Union[Sequence[Optional[Union[bool, int, str]]], Callable[..., Any]]],
-                      **kwds: Any) -> None:
+    def init_in_order(self: Any, when: Any, *args: Any, **kwds: Any) -> None:
         if type(when) is float:
             when = _When(when)
             when.number = next(_numbers)
@@ -152,16 +150,16 @@ class _Selector:
         self.place = place
         self._clocks, self._take_part = clocks, take_part
         self._own = None  # the loop's own end of a pair of sockets
-        self._places: Dict[Any, Any] = {}
+        self._places: Dict[int, Optional[Tuple[str, int]]] = {}  # {descriptor: where it was registered}
         self._waiting = None  # the task of the thread that waits here
         self._watch: Any = None
         self.is_ordered = False
         self.has_yielded = False
 
-    def __getattr__(self, name: str) -> Callable[..., Any]:
+    def __getattr__(self, name: str) -> Any:
         return getattr(self._selector, name)
 
-    def register(self, fileobj: int, events: int, data: Optional[Tuple[None, None]] = None) -> Any:
+    def register(self, fileobj: Any, events: int, data: Any = None) -> Any:
         """Register a file, as selectors.BaseSelector does."""
         key = self._selector.register(fileobj, events, data)
         if self._own is None:
@@ -206,7 +204,7 @@ class _Selector:
         """Whether something may come from outside of the program, by connections, pipes or signals."""
         return len(self._selector.get_map()) > 1 or bool(getattr(self._loop, '_signal_handlers', None))
 
-    def _told_of(self, ready: Sequence[Tuple[Any, int]]) -> Any:
+    def _told_of(self, ready: List[Tuple[Any, int]]) -> List[Tuple[Any, int]]:
         for key, _events in ready:
             if key.fd != self._own:
                 told.tell_place(self._places.get(key.fd), 'asyncio', _OUTSIDE)
@@ -239,7 +237,7 @@ class _Selector:
         if self._waiting is not None:
             told.participant.scheduler.wake(self._waiting)
 
-    def _before_node(self, timeout: Any) -> List[Any]:
+    def _before_node(self, timeout: Optional[float]) -> List[Tuple[Any, int]]:
         """Wait when the program does not take part yet: it takes part from here on, or waits in wall time."""
         if timeout and not self._has_outside and self._take_part('a wait of asyncio'):
             return self.select(timeout)
@@ -248,7 +246,7 @@ class _Selector:
             self._clocks.add_sleep(timeout)
         return ready
 
-    def _in_the_end(self, timeout: Optional[float]) -> List[Any]:
+    def _in_the_end(self, timeout: Optional[float]) -> List[Tuple[Any, int]]:
         """Wait in wall time when lockstep is over and the node is about to end.
 
         :raises TurnLost: if nothing came, and there is no time-out.

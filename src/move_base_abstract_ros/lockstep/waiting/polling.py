@@ -52,7 +52,7 @@ class _Parameters:
 
     def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = scheduler
-        self._names: Set[Any] = set()
+        self._names: Set[str] = set()
 
     def weight_of(self, name: str, *_args: Any, **_kwds: Any) -> int:
         """Return the number of looks as which this one counts."""
@@ -65,7 +65,7 @@ class _Parameters:
 
 
 def _count(function: Callable[..., Any], scheduler: Scheduler, step_ns: int,
-           weight_of: Optional[Callable[..., Any]] = None) -> None:
+           weight_of: Optional[Callable[..., int]] = None) -> None:
     def counting(original: Callable[..., Any]) -> Callable[..., Any]:
         def look(*args: Any, **kwds: Any) -> Any:
             if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):

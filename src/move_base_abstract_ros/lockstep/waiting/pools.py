@@ -8,7 +8,7 @@ labelled all the same, because the processes take no part.)
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import rospy
 
@@ -25,7 +25,8 @@ _POOL = 'multiprocessing.pool'
 _OF_CHILDREN = 'asyncio.unix_events'  # each of its threads waits for a child
 _LOOK_S, _LAST_WORDS_S, _LONGEST_S = 0.001, 0.05, 60.0  # wall
 _sleep = time.sleep  # the real one, by the wall clock
-_jobs: List[Any] = []  # of pools of processes: (managing thread, dict of the jobs that are not done)
+#: of pools of processes: (managing thread, dict of the jobs that are not done)
+_jobs: List[Tuple[Any, Dict[Any, Any]]] = []
 
 
 def is_manager(thread: Any) -> bool:
@@ -39,7 +40,7 @@ def is_manager(thread: Any) -> bool:
     return is_manager_
 
 
-def _jobs_of(thread: Any, module: Any) -> List[Dict[int, str]]:
+def _jobs_of(thread: Any, module: Any) -> List[Dict[Any, Any]]:
     """Return [dict of the jobs that are not done] of a managing thread; [] if another thread of the pool has it."""
     if hasattr(thread, 'pending_work_items'):
         return [thread.pending_work_items]
@@ -74,7 +75,7 @@ def _is_working() -> bool:
     return any(jobs and thread.is_alive() for thread, jobs in _jobs)
 
 
-def _wait_by_the_wall(scheduler: Scheduler, longest: float, condition: Callable[..., Any]) -> bool:
+def _wait_by_the_wall(scheduler: Scheduler, longest: float, condition: Callable[[], bool]) -> bool:
     """Wait in wall time, while a condition holds, until something comes from outside.
 
     Return False if that takes longer than ``longest`` [s, wall].

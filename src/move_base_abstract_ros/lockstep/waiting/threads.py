@@ -11,7 +11,7 @@ import queue
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
 
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock, Process, clock
 from move_base_abstract.lockstep.scheduler import TurnLost
@@ -51,7 +51,8 @@ def replace_locks() -> None:
     """Make locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
     now = clock(time.monotonic)
     for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
-                           ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),  # type: ignore[attr-defined]
+                           ('threading.RLock', CooperativeRLock),
+                           ('queue.SimpleQueue', queue._PySimpleQueue),  # type: ignore[attr-defined]
                            ('threading._time', now), ('queue.time', now)):
         replace(name, lambda _original, stand_in=stand_in: stand_in)
 
@@ -68,14 +69,14 @@ def watch_start(take_part: Callable[..., Any]) -> None:
 class _Watch:
     """How a program takes part when it starts a thread before it is a node; None from then on."""
 
-    take_part: Optional[Any] = None
+    take_part: Optional[Callable[[str], bool]] = None
 
 
 def _starting_early(start: Callable[..., Any]) -> Callable[..., Any]:
     def _start(self: Any) -> None:
-        take_part: Any = _Watch.take_part
+        take_part = _Watch.take_part
         frame = None if take_part is None else own_frame(sys._getframe(1))
-        if frame is None or _is_foreign(self, ''):
+        if take_part is None or frame is None or _is_foreign(self, ''):
             start(self)
         elif take_part('a thread'):
             threading.Thread.start(self)
@@ -106,7 +107,8 @@ def _starting(scheduler: Scheduler, start: Callable[..., Any]) -> Callable[..., 
 
 
 def _starting_new(start_new_thread: Callable[..., Any]) -> Callable[..., Any]:
-    def _start_new_thread(function: Callable[..., Any], args: Sequence[List[str]], kwargs: Any = None) -> Any:
+    def _start_new_thread(function: Callable[..., Any], args: Tuple[Any, ...],
+                          kwargs: Optional[Dict[str, Any]] = None) -> Optional[int]:
         if not is_own(sys._getframe(1)):
             return start_new_thread(function, args, *([] if kwargs is None else [kwargs]))
         thread = threading.Thread(target=function, name='Dummy-{}'.format(next(_numbers)), args=args,

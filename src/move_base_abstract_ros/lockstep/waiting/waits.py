@@ -50,10 +50,10 @@ def _install_actionlib(waits: _Waits, scheduler: Scheduler) -> None:
              lambda: not scheduler.is_mine())
 
 
-def replace(function: Callable[..., Any], hook: Callable[..., Any], is_foreign: Callable[..., Any]) -> None:
+def replace(function: Callable[..., Any], hook: Callable[..., Any], is_foreign: Callable[[], bool]) -> None:
     """Make ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
     def make(original: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*args: Any, **kwds: float) -> Any:
+        def call(*args: Any, **kwds: Any) -> Any:
             return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
         return call
     replace_within(function, make)
@@ -133,7 +133,7 @@ class _Waits:
         except KeyboardInterrupt:
             rospy.core.signal_shutdown('keyboard interrupt')
 
-    def _until(self, condition: Callable[..., Any], timeout: Optional[float], what: str) -> bool:
+    def _until(self, condition: Callable[[], object], timeout: Optional[float], what: str) -> bool:
         try:
             return self._scheduler.wait_until(condition, self._wake_ns(timeout), what)
         except TurnLost:
@@ -182,7 +182,7 @@ class _Waits:
         return self._until_or_shutdown(lambda: _is_connected(client), timeout,
                                        'the action server {}'.format(client.ns))
 
-    def _until_or_shutdown(self, condition: Callable[..., Any], timeout: Any, what: str) -> bool:
+    def _until_or_shutdown(self, condition: Callable[[], object], timeout: Any, what: str) -> bool:
         timeout = timeout if to_ns(timeout) > 0 else None
         try:
             return bool(self._scheduler.wait_until(condition, self._wake_ns(timeout), what))
