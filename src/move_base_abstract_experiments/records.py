@@ -60,9 +60,9 @@ class Plan:
     factors: Dict[str, Any] = field(default_factory=dict)
     metrics: Dict[str, Any] = field(default_factory=dict)
     primary: Any = None
-    baseline: Any = None
-    at_limit: Any = None
-    smallest_difference: Any = None
+    baseline: Optional[Dict[str, Any]] = None
+    at_limit: Optional[Dict[str, Any]] = None
+    smallest_difference: Optional[Dict[str, Any]] = None
     until: Any = None
     replications: Any = None
     verify: Any = None
@@ -141,11 +141,17 @@ def _planned(content: Any, where: str) -> Planned:
 def read_planned(folder: str, planned: Planned) -> Optional[Result]:
     """Return trial.json of a planned trial, or None if it is missing, or its ``made_of`` is not the planned one.
 
-    A trial that is kept although it is of an old program has a label that says so. :raises: as read_trial().
+    A trial that is kept although it is of an old program has a label that says so. :raises: as read_trial(), also if
+    the trial is of another plan.
     """
     result = read_trial(folder, planned.id)
     if result is None or None not in (planned.made_of, result.made_of) and planned.made_of != result.made_of:
         return None
+    for key in ('configuration', 'replication', 'seed'):
+        told, wanted = getattr(result, key), getattr(planned, key)
+        if told != wanted:
+            raise ConfigurationError(f"{os.path.join(folder, 'trials', planned.id, 'trial.json')}: is of another plan: "
+                                     f"its '{key}' is {shown(told)}, but the plan has {shown(wanted)}")
     return dataclasses.replace(result, labels=[*result.labels, planned.kept]) if planned.kept else result
 
 

@@ -16,11 +16,13 @@ ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0
          'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
          'verified': None, 'difference': None, 'robots': {'r': {}}, 'ended_by': 'idle', 'made_of': 'm', 'program': 'p'}
-PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
+PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [
+    {'id': ID, 'configuration': {'robots': 1}, 'seed': 3}]}
 
 
 def plan(names=(ID,)):
-    return records.Plan('e', {'robots': [1]}, {'goals': {}}, trials=[records.Planned(name) for name in names])
+    return records.Plan('e', {'robots': [1]}, {'goals': {}}, trials=[
+        records.Planned(name, {'robots': 1}, seed=3) for name in names])
 
 
 def packed(members):
@@ -154,7 +156,7 @@ def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted
 
 def test_a_failure_is_told(tmp_path):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
-        sweep._taken(folder, job_of(id=ID, configuration={'a': 1}, seed=3), '', None, 'it was lost', 2)
+        sweep._taken(folder, job_of(id=ID, configuration={'robots': 1}, seed=3), '', None, 'it was lost', 2)
         folder.write_pieces('plan.json', tables.plan_text(plan()))
     lines = list(state.lines(tmp_path / 'out'))
     assert lines[0] == 'e: 0 of 1 trials complete, 1 failed, 0 missing'

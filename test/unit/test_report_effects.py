@@ -21,6 +21,14 @@ def told(found):
     return findings.findings(found, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
 
 
+def without(folder, *configurations):
+    """Return the experiment of a folder as if these configurations had not been planned."""
+    plan = json.loads((folder / 'plan.json').read_text())
+    plan['trials'] = [each for each in plan['trials'] if each['configuration'] not in configurations]
+    (folder / 'plan.json').write_text(json.dumps(plan))
+    return outcome.read(folder)
+
+
 def two_by_two(configuration, replication):
     auction, many = configuration['method'] == 'auction', configuration['robots'] == 8
     sign = 1.0 if auction else -1.0
@@ -115,7 +123,7 @@ def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
 def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
     metrics = {'done': {'unit': 'yes/no', 'title': 'All done', 'better': 'higher'}}
     found = experiment(tmp_path, {'method': ['greedy', 'auction']},
-                       lambda c, k: {'done': c['method'] == 'auction' or k < 2}, replications=20, metrics=metrics)
+                       lambda c, k: {'done': int(c['method'] == 'auction' or k < 2)}, replications=20, metrics=metrics)
     assert found.metrics[0].is_share
     assert [each.method for each in effects.summary(found, found.metrics[0])] == ['wilson', 'wilson']
     only = told(found)[0]
@@ -130,7 +138,7 @@ def test_counts_that_happen_to_be_0_or_1_are_no_shares(tmp_path):
 
 def test_means_of_shares_have_no_bounds_beyond_all(tmp_path):
     metrics = {'done': {'unit': 'yes/no', 'title': 'All done', 'better': 'higher'}}
-    found = experiment(tmp_path, FACTORS, lambda c, k: {'done': k != 1 or c['robots'] == 2}, metrics=metrics)
+    found = experiment(tmp_path, FACTORS, lambda c, k: {'done': int(k != 1 or c['robots'] == 2)}, metrics=metrics)
     levels, _ = effects.levels_of(found, found.metrics[0], 0)
     assert [each.estimate.value for each in levels] == pytest.approx([11.0 / 12.0] * 2)
     assert [each.estimate.high for each in levels] == [1.0, 1.0]
@@ -144,11 +152,7 @@ def test_of_several_levels_the_best_is_compared_with_each_other(tmp_path):
 
 
 def test_designs_with_gaps_compare_what_can_be_compared(tmp_path):
-    found = write(tmp_path, FACTORS, 6, two_by_two)
-    whole = outcome.read(found)
-    gone = [each for each in whole.plan['trials'] if each['configuration'] != {'method': 'auction', 'robots': 8}]
-    (tmp_path / 'plan.json').write_text(json.dumps({**whole.plan, 'trials': gone}))
-    rest = outcome.read(tmp_path)
+    rest = without(write(tmp_path, FACTORS, 6, two_by_two), {'method': 'auction', 'robots': 8})
     assert len(rest.configurations) == 3
     assert len(of(effects.main_effects(rest), 'makespan_s', 0).groups) == 1
     levels, is_like_for_like = effects.levels_of(rest, rest.metrics[0], 0)
@@ -166,13 +170,8 @@ def test_what_many_trials_share_takes_room_once(tmp_path):
 
 
 def test_configurations_without_a_common_factor_are_compared_as_wholes(tmp_path):
-    plan = write(tmp_path, FACTORS, 6, two_by_two)
-    content = outcome.read(plan).plan
-    content['trials'] = [each for each in content['trials']
-                         if each['configuration'] in ({'method': 'greedy', 'robots': 2},
-                                                      {'method': 'auction', 'robots': 8})]
-    (tmp_path / 'plan.json').write_text(json.dumps(content))
-    rest = outcome.read(tmp_path)
+    rest = without(write(tmp_path, FACTORS, 6, two_by_two), {'method': 'greedy', 'robots': 8},
+                   {'method': 'auction', 'robots': 2})
     assert effects.main_effects(rest) == []
     only = effects.single_differences(rest)[0]
     assert only.factor is None and only.estimate.value == pytest.approx(-218.0 + 3.0 * sum(OWN) / 6)

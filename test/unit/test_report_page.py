@@ -297,11 +297,10 @@ def test_sections_that_cannot_be_made_do_not_take_the_report_with_them(tmp_path,
 
 
 @pytest.mark.parametrize(('change', 'says'), [
-    ({'format': 2}, "'format' must be 1, got 2"), ({'trials': 3}, "'trials' must be a list, got 3"),
-    ({'trials': [{'id': '../x', 'replication': 0}]}, "'id' must be letters"),
     ({'trials': [{'id': 'a', 'replication': '0'}]}, "'replication' must be a whole number"),
+    ({'trials': [{'id': 'a', 'seed': 10 ** 18}]}, 'replication and seed must be within'),
     ({'trials': [{'id': 'a', 'replication': 0}] * 2}, 'is planned twice'), ({'report': 'f'}, "'module:function'"),
-    ({'factors': {'a': 3}}, 'must be a list, got 3')])
+    ({'smallest_difference': {'x': 0}}, 'must be a number above 0, got 0')])
 def test_a_plan_that_cannot_be_used_is_an_error_that_says_why(tmp_path, capsys, change, says):
     write(tmp_path, {}, 1, usual)
     path = tmp_path / 'plan.json'
@@ -336,8 +335,6 @@ def test_what_the_program_did_not_make_stays(tmp_path, capsys, name):
     path.write_text('mine')
     assert command.main([str(tmp_path)]) == 2
     assert path.read_text() == 'mine' and name.split('/')[0] in capsys.readouterr().err
-
-
 
 
 def beyond(longer, begun=50):

@@ -4,17 +4,15 @@ from __future__ import annotations
 import csv
 import json
 import math
-import re
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 import numpy as np
 
 from move_base_abstract.common.csv_files import open_csv
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.json_files import MAX_BYTES, load_json_mapping
 from move_base_abstract.common.shown import shown, shown_text
 
 from .. import records
@@ -23,12 +21,10 @@ from . import design, endings
 if TYPE_CHECKING:
     from .design import Configuration, Factor, Metric
 
-FORMAT = 1
-COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
-SAFE_ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}')
+COMPLETE, FAILED, MISSING = records.COMPLETE, records.FAILED, 'not run'
 LARGEST_INT = 10**18  # whole numbers must be smaller, so that a column of 64-bit integers can hold them
 LARGEST = 1e100  # the largest value of a metric; larger ones cannot have been measured
-_STATES = ('identical', 'different')
+_SECONDS = ('simulated_seconds', 'wall_seconds', 'times_real_time')
 
 
 @dataclass(frozen=True)
@@ -38,14 +34,14 @@ class Trial:
     id: str
     configuration: int  # its place in Experiment.configurations
     replication: int
-    seed: Optional[int]
+    seed: int
     status: str  # COMPLETE, FAILED or MISSING
     error: str = ''  # a complete trial can have one too, for example of its metrics
     metrics: Dict[str, float] = field(default_factory=dict)  # NaN where the trial has none
     simulated_seconds: float = math.nan
     wall_seconds: float = math.nan
     times_real_time: float = math.nan
-    repeatable: Optional[bool] = None  # None: not recorded
+    repeatable: bool = False
     labels: Tuple[str, ...] = ()
     verified: Optional[str] = None  # 'identical', 'different', or None: not run again
     difference: str = ''
@@ -134,152 +130,86 @@ def read(folder: Path) -> Experiment:
     :raises ConfigurationError: if there is no plan, or it cannot be understood.
     """
     folder = Path(folder)
-    plan = _json(folder / 'plan.json', records.MAX_PLAN_BYTES)
+    plan = records.read_plan(str(folder))
     _check_plan(plan, folder / 'plan.json')
-    planned = plan['trials']
-    factors = design.factors_of(plan)
-    configurations, places = design.configurations_of(factors, planned)
-    rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.get('metrics', {}))
-    _share(planned, places)
-    trials = tuple(_trial(folder, plan, each, places[place], rows) for place, each in enumerate(planned))
-    return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
-
-
-def _share(planned: Sequence[Dict[str, Any]], places: Sequence[int]) -> None:
-    """Let the trials of a plan share equal configurations and programs, to save memory.
-
-    :param places: the place of each trial's configuration.
-    """
+    told = {**vars(plan), 'trials': [vars(one) for one in plan.trials]}
+    factors = design.factors_of(told)
+    configurations, places = design.configurations_of(factors, told['trials'])
+    rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.metrics)
     known: Dict[Any, Any] = {}
-    for each, place in zip(planned, places):
-        for key in ('configuration', 'program'):
-            if key in each:
-                each[key] = known.setdefault((key, place if key == 'configuration' else str(each[key])), each[key])
+    for one, place in zip(plan.trials, places):  # equal configurations and programs share one object, to save memory
+        one.configuration = known.setdefault(place, one.configuration)
+        one.program = known.setdefault(one.program, one.program)
+    trials = tuple(_trial(folder, plan, one, place, rows) for one, place in zip(plan.trials, places))
+    return Experiment(folder, told, factors, configurations, design.metrics_of(told, trials), trials)
 
 
-def _json(path: Path, most: int = MAX_BYTES) -> Dict[str, Any]:
-    """Return the mapping that a JSON file holds. :raises ConfigurationError: naming the file and what is wrong."""
-    try:
-        return load_json_mapping(path, most)
-    except FileNotFoundError:
-        raise ConfigurationError(f'{path}: is not there; the folder must be one that `experiment run` made') from None
-
-
-def _check_plan(plan: Dict[str, Any], path: Path) -> None:
-    if plan.get('format') != FORMAT:
-        raise ConfigurationError(f"{path}: 'format' must be {FORMAT}, got {shown(plan.get('format'))}")
-    for key, kind, name in (('trials', list, 'list'), ('factors', dict, 'mapping'), ('metrics', dict, 'mapping')):
-        if not isinstance(plan.get(key, kind()), kind):
-            raise ConfigurationError(f"{path}: '{key}' must be a {name}, got {shown(plan[key])}")
-    for key in ('baseline', 'smallest_difference', 'at_limit'):
-        if not isinstance(plan.get(key) or {}, dict):
-            raise ConfigurationError(f"{path}: '{key}' must be a mapping, got {shown(plan[key])}")
-    for name, least in (plan.get('smallest_difference') or {}).items():
+def _check_plan(plan: records.Plan, path: Path) -> None:
+    """Check of a plan what only a report needs."""
+    for name, least in (plan.smallest_difference or {}).items():
         if isinstance(least, bool) or not isinstance(least, (int, float)) or not 0.0 < least <= LARGEST:
             raise ConfigurationError(f'{path}: smallest_difference[{shown(name)}] must be a number above 0, got '
                                      f'{shown(least)}')
-    for name, levels in plan.get('factors', {}).items():
-        if not isinstance(levels, list):
-            raise ConfigurationError(f'{path}: factors[{shown(name)}] must be a list, got {shown(levels)}')
-    plan.setdefault('trials', [])
     seen: Set[Any] = set()
-    for place, trial in enumerate(plan['trials']):
+    for place, trial in enumerate(plan.trials):
         where = f'{path}: trials[{place}]'
-        if not isinstance(trial, dict) or not isinstance(trial.get('configuration', {}), dict):
-            raise ConfigurationError(f"{where}: must be a mapping with a mapping 'configuration', got {shown(trial)}")
-        if not isinstance(trial.get('id'), str) or not SAFE_ID.fullmatch(trial['id']):
-            raise ConfigurationError(f"{where}: 'id' must be letters, digits, '.', '_' and '-', got "
-                                     f"{shown(trial.get('id'))}")
-        for key in ('replication', 'seed') if 'seed' in trial else ('replication',):
-            number = trial.get(key)
-            if isinstance(number, bool) or not isinstance(number, int) or abs(number) >= LARGEST_INT:
-                raise ConfigurationError(f"{where}: '{key}' must be a whole number within +-{LARGEST_INT}, got "
-                                         f"{shown(number)}")
-        same = json.dumps(trial.get('configuration', {}), sort_keys=True), trial['replication']
-        if trial['id'] in seen or same in seen:
-            raise ConfigurationError(f"{where}: is planned twice: {shown(trial['id'])}")
-        seen.update((trial['id'], same))
+        if max(abs(trial.replication), abs(trial.seed)) >= LARGEST_INT:
+            raise ConfigurationError(f'{where}: replication and seed must be within +-{LARGEST_INT}, got '
+                                     f'{shown(trial.replication)} and {shown(trial.seed)}')
+        same = json.dumps(trial.configuration, sort_keys=True), trial.replication
+        if trial.id in seen or same in seen:
+            raise ConfigurationError(f'{where}: is planned twice: {shown(trial.id)}')
+        seen.update((trial.id, same))
 
 
-def _rows_of_csv(path: Path, metrics: Mapping[str, Dict[str, str]]) -> Dict[str, Dict[str, Any]]:
-    """Return the rows of trials.csv by ID, in the form of trial.json; for a folder that came without its trials."""
+def _rows_of_csv(path: Path, metrics: Iterable[str]) -> Dict[str, records.Result]:
+    """Return the rows of trials.csv by ID, as Results; for a folder that came without its trials."""
     if not path.is_file():
         return {}
     with open_csv(path) as stream:
         return {row['id']: _of_row(row, metrics) for row in csv.DictReader(stream) if row.get('id')}
 
 
-def _of_row(row: Mapping[str, str],
-            metrics: Mapping[str, Dict[str, str]]) -> Dict[str, Any]:
-    known = {key: value for key, value in row.items() if isinstance(key, str) and value not in ('', None)}
-    labels = known.pop('labels', '')
-    told: Dict[str, Any] = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
-            'labels': [labels] if labels else []}
-    if 'repeatable' in told:
-        told['repeatable'] = told['repeatable'].lower() in ('true', '1', 'yes')
-    return told
+def _of_row(row: Mapping[str, str], metrics: Iterable[str]) -> records.Result:
+    told = {key: value for key, value in row.items() if isinstance(key, str) and value not in ('', None)}
+    return records.Result(
+        told['id'], status=told.get('status', ''), error=told.get('error'), ended_by=told.get('ended_by'),
+        metrics={name: _number(told.get(name)) for name in metrics}, verified=told.get('verified'),
+        labels=[told['labels']] if 'labels' in told else [],
+        repeatable=told.get('repeatable', '').lower() in ('true', '1', 'yes'),
+        **{name: _number(told.get(name)) for name in _SECONDS})  # type: ignore[arg-type]
 
 
-def _trial(folder: Path, plan: Mapping[str, Any], planned: Mapping[str, Any],
-           configuration: int, rows: Mapping[str, Dict[str, Any]]) -> Trial:
+def _trial(folder: Path, plan: records.Plan, planned: records.Planned, configuration: int,
+           rows: Mapping[str, records.Result]) -> Trial:
     """Return the Trial of an entry of the plan."""
-    base: Dict[str, Any] = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
-                seed=planned.get('seed'), kept=str(planned.get('program')) if planned.get('kept') else '')
-    path = folder / 'trials' / planned['id'] / 'trial.json'
+    base: Dict[str, Any] = dict(id=planned.id, configuration=configuration, replication=planned.replication,
+                                seed=planned.seed, kept=str(planned.program) if planned.kept else '')
     try:
-        if path.is_file():
-            told = _json(path)
-            if None not in (planned.get('made_of'), told.get('made_of')) and planned['made_of'] != told['made_of']:
-                return Trial(**base, status=MISSING)  # it is of another program and has to run again
-            _check_same(told, planned, path)
-        elif planned['id'] in rows:
-            told = rows[planned['id']]
-        else:
-            return Trial(**base, status=MISSING)
-        labels = [*told['labels'], planned['kept']] if planned.get('kept') and isinstance(
-            told.get('labels'), list) else told.get('labels')
-        return _told(base, {**told, 'labels': labels}, plan.get('until'))
+        told = rows.get(planned.id) or records.read_planned(str(folder), planned)
     except ConfigurationError as error:
         return Trial(**base, status=FAILED, error=str(error))
+    return _told(base, told, plan.until) if told else Trial(**base, status=MISSING)
 
 
-def _check_same(told: Mapping[str, Any], planned: Mapping[str, Any],
-                path: Path) -> None:
-    for key in ('configuration', 'replication', 'seed'):
-        if key in told and told[key] != planned.get(key):
-            raise ConfigurationError(f"{path}: is of another plan: its '{key}' is {shown(told[key])}, but the plan has "
-                                     f'{shown(planned.get(key))}')
-
-
-def _told(base: Mapping[str, Any], told: Mapping[str, Any], until: Optional[Mapping[str, int]]) -> Trial:
-    """Return the Trial of a trial.json (a mapping). Any part of it may be missing or wrong."""
-    status = told.get('status')
-    lines = str(told.get('error') or '').strip().splitlines()
-    error = lines[0][:1000] if lines else ''
-    if status != COMPLETE:
-        error = error or ('no reason was recorded' if status == FAILED else f'its status is {shown(status)}')
-        return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')),
-                     ended_by=endings.ended_by(told.get('ended_by'), None, math.nan),
-                     properties=told.get('properties'))
-    robots: Any = told.get('robots') if isinstance(told.get('robots'), dict) else {}
-    waits: Any = told.get('waits') if isinstance(told.get('waits'), dict) else {}
-    labels: Any = told.get('labels') if isinstance(told.get('labels'), list) else []
-    metrics: Any = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
+def _told(base: Mapping[str, Any], told: records.Result, until: Optional[Mapping[str, int]]) -> Trial:
+    """Return the Trial of a Result."""
+    error = next(iter((told.error or '').strip().splitlines()), '')[:1000]
+    if not told.is_complete:
+        error = error or ('no reason was recorded' if told.status == FAILED else f'its status is {shown(told.status)}')
+        return Trial(**base, status=FAILED, error=error, attempts=told.attempts,
+                     ended_by=endings.ended_by(told.ended_by, None, math.nan), properties=told.properties)
+    seconds = {name: _number(getattr(told, name)) for name in _SECONDS}
     return Trial(
-        **base, status=COMPLETE, error=error, metrics={str(name): _number(value) for name, value in metrics.items()},
-        **{name: _number(told.get(name))  # type: ignore[arg-type]
-           for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
-        repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
-        labels=tuple(sys.intern(str(label)) for label in labels),
-        verified=told.get('verified') if told.get('verified') in _STATES else None,
-        difference=shown_text(told.get('difference') or ''),
-        robots={str(name): {str(key): _number(value) for key, value in each.items()}
-                for name, each in robots.items() if isinstance(each, dict)},
-        waits={str(where): value for where, value in ((where, _number(told)) for where, told in waits.items())
-               if value >= 0.0},
-        attempts=_count(told.get('attempts')), open_goals=_whole(told.get('open_goals')),
-        properties=told.get('properties'),
-        ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))
+        **base, **seconds, status=COMPLETE, error=error, repeatable=told.repeatable, attempts=told.attempts,  # type: ignore[arg-type]
+        metrics={name: _number(value) for name, value in told.metrics.items()},
+        labels=tuple(sys.intern(label) for label in told.labels), open_goals=told.open_goals,
+        verified=told.verified if told.verified in (records.IDENTICAL, records.DIFFERENT) else None,
+        difference=shown_text(told.difference or ''), properties=told.properties,
+        robots={name: {key: _number(value) for key, value in each.items()}
+                for name, each in told.robots.items() if isinstance(each, dict)},
+        waits={where: _number(value) for where, value in told.waits.items() if _number(value) >= 0.0},
+        ended_by=endings.ended_by(told.ended_by, until, seconds['simulated_seconds']))
 
 
 def _number(value: Any) -> float:
@@ -289,12 +219,3 @@ def _number(value: Any) -> float:
     except (ValueError, OverflowError):
         return math.nan
     return number if abs(number) <= LARGEST else math.nan
-
-
-def _count(value: Any) -> int:
-    return _whole(value) or 1
-
-
-def _whole(value: Any) -> Optional[int]:
-    """Return the value if it is a whole number of at least 0, otherwise None."""
-    return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None

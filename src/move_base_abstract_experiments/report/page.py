@@ -349,7 +349,6 @@ def _looks(analysis: Analysis) -> Optional[Section]:
 def _repeatable(experiment: Experiment) -> Optional[Section]:
     complete = experiment.complete
     again = [trial for trial in complete if trial.verified]
-    told = [trial for trial in complete if trial.repeatable is not None]
     parts = []
     if again:
         same = sum(trial.verified == 'identical' for trial in again)
@@ -360,9 +359,8 @@ def _repeatable(experiment: Experiment) -> Optional[Section]:
                      f'{digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials repeat (Wilson, 95 % interval).')
     else:
         parts.append('No trial was run again to see whether it repeats.')
-    if told:
-        parts.append('Trials whose run says that it is repeatable: '
-                     f'{whole(sum(bool(trial.repeatable) for trial in told))} of {whole(len(told))}.')
+    parts.append('Trials whose run says that it is repeatable: '
+                 f'{whole(sum(trial.repeatable for trial in complete))} of {whole(len(complete))}.')
     parts += there((listings.not_identical(experiment), listings.labels(experiment)))
     return Section('Repeatability', tuple(parts)) if complete else None
 

@@ -155,8 +155,7 @@ def _row(experiment: Experiment, count: Count) -> Tuple[Union[str, Cell], ...]:
         return (*row, UNKNOWN, UNKNOWN, UNKNOWN, '')
     trial, first = count.first
     at = UNKNOWN if first.instant_ns is None else f'{first.instant_ns * 1e-9:.9g}'
-    return (*row, Cell(trial.id, notable_trials.link(experiment, trial)),
-            UNKNOWN if trial.seed is None else str(trial.seed), at, first.words)
+    return (*row, Cell(trial.id, notable_trials.link(experiment, trial)), str(trial.seed), at, first.words)
 
 
 def _stated(experiment: Experiment, key: Key) -> int:
