@@ -10,7 +10,8 @@ def main():
     """Run the command line and exit with its exit code."""
     if sys.argv[1:] == ['setup']:  # before imports that need what it installs
         sys.exit(environment.main([str(environment.of_the_user())]))
-    find_python(sys.argv, 'study')
+    if not {'-h', '--help'} & set(sys.argv[1:]):
+        find_python(sys.argv, 'study')
     from move_base_abstract.common import processes
     with processes.importing():
         from soil_mapping.study import command

@@ -27,7 +27,7 @@ class EnvironmentFailure(Exception):
 
 
 def of_the_user() -> Path:
-    """Return the folder of the environment that ``study setup`` makes, in the user's data folder."""
+    """Return the folder of the environment that ``study.py setup`` makes, in the user's data folder."""
     data = os.environ.get('XDG_DATA_HOME', '')
     base = Path(data) if os.path.isabs(data) else Path('~/.local/share').expanduser()
     return base / 'move_base_abstract' / 'study_python'

@@ -64,7 +64,7 @@ OLD_NAMES = {
     'radio_markers': (*_OWN, _NODES + 'radio_markers_node', '`rviz.launch radio:=true`'),
     'run_checked': ('lockstep_launch', '--check', '`type="lockstep_launch" args="--check FILE"` in the tag'),
     'soil_coordinator': (*_OWN, 'soil_mapping.ros.soil_coordinator', 'include `soil_mapping.launch`'),
-    'study': ('examples/study.py', '`python3 examples/study.py`')}
+    'study': ('examples/study.py', '`python3 $(rospack find move_base_abstract)/examples/study.py`')}
 
 
 def main():

@@ -2,7 +2,7 @@
 
 catkin installs scripts with the Python for which ROS was built. Packages that Debian lacks are in a virtual
 environment: the one of SOIL_MAPPING_PYTHON (the path of its python), .ws/venv in the source tree, which `make study`
-makes, or the one that `study setup` makes for a user. If the Python of a program lacks an import, the program starts
+makes, or the one that `study.py setup` makes for a user. If the Python of a program lacks an import, the program starts
 itself again with the first of these that exists. This module imports only the standard library.
 """
 from __future__ import annotations
@@ -39,9 +39,9 @@ def find_python(words: Sequence[str], program: str) -> None:
     python = next((path for path in candidates if os.access(path, os.X_OK)), None)
     if started_again or python is None:
         sys.exit(f'{program}: {", ".join(missing)} not installed for {sys.executable}'
-                 f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run `python3 "
-                 f'examples/study.py setup`, or set {VARIABLE} to a Python that has all packages of '
-                 f'{environment.STUDY_LISTS[0]}')
+                 f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run "
+                 f'`python3 $(rospack find move_base_abstract)/examples/study.py setup`, or set {VARIABLE} to a Python '
+                 f'that has all packages of {environment.STUDY_LISTS[0]}')
     os.environ[STARTED_AGAIN] = '1'
     os.execv(python, [python, *words])
 

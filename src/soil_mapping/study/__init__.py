@@ -1,1 +1,1 @@
-"""The program ``study``: runs trials and whole studies, and makes the report on them."""
+"""The program examples/study.py: runs trials and whole studies, and makes the report on them."""

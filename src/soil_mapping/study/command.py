@@ -1,4 +1,4 @@
-"""The command line of ``study``: trial, run and report; its status and rerun are those of ``experiment``.
+"""The command line of examples/study.py: trial, run and report; its status and rerun are those of ``experiment``.
 
 Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arguments; 130 interrupted.
 """
@@ -165,7 +165,7 @@ def _config(arguments: Any) -> Any:
 
 
 def _parser() -> Any:
-    parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
+    parser = argparse.ArgumentParser(prog='study.py', description='The soil compaction mapping study: trials on ROS and '
                                      'on Mesa, and their comparison. Each ROS trial has a ROS master of its own.')
     commands = parser.add_subparsers(required=True, metavar='trial|run|report|status|rerun|setup')
     _add_trial(commands.add_parser('trial', help='run one trial'))

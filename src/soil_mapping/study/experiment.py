@@ -1,4 +1,4 @@
-"""The study as an experiment: makes the file that `study run` writes."""
+"""The study as an experiment: makes the file that `study.py run` writes."""
 from __future__ import annotations
 
 import os

@@ -1,4 +1,4 @@
-"""Runs trials of the study in this process, for `study trial` or as the function of the experiment.
+"""Runs trials of the study in this process, for `study.py trial` or as the function of the experiment.
 
 Imports are done, and the field is made, before a process is forked for a trial, because both take longer than most
 other parts of it.

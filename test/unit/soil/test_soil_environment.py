@@ -134,7 +134,7 @@ def test_an_installed_program_finds_the_users_environment_and_the_one_that_a_var
 
 
 def test_without_one_the_error_says_how_to_make_it(started):
-    with pytest.raises(SystemExit, match='(?s)no-such-package not installed.*python3 examples/study.py setup'):
+    with pytest.raises(SystemExit, match='(?s)no-such-package not installed.*python3 .*examples/study.py setup'):
         started()
 
 
