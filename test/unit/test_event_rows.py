@@ -1,5 +1,6 @@
 """Each row that an event makes is of one of the kinds that stand with the event, from which pages and checks come."""
 import ast
+import gc
 import inspect
 import textwrap
 
@@ -8,7 +9,7 @@ import pytest
 from move_base_abstract.fleet import robot_rows
 from move_base_abstract.goals.events import WRITTEN
 from move_base_abstract.orders import rows as order_rows
-from move_base_abstract.runs.trace import FLAT
+from move_base_abstract.runs.trace import FLAT, Rows
 
 
 def kinds_in(made_by):
@@ -33,3 +34,17 @@ def test_the_rows_that_come_with_each_goal_are_of_known_kinds():
 def test_no_kind_is_there_twice():
     kinds = [one.kind for one in (*robot_rows.ROW_KINDS, *order_rows.ROW_KINDS)]
     assert len(set(kinds)) == len(kinds) and set(FLAT) < set(kinds)
+
+
+@pytest.mark.parametrize('collects', [True, False])
+def test_reading_rows_leaves_the_garbage_collector_as_it_was(collects):
+    rows = Rows()
+    rows.take((1, 'bot', 'held', 'a reason'))
+    was = gc.isenabled()
+    (gc.enable if collects else gc.disable)()
+    try:
+        assert rows.read() == [(1, 'bot', 'held', ('a reason',))]
+        assert gc.isenabled() is collects
+        assert rows.read() == []
+    finally:
+        (gc.enable if was else gc.disable)()
