@@ -13,7 +13,9 @@ A backend is made with (names, settings). It has
 
 Poses are Pose2D in the global frame, velocities (forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
 """
-from typing import Any, Dict
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, Dict, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -21,21 +23,29 @@ from .builtin import BuiltinBackend
 from .gazebo import GazeboBackend
 from .stage import StageBackend
 
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
 
-def _gazebo(names: Any, settings: Any) -> GazeboBackend:
+    from ..clocks.timing import Timing
+    from ..robot.names import RobotNames
+
+Backend = Union[BuiltinBackend, GazeboBackend, StageBackend]
+
+
+def _gazebo(names: RobotNames, settings: RobotSettings) -> GazeboBackend:
     return GazeboBackend(names, settings, BuiltinBackend)
 
 
 BUILTIN = ('builtin', 'virtual_robots')
 STAGE = ('stage_ros', 'stage')
-BACKENDS: Dict[str, Any] = {
+BACKENDS: Dict[str, Callable[[RobotNames, RobotSettings], Backend]] = {
     **dict.fromkeys(BUILTIN, BuiltinBackend),
     **dict.fromkeys(STAGE, StageBackend),
     'gazebo': _gazebo,
 }
 
 
-def make(name: str, names: Any, settings: Any, timing: Any) -> Any:
+def make(name: str, names: RobotNames, settings: RobotSettings, timing: Timing) -> Backend:
     """Return the backend ``name`` for one robot.
 
     :raises ConfigurationError: if there is no backend of that name, or ``timing`` (see timing.py) does not allow it.

@@ -1,7 +1,7 @@
 """The built-in simulator: it publishes the robot's pose, as the core computes it, in tf and on a few topics."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
@@ -18,6 +18,7 @@ from ..transforms import tf_hub
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
 
+    from ..messages.packing import Pack
     from ..robot.names import RobotNames
 
 _ORIGIN = Pose2D()
@@ -58,7 +59,7 @@ class BuiltinBackend:
         """Publish odometry and ground truth of a robot that stands at ``pose``. ``amcl_pose`` is not published then."""
         self._odometry.show(pose, (0.0, 0.0), stamp_ns)
 
-    def heartbeat(self, pose: Pose2D, stamp_ns: Any) -> None:
+    def heartbeat(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""
         told_ns, told = self._tf_told
         if stamp_ns <= told_ns:
@@ -101,30 +102,30 @@ class BuiltinBackend:
         self._poses.unregister()
         self._odometry.unregister()
 
-    def _transforms(self, pose: Pose2D, shift: Optional[float], stamp_ns: int) -> List[bytes]:
+    def _transforms(self, pose: Pose2D, shift: Optional[Pose2D], stamp_ns: int) -> List[bytes]:
         if self._odom_in_map is None:
             return [self._base_in_odom.transform(_shifted(pose, shift), stamp_ns)]
         return [self._odom_in_map.transform(shift or _ORIGIN, stamp_ns), self._base_in_odom.transform(pose, stamp_ns)]
 
-    def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
+    def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns)
 
-    def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
+    def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
         return lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns)
 
-    def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
+    def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
 
     @staticmethod
-    def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float], _stamp_ns: int) -> Callable[..., Any]:
+    def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float], _stamp_ns: int) -> Pack:
         return of_message(conversions.to_pose(pose))
 
-    def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Callable[..., Any]:
+    def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns)
 
 
-def _shifted(pose: Pose2D, shift: Any) -> Pose2D:
+def _shifted(pose: Pose2D, shift: Optional[Pose2D]) -> Pose2D:
     return pose if shift is None else shift.compose(pose)

@@ -56,7 +56,7 @@ class GazeboBackend:
         """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
         return self._display.is_odometry_heard()
 
-    def looks(self, pose: Any, stamp_ns: int) -> None:
+    def looks(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan."""
         self._display.looks(pose, stamp_ns)
 
@@ -81,11 +81,11 @@ class ModelWorker:
     models meanwhile. ``warn(text)`` gets the fault.
     """
 
-    def __init__(self, set_state: _Caller, warn: Callable[..., Any]) -> None:
+    def __init__(self, set_state: _Caller, warn: Callable[[str], object]) -> None:
         self._set_state = set_state
         self._warn = warn
         self._condition = threading.Condition()
-        self._waiting: Dict[Any, Any] = {}
+        self._waiting: Dict[str, Any] = {}
         threading.Thread(target=self._run, name='gazebo', daemon=True).start()
 
     def put(self, model: str, state: Any) -> None:
@@ -94,7 +94,7 @@ class ModelWorker:
             self._waiting[model] = (0.0, state)
             self._condition.notify()
 
-    def forget(self, model: Any) -> None:
+    def forget(self, model: str) -> None:
         """Do not set ``model`` any more."""
         with self._condition:
             self._waiting.pop(model, None)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Type
 
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
@@ -56,7 +56,7 @@ class StageBackend:
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
         self._stamps = StampCheck()
-        self._wanted = None
+        self._wanted: Optional[Pose2D] = None
         self._truth: Any = (None, None)
         self._odom: Any = (None, None)
         self._tf: Any = None
@@ -70,7 +70,7 @@ class StageBackend:
         stage_watch.add(self._truth_topic)
         clock_check.warn_of_machine_clock('Stage')
 
-    def place(self, pose: Any, _velocity: Tuple[float, float], stamp_ns: int) -> None:
+    def place(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> None:
         """Publish that the robot is at ``pose``; send it to Stage at Stage's next step."""
         self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
@@ -88,7 +88,7 @@ class StageBackend:
         """Return NOBODY (0): listeners get the odometry from Stage."""
         return NOBODY
 
-    def looks(self, _pose: Any, _stamp_ns: int) -> None:
+    def looks(self, _pose: Pose2D, _stamp_ns: int) -> None:
         """Do nothing: Stage publishes its part of tf at each of its steps."""
 
     def heartbeat(self, _pose: Pose2D, stamp_ns: int) -> None:
@@ -174,7 +174,7 @@ class StageBackend:
 class _StageWorld:
     """The pose of the global frame's origin in Stage's world, from parameters, or from tf as soon as tf has it."""
 
-    def __init__(self, robot: str, values: Mapping[str, Union[float, str]]) -> None:
+    def __init__(self, robot: str, values: Mapping[str, Any]) -> None:
         self._robot = robot
         self._frame = values['stage_world_frame']
         self._pose = None

@@ -1,7 +1,7 @@
 """Report to a run in lockstep which nodes hear the robots of a process: at which rates, and which listen in vain."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, Set
+from typing import TYPE_CHECKING, Any, Callable, Dict, Set, Tuple
 
 import rospy
 
@@ -12,17 +12,15 @@ from ..messages import outlets
 if TYPE_CHECKING:
     from move_base_abstract.motion.robot import Robot
 
-    from ..backends.builtin import BuiltinBackend
-
 
 class Hearers:
     """Reports the hearers of one ``participant`` (Participant). The caller has its turn."""
 
     def __init__(self, participant: Any) -> None:
         self._participant = participant
-        self._silent_to: Set[Any] = set()
+        self._silent_to: Set[Tuple[str, str]] = set()  # (topic, node)
         # {(robot's index, parameter): outlets.changes() when hearers were looked at}
-        self._looked_at: Dict[Any, Any] = {}
+        self._looked_at: Dict[Tuple[int, str], int] = {}
         self._rates: Any = None
         self._is_rates_note_due = False
 
@@ -44,7 +42,7 @@ class Hearers:
                 if self._participant.members.is_member(node):
                     self._participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
 
-    def show_rates(self, text: Any) -> None:
+    def show_rates(self, text: Callable[[], Any]) -> None:
         """Let ``text()`` be a part of the time master's state: it names the rates, and the nodes that hear them."""
         self._rates = text
 
@@ -65,10 +63,10 @@ class NoHearers:
     A rate of 0 needs no warning there, because only a parameter sets it.
     """
 
-    def falls_silent(self, _robot: Robot, _teller: BuiltinBackend, _parameter: str) -> None:
+    def falls_silent(self, _robot: Robot, _teller: Any, _parameter: str) -> None:
         """Do nothing."""
 
-    def show_rates(self, _text: Callable[..., Any]) -> None:
+    def show_rates(self, _text: Callable[[], Any]) -> None:
         """Do nothing."""
 
     def rates_changed(self) -> None:

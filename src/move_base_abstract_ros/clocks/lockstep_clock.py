@@ -26,7 +26,7 @@ class LockstepClock:
     ``join()``: a function that takes part in the run, and returns the Participant when the run has begun.
     """
 
-    def __init__(self, join: Callable[..., Any]) -> None:
+    def __init__(self, join: Callable[[], Any]) -> None:
         self.lock = threading.RLock()
         self.simulation: Any = None
         self.participant: Any = None
@@ -48,10 +48,10 @@ class LockstepClock:
         self.participant.set_source(self)
         return True
 
-    def follow_restarts(self, _follower: Callable[..., Any]) -> None:
+    def follow_restarts(self, _follower: Callable[[int, int], object]) -> None:
         """Do nothing: the clock of a run in lockstep never starts anew. See RosClock."""
 
-    def leave_restarts(self, _follower: Callable[..., Any]) -> None:
+    def leave_restarts(self, _follower: Callable[[int, int], object]) -> None:
         """Do nothing, see :meth:`follow_restarts`."""
 
     def serve(self) -> None:
@@ -76,7 +76,7 @@ class LockstepClock:
         """Return 0: in lockstep nothing waits for the wall clock."""
         return 0
 
-    def wait_until(self, condition: Callable[..., Any], seconds: float, what: str) -> None:
+    def wait_until(self, condition: Callable[[], Any], seconds: float, what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of simulated time. The caller has the turn.
 
         ``what``: the thing that is waited for, in words.
@@ -111,7 +111,7 @@ class LockstepClock:
         """
         self._has_causal_rows = True
 
-    def record(self, index: int) -> Callable[..., Any]:
+    def record(self, index: int) -> Callable[[Tuple[Any, ...]], None]:
         """Return a function that writes rows of the robot with ``index`` into the run's event log."""
         log = self.participant.log
         return lambda row: log(row[1], row[2], row[3:], 0 if self._has_causal_rows else index)
@@ -127,7 +127,7 @@ class LockstepClock:
         queue = self.simulation.queue
         return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
-    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Any]]], int]:
+    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
         """Return what :meth:`EventQueue.foresee` returns."""
         with self.lock:
             return self.simulation.queue.foresee(before_ns, most)

@@ -35,7 +35,7 @@ class RosClock:
         self.lock = threading.RLock()
         self.simulation: Any = None
         self.hearers = NoHearers()
-        self._restart_followers: List[Any] = []
+        self._restart_followers: List[Callable[[int, int], object]] = []
         self._source = ClockSource()
         self._behind_throttle = WallThrottle(_WARNINGS_RATE)
         self._arrived = threading.Event()
@@ -80,14 +80,14 @@ class RosClock:
         """Do the same as :meth:`now_ns`."""
         return self.now_ns()
 
-    def follow_restarts(self, follower: Callable[..., Any]) -> None:
+    def follow_restarts(self, follower: Callable[[int, int], object]) -> None:
         """Call ``follower(before_ns, now_ns)`` each time that ``/clock`` starts anew, in order and under the lock.
 
         The old time has ended at ``before_ns`` [ns], and the simulation goes on at ``now_ns`` [ns].
         """
         self._restart_followers.append(follower)
 
-    def leave_restarts(self, follower: Callable[..., Any]) -> None:
+    def leave_restarts(self, follower: Callable[[int, int], object]) -> None:
         """Do not call ``follower`` any more."""
         self._restart_followers.remove(follower)
 
@@ -100,7 +100,7 @@ class RosClock:
     def record(self, _index: int) -> None:
         """Return None: only lockstep has an event log."""
 
-    def wait_until(self, condition: Callable[..., Any], seconds: float, _what: str) -> None:
+    def wait_until(self, condition: Callable[[], Any], seconds: float, _what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of wall time. The caller holds no lock."""
         deadline = time.monotonic() + seconds
         while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Callable
+from typing import Callable
 
 from move_base_abstract.supervision.rate_cap import RateCap
 
@@ -25,7 +25,7 @@ class WallThrottle:
     ``shortest_period()`` [s, wall], if given, is a lower bound of the time between two yeses. It may change.
     """
 
-    def __init__(self, rate: float, shortest_period: Callable[..., Any] = lambda: 0.0) -> None:
+    def __init__(self, rate: float, shortest_period: Callable[[], float] = lambda: 0.0) -> None:
         self._cap = RateCap(rate)
         self._shortest_period = shortest_period
 

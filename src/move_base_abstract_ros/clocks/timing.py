@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any, Callable, Dict, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Dict, Sequence, Union
 
 import rospy
 
@@ -26,6 +26,8 @@ from .throttle import NoThrottle, WallThrottle
 if TYPE_CHECKING:
     from move_base_abstract.motion.robot import Robot
 
+    from ..lockstep import Participant
+
 #: the rank of robots, which come before all nodes that declare no rank
 ROBOTS_RANK = 0
 #: backends that use only the time master's clock
@@ -34,7 +36,7 @@ _STATUS_FREQUENCY = 5.0  # Hz, simulated
 _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 
 
-def make_timing() -> Union[LockstepTiming, ScaledTiming]:
+def make_timing() -> Timing:
     """Return the timing of this process: LockstepTiming if the time master works in lockstep, or will do so.
 
     :raises ConfigurationError: if ``events_only`` or ``log_motion`` is neither true nor false.
@@ -68,14 +70,14 @@ class ScaledTiming:
     """
 
     #: {name: value} of a robot's settings, over which all given ones take precedence
-    base_settings: Dict[Any, Any] = {}
+    base_settings: Dict[str, Any] = {}
     #: rate of the repeated status, if no parameter sets it [Hz, simulated]
     status_frequency = _STATUS_FREQUENCY
     #: rate of the feedback of tasks, if no parameter sets it [Hz, simulated]
     task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
 
     @staticmethod
-    def when_heard(_is_heard: Callable[..., Any]) -> None:
+    def when_heard(_is_heard: Callable[[], int]) -> None:
         """Return None: messages at a rate are made whether a node hears them or not."""
 
     @staticmethod
@@ -102,7 +104,7 @@ class ScaledTiming:
         return heard != NOBODY
 
     @staticmethod
-    def throttle(rate: float, shortest_period: Callable[..., Any]) -> WallThrottle:
+    def throttle(rate: float, shortest_period: Callable[[], float]) -> WallThrottle:
         """Return a throttle of at most ``rate`` [Hz, wall], with ``shortest_period()`` [s, wall] between two yeses."""
         return WallThrottle(rate, shortest_period)
 
@@ -116,7 +118,7 @@ class ScaledTiming:
         return not is_crowded
 
     @staticmethod
-    def batch() -> Any:
+    def batch() -> ContextManager[None]:
         """Return a context in which the tf of several robots is collected into one message."""
         return tf_hub.batch()
 
@@ -134,8 +136,8 @@ class ScaledTiming:
         tf_watch.claim(robot, frames)
 
     @staticmethod
-    def await_surroundings(_clock: Any, _listen_to_static_frames: Callable[..., Any],
-                           _wait_for_maps: Callable[..., Any]) -> bool:
+    def await_surroundings(_clock: Clock, _listen_to_static_frames: Callable[[], object],
+                           _wait_for_maps: Callable[[Participant], bool]) -> bool:
         """Return True at once: messages from outside may come at any time."""
         return True
 
@@ -162,7 +164,7 @@ class LockstepTiming:
         self.task_feedback_frequency = 0.0 if events_only else _TASK_FEEDBACK_FREQUENCY
 
     @staticmethod
-    def when_heard(is_heard: Callable[..., Any]) -> Callable[..., Any]:
+    def when_heard(is_heard: Callable[[], int]) -> Callable[[], int]:
         """Return ``is_heard``: time stops for a message at a rate only while a node hears it."""
         return is_heard
 
@@ -190,7 +192,7 @@ class LockstepTiming:
         return heard == PARTICIPANTS
 
     @staticmethod
-    def throttle(_rate: float, _shortest_period: Callable[..., Any]) -> NoThrottle:
+    def throttle(_rate: float, _shortest_period: Callable[[], float]) -> NoThrottle:
         """Return a throttle that holds nothing back: each message comes at its instant."""
         return NoThrottle()
 
@@ -211,7 +213,7 @@ class LockstepTiming:
         return True
 
     @staticmethod
-    def batch() -> Any:
+    def batch() -> ContextManager[None]:
         """Return a context that collects nothing: each robot's messages keep their place in the order of all."""
         return nullcontext()
 
@@ -235,8 +237,8 @@ class LockstepTiming:
         """Do nothing: to listen to tf would be a part of the run."""
 
     @staticmethod
-    def await_surroundings(clock: Any, listen_to_static_frames: Callable[..., Any],
-                           wait_for_maps: Callable[..., Any]) -> bool:
+    def await_surroundings(clock: Any, listen_to_static_frames: Callable[[], object],
+                           wait_for_maps: Callable[[Participant], bool]) -> bool:
         """Take in maps and static frames in the first round, while time stands still. False if ROS shuts down."""
         listen_to_static_frames()
         return wait_for_maps(clock.participant)
@@ -244,3 +246,8 @@ class LockstepTiming:
     @staticmethod
     def watch() -> None:
         """Do nothing: if the time master ends, the connection to it ends, too."""
+
+
+#: the two kinds of clocks, and of timings
+Clock = Union[LockstepClock, RosClock]
+Timing = Union[LockstepTiming, ScaledTiming]

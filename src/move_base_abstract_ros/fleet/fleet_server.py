@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Sequence, Tuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -24,6 +24,7 @@ from .traffic_interface import TrafficInterface, make_traffic
 if TYPE_CHECKING:
     from move_base_abstract.scenario import RobotSpec, Scenario
 
+    from ..robot.host import Host
 
 
 def robot_names(namespace: str, name: str) -> RobotNames:
@@ -38,19 +39,19 @@ _OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
 class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
-    def __init__(self, namespace: str, host: Any, specs: Sequence[Tuple[int, RobotSpec]], scenario: Scenario,
-                 indices: Any) -> None:
+    def __init__(self, namespace: str, host: Host, specs: Sequence[Tuple[int, RobotSpec]], scenario: Scenario,
+                 indices: Iterator[int]) -> None:
         """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario).
 
         ``host``: the Host of the process; ``indices``: an iterator of the indices of robots that are added later.
         """
         self._namespace = namespace
-        self._host: Any = host
-        self._defaults: Any = scenario.defaults
+        self._host = host
+        self._defaults = scenario.defaults
         self._traffic = make_traffic(host.clock.simulation, scenario)
         self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
-        self._robots: Dict[Any, Any] = {}
-        self._frames: Dict[Any, Any] = {}  # {tf frame: name of its robot}
+        self._robots: Dict[str, MoveBaseServer] = {}
+        self._frames: Dict[str, str] = {}  # {tf frame: name of its robot}
         self._indices = indices
         self._changes = threading.Lock()  # rospy has a thread for each call of a service
         if counted_places(scenario):

@@ -1,7 +1,7 @@
 """The zones of a fleet in ROS: the topic ``~zones``, and the services ``~close_zone`` and ``~set_zone_limit``."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
+from typing import TYPE_CHECKING, Any, Sequence
 
 import rospy
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from move_base_abstract.scenario import Scenario
     from move_base_abstract.traffic.area import AreaState
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
+    from ..messages.packing import Pack
 
 _MOST_PLACES = 2 ** 32 - 1  # the largest capacity that a message can hold
 
@@ -33,7 +33,7 @@ def make_traffic(simulation: Simulation, scenario: Scenario) -> Traffic:
 class TrafficInterface:
     """Publishes the zones and lanes of ``traffic`` (Traffic), and closes zones. Make it when all robots are there."""
 
-    def __init__(self, traffic: Traffic, clock: Union[LockstepClock, RosClock]) -> None:
+    def __init__(self, traffic: Traffic, clock: Clock) -> None:
         self._traffic = traffic
         self._clock = clock
         self._outlet = LatchedOutlet('~zones', ZoneStates, self._pack, queue_size=1)
@@ -46,7 +46,7 @@ class TrafficInterface:
     def _show(self) -> None:
         self._outlet.show(self._traffic.states(), self._traffic.simulation.now_ns)
 
-    def _pack(self, states: Sequence[AreaState], now_ns: int) -> Callable[..., Any]:
+    def _pack(self, states: Sequence[AreaState], now_ns: int) -> Pack:
         zones = [ZoneState(state.kind, state.name, min(state.capacity or 0, _MOST_PLACES), state.closed,
                            list(state.robots), list(state.waiting)) for state in states]
         return of_message(ZoneStates(conversions.to_time(now_ns), zones))

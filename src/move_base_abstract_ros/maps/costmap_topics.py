@@ -1,7 +1,7 @@
 """The topics of costmaps, so that existing RViz set-ups show the map and the footprint. The map is not inflated."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List
+from typing import TYPE_CHECKING, Any, Callable, List, Tuple
 
 import rospy
 from geometry_msgs.msg import PolygonStamped
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from move_base_abstract.maps.occupancy import OccupancyMap
     from move_base_abstract.maps.planning import WorldBounds
 
+    from ..messages.packing import Pack
     from ..robot.host import Host
     from ..robot.names import RobotNames
     from .robot_map import RobotMap
@@ -72,7 +73,7 @@ class CostmapTopics:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear what moves with the robot."""
         return max(self._footprints.is_heard(), self._window.is_heard())
 
-    def hearers(self) -> List[Any]:
+    def hearers(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node that hears a topic that moves with the robot."""
         return self._footprints.hearers() + self._window.hearers()
 
@@ -87,7 +88,7 @@ class CostmapTopics:
         if self._footprints.shown is not None:
             self._window.show()
 
-    def _pack_window(self) -> Callable[..., Any]:
+    def _pack_window(self) -> Pack:
         pose, stamp_ns = self._footprints.shown
         window = self._costmaps.window
         x, y = window.corner(pose)
@@ -100,10 +101,10 @@ class CostmapTopics:
         return of_message(grid)
 
 
-def _footprint_packer(footprint: Footprint, frame_id: str) -> Callable[..., Any]:
+def _footprint_packer(footprint: Footprint, frame_id: str) -> Callable[[Pose2D, int], Pack]:
     frame = InFrame(frame_id)
 
-    def make(pose: Pose2D, stamp_ns: int) -> Callable[..., Any]:
+    def make(pose: Pose2D, stamp_ns: int) -> Pack:
         points = [(_to_float32(x), _to_float32(y)) for x, y in footprint.at(pose)]
         return lambda seq: frame.polygon(seq, points, stamp_ns)
     return make

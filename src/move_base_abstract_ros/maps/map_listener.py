@@ -24,14 +24,14 @@ class MapListener:
     at a time, while ``follow`` and ``leave`` do not block; the first call may be in the thread that calls ``follow``.
     """
 
-    _listeners: Dict[Any, Any] = {}
+    _listeners: Dict[str, MapListener] = {}
     _listeners_lock = threading.Lock()
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
         self._lock = threading.RLock()
         self._turn = threading.Lock()  # for the threads that receive maps, one for each publisher
-        self._followers: List[Any] = []
+        self._followers: List[Callable[[Any, OccupancyMap], object]] = []
         self._latest: Any = None
         self._came = threading.Event()
         # With numpy_msg the cells stay the received bytes; a list would take eight times as much memory.
@@ -57,14 +57,14 @@ class MapListener:
                               rospy.get_name(), self.topic)
         return True
 
-    def follow(self, follower: Callable[..., Any]) -> None:
+    def follow(self, follower: Callable[[Any, OccupancyMap], object]) -> None:
         """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each new map."""
         with self._lock:
             self._followers.append(follower)
             if self._latest is not None:
                 follower(*self._latest)
 
-    def leave(self, follower: Any) -> None:
+    def leave(self, follower: Callable[[Any, OccupancyMap], object]) -> None:
         """Stop calling ``follower``."""
         with self._lock:
             self._followers.remove(follower)

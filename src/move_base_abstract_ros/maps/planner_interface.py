@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any, Callable, Sequence, Union
+from typing import TYPE_CHECKING, Any, Sequence
 
 import rospy
 from nav_msgs.msg import Path
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.goals.navigator import Navigator
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
+    from ..messages.packing import Pack
     from ..robot.names import RobotNames
     from .robot_map import RobotMap
 
@@ -35,7 +35,7 @@ _CLOUDS = {'DWAPlannerROS': ('cost_cloud', 'trajectory_cloud'), 'TrajectoryPlann
 class PlannerInterface:
     """Topics ``<planner>/plan`` and services ``make_plan``, ``<planner>/make_plan``, ``clear_costmaps``."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock],
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Clock,
                  navigator: Navigator, robot_map: RobotMap, stream: Stream) -> None:
         self._names = names
         self._clock = clock
@@ -73,8 +73,7 @@ class PlannerInterface:
         start = self._navigator.robot.pose_at(event.time_ns)
         self._plans.show(start, event.corners, event.goal, event.time_ns)
 
-    def _pack_way(self, start: Pose2D, corners: Any, goal: Pose2D,
-                  now_ns: int) -> Callable[..., Any]:
+    def _pack_way(self, start: Pose2D, corners: Any, goal: Pose2D, now_ns: int) -> Pack:
         return of_message(self._to_path(path_along(start, corners, goal), now_ns))
 
     def _make_plan_when_idle(self, request: Any) -> Any:

@@ -1,7 +1,7 @@
 """The map of one robot, between the process's map listener and the core."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, List, Sequence, Tuple
 
 import rosgraph.names
 import rospy
@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.maps.occupancy import OccupancyMap
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
     from ..lockstep.participation.taking_part import Participant
     from ..robot.names import RobotNames
 
@@ -48,10 +47,10 @@ def _topic(names: RobotNames, settings: RobotSettings) -> str:
 class RobotMap:
     """The map of one robot. ``check`` (MapCheck) judges its goals; it is None if the robot uses no map."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock]) -> None:
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Clock) -> None:
         values = settings.values
         self.check: Any = None
-        self._followers: List[Any] = []
+        self._followers: List[Callable[[Any, OccupancyMap], object]] = []
         self._changed = lambda: None
         self._clock = clock
         self._has_come = False
@@ -67,13 +66,13 @@ class RobotMap:
                                   self._listener.topic))
         self.follow(self._take)
 
-    def follow(self, follower: Callable[..., Any]) -> None:
+    def follow(self, follower: Callable[[Any, OccupancyMap], object]) -> None:
         """Call ``follower(message, occupancy)`` with the latest map and with each new one, until :meth:`close`."""
         if self.check is not None:
             self._followers.append(follower)
             self._listener.follow(follower)
 
-    def follow_changes(self, changed: Callable[..., Any]) -> None:
+    def follow_changes(self, changed: Callable[[], None]) -> None:
         """Call ``changed()`` whenever goals are judged by another map than before."""
         self._changed = changed
 

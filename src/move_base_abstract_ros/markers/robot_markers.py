@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple
 
 import rospy
 from visualization_msgs.msg import MarkerArray
@@ -25,9 +25,7 @@ if TYPE_CHECKING:
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.goals.navigator import Navigator
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
-    from .world_markers import AreaMarkers, Use
+    from ..clocks.timing import Clock
 
 TOPIC = 'move_base_abstract/markers'  # the default of the parameter marker_topic
 _CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
@@ -36,11 +34,11 @@ _REFRESH_SECONDS = 0.2  # wall; the period at which robots with a goal are drawn
 #: the events after which a robot looks different
 _CHANGES = (Stands, Aimed, Held, Failed, Repaired, ChargePassed, Charging, TaskWaits, TaskBegan, TaskEnded)
 _lock = threading.Lock()
-_boards: Dict[Any, Any] = {}
+_boards: Dict[str, _Board] = {}
 
 
-def add(clock: Union[LockstepClock, RosClock], settings: RobotSettings, navigator: Navigator, stream: Stream,
-        state: Callable[..., Any], is_changing: bool = False) -> RobotMarkers:
+def add(clock: Clock, settings: RobotSettings, navigator: Navigator, stream: Stream,
+        state: Callable[[], str], is_changing: bool = False) -> RobotMarkers:
     """Draw the robot of ``navigator`` from now on, again at each event of ``stream``; return its :class:`RobotMarkers`.
 
     ``state()`` returns a line of text about what the robot does; it is called with the clock's lock held.
@@ -54,7 +52,7 @@ def add(clock: Union[LockstepClock, RosClock], settings: RobotSettings, navigato
     return markers
 
 
-def board(clock: Any, topic: str) -> _Board:
+def board(clock: Clock, topic: str) -> _Board:
     """Return this process's board on a topic. There is one for each topic."""
     topic = '/' + topic.strip('/')
     with _lock:
@@ -66,7 +64,7 @@ def board(clock: Any, topic: str) -> _Board:
 class RobotMarkers:
     """One robot on the board of its process."""
 
-    def __init__(self, board: _Board, look: Look, navigator: Navigator, state: Callable[..., Any],
+    def __init__(self, board: _Board, look: Look, navigator: Navigator, state: Callable[[], str],
                  is_changing: bool) -> None:
         self.look = look
         self._state = state
@@ -84,7 +82,7 @@ class RobotMarkers:
         """Ask the board to delete the robot's markers."""
         self._board.remove(self)
 
-    def draw(self, view: Any) -> List[Any]:
+    def draw(self, view: View) -> List[Any]:
         """Return the markers that show ``view``; a route that has not changed since the last call is left out."""
         markers = marker_builder.body(self.look, view)
         if self._drawn_route != view.route:
@@ -104,16 +102,19 @@ class RobotMarkers:
 
 
 class _Board(rospy.SubscribeListener):
-    """One publisher and one thread. The thread never waits for the clock's lock while it holds the condition."""
+    """One publisher and one thread. The thread never waits for the clock's lock while it holds the condition.
 
-    def __init__(self, clock: Union[LockstepClock, RosClock], topic: str) -> None:
+    What is on it (RobotMarkers, parts of the world) has ``look``, ``view(now_ns)``, ``draw(view)``, ``forget_drawn()``.
+    """
+
+    def __init__(self, clock: Clock, topic: str) -> None:
         super().__init__()
         self._clock = clock
         self._condition = threading.Condition()
-        self._robots: Dict[Any, Any] = {}
+        self._robots: Dict[str, Any] = {}  # {name of its look: what is drawn}
         self._changed: Set[Any] = set()
         self._under_way: Set[Any] = set()
-        self._removed: List[Any] = []
+        self._removed: List[RobotMarkers] = []
         participant = lockstep.participant()
         if participant is not None:  # the markers are drawn by the wall clock
             participant.exclude(topic)
@@ -146,8 +147,8 @@ class _Board(rospy.SubscribeListener):
             self._removed.append(robot)
             self._condition.notify()
 
-    def peer_subscribe(self, _topic_name: str, _topic_publish: Callable[..., Any],
-                       _peer_publish: Callable[..., Any]) -> None:
+    def peer_subscribe(self, _topic_name: str, _topic_publish: Callable[[Any], object],
+                       _peer_publish: Callable[[Any], object]) -> None:
         """Draw everything for a new subscriber."""
         with self._condition:
             for robot in self._robots.values():
@@ -169,7 +170,7 @@ class _Board(rospy.SubscribeListener):
                 return  # the node is going down
             time.sleep(_CHANGE_SECONDS)
 
-    def _wait(self) -> Tuple[List[Union[RobotMarkers, AreaMarkers]], List[RobotMarkers]]:
+    def _wait(self) -> Tuple[List[Any], List[RobotMarkers]]:
         """Wait until there is something to do, and return (robots to draw, robots to delete)."""
         with self._condition:
             watched = self._publisher.get_num_connections() > 0
@@ -184,7 +185,7 @@ class _Board(rospy.SubscribeListener):
             now_ns = self._clock.look_ns()
             return [(robot, robot.view(now_ns)) for robot in robots]
 
-    def _draw(self, robot: Union[RobotMarkers, AreaMarkers], view: Union[View, Use]) -> List[Any]:
+    def _draw(self, robot: Any, view: Any) -> List[Any]:
         markers = robot.draw(view)
         with self._condition:
             if (view.goal or view.is_changing) and self._robots.get(robot.look.name) is robot:

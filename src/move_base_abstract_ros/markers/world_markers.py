@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from move_base_abstract.tasks.room import Room
     from move_base_abstract.traffic.control import Traffic
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
 
 OUTLINE, SIGN, HEADS = range(3)
 _NODES, _NODE_NAMES = 'nodes', 'node names'  # marker namespaces
@@ -69,7 +68,7 @@ class AreaMarkers:
     ``use()`` returns its :class:`Use`; it is called with the clock's lock held.
     """
 
-    def __init__(self, board: Any, look: AreaLook, use: Callable[..., Any]) -> None:
+    def __init__(self, board: Any, look: AreaLook, use: Callable[[], Use]) -> None:
         self.look = look
         self._use = use
         self._drawn = None
@@ -96,7 +95,7 @@ class AreaMarkers:
         return self._use()
 
 
-def add(clock: Optional[Union[LockstepClock, RosClock]], scenario: Scenario, traffic: Traffic,
+def add(clock: Clock, scenario: Scenario, traffic: Traffic,
         rooms: Any) -> None:
     """Draw the zones, places and lanes of a ``scenario`` from now on; ``rooms`` is Rooms, or None without places."""
     edges = _edges(scenario)
@@ -117,7 +116,7 @@ def add(clock: Optional[Union[LockstepClock, RosClock]], scenario: Scenario, tra
     for place in (rooms.places.values() if rooms is not None else ()):
         room = rooms.of(place.name)
         area = AreaMarkers(board, AreaLook('place ' + place.name, frame, _circle(place), size),
-                           lambda place=place, room=room: _use_of_place(place, room))
+                           partial(_use_of_place, place, room))
         if room is not None:
             room.follow(area.changed)
 
@@ -165,7 +164,7 @@ class _Traffic:
     """The use of zones and lanes. After a change of any of them all are read: traffic does not say which it was."""
 
     def __init__(self, traffic: Traffic, board: Any) -> None:
-        self.areas: List[Any] = []  # AreaMarkers
+        self.areas: List[AreaMarkers] = []
         self._traffic = traffic
         self._board = board
         self._states: Any = None

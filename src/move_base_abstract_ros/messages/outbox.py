@@ -11,12 +11,13 @@ import itertools
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any, Callable, List, Union
+from typing import TYPE_CHECKING, Any, Callable, List
 
 import rospy
 
 if TYPE_CHECKING:
-    from .outlets import LatchedOutlet, Outlet
+    from .outlets import Outlet
+    from .packing import Pack
 
 
 class _Waker:
@@ -28,7 +29,7 @@ class _Waker:
         self._order = itertools.count()
         self._thread: Any = None
 
-    def call_at(self, wall: float, function: Callable[..., Any]) -> None:
+    def call_at(self, wall: float, function: Callable[[], object]) -> None:
         """Call ``function`` at ``wall`` [s, time.monotonic]."""
         with self._condition:
             heapq.heappush(self._heap, (wall, next(self._order), function))
@@ -59,7 +60,7 @@ class Outbox:
         self._lock = threading.Lock()
         self._waiting: Any = deque()
 
-    def send(self, outlet: Union[LatchedOutlet, Outlet], pack: Callable[..., Any], not_before: float = 0.0) -> None:
+    def send(self, outlet: Outlet, pack: Pack, not_before: float = 0.0) -> None:
         """Send ``pack`` to ``outlet`` after all earlier messages, not before ``not_before`` [s, time.monotonic]."""
         with self._lock:
             if not (self._waiting or not_before):
@@ -89,7 +90,7 @@ class Outbox:
             self._drain()
 
 
-def _send(outlet: Union[LatchedOutlet, Outlet], pack: Callable[..., Any]) -> None:
+def _send(outlet: Outlet, pack: Pack) -> None:
     try:
         outlet.send(pack)
     except rospy.ROSException:

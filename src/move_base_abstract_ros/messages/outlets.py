@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type
 
 import rospy
 
@@ -16,8 +16,10 @@ from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANT
 from ..lockstep.exchange import rollback
 
 if TYPE_CHECKING:
-    from move_base_abstract.traffic.area import AreaState
+    from .packing import Pack
 
+    #: publishes a message
+    Publish = Callable[[Any], None]
 
 
 class _Header:
@@ -39,7 +41,7 @@ class _Listeners:
 _listeners = _Listeners()
 
 
-def follow_listeners(came: Callable[..., Any], left: Callable[..., Any]) -> None:
+def follow_listeners(came: Callable[[], None], left: Callable[[], None]) -> None:
     """Call ``came()`` from now on when a node begins to hear a robot's topic, and ``left()`` when one stops."""
     _listeners.came = came
     _listeners.left = left
@@ -75,7 +77,7 @@ class Packed:
 
     _has_header = True
 
-    def __init__(self, pack: Callable[..., Any]) -> None:
+    def __init__(self, pack: Pack) -> None:
         self.header = _Header()
         self._pack = pack
 
@@ -102,8 +104,7 @@ class Outlet(rospy.SubscribeListener):
         connections = self._impl.connections
         return _heard_by(connections, 'is_heard') if connections else NOBODY
 
-    def peer_subscribe(self, _topic_name: str, _topic_publish: Callable[..., Any],
-                       peer_publish: Callable[..., Any]) -> None:
+    def peer_subscribe(self, _topic_name: str, _topic_publish: Publish, peer_publish: Publish) -> None:
         """Note that a node begins to listen, and greet it."""
         _came()
         self.greet(peer_publish)
@@ -122,7 +123,7 @@ class Outlet(rospy.SubscribeListener):
         """Note that fewer messages than before have an effect at a listener."""
         _left()
 
-    def greet(self, peer_publish: Callable[..., Any]) -> None:
+    def greet(self, peer_publish: Publish) -> None:
         """Send a new listener what it has missed, or have rospy do so. By default do nothing."""
 
     def is_heard_again(self) -> int:
@@ -133,7 +134,7 @@ class Outlet(rospy.SubscribeListener):
         """Return (topic, name) of each node that hears this topic."""
         return self._names('hearers')
 
-    def hearers_of_repetition(self) -> List[Any]:
+    def hearers_of_repetition(self) -> List[Tuple[str, str]]:
         """Return (topic, name) of each node on which a repetition has any effect."""
         return self._names('hearers_of_repetition')
 
@@ -141,7 +142,7 @@ class Outlet(rospy.SubscribeListener):
         return [(self._impl.resolved_name, name) for connection in self._impl.connections
                 for name in getattr(connection, attribute, (connection.endpoint_id,))]
 
-    def send(self, pack: Callable[..., Any]) -> None:
+    def send(self, pack: Pack) -> None:
         """Send the message that ``pack`` makes to all listeners.
 
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
@@ -166,7 +167,7 @@ class Outlet(rospy.SubscribeListener):
         finally:
             impl.release()
 
-    def latch(self, pack: Callable[..., Any]) -> None:
+    def latch(self, pack: Pack) -> None:
         """Make rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
         self._impl.latch = Packed(pack)
 
@@ -193,29 +194,29 @@ class LatchedOutlet(Outlet):
     thread, or in the thread in which rospy connects a listener.
     """
 
-    def __init__(self, topic: str, message_type: Type[Any], make: Callable[..., Any], queue_size: int = 10,
+    def __init__(self, topic: str, message_type: Type[Any], make: Callable[..., Pack], queue_size: int = 10,
                  tcp_nodelay: bool = False) -> None:
         self._make = make
         self._kept: Any = None, None  # the values last shown, or the packer last sent
         self._greeting = threading.Lock()  # rospy connects onlookers in threads of its own
         super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
-    def show(self, *shown: Union[Sequence[AreaState], int]) -> None:
+    def show(self, *shown: Any) -> None:
         """Send ``make(*shown)`` if a node hears the topic, and keep the values for later listeners."""
         self._keep(shown, None)
         if self.is_heard():
             super().send(self._make(*shown))
 
-    def send(self, pack: Callable[..., Any]) -> None:
+    def send(self, pack: Pack) -> None:
         """Send the message that ``pack`` makes, and keep the packer for later listeners."""
         self._keep(None, pack)
         super().send(pack)
 
-    def _keep(self, shown: Any, pack: Optional[Callable[..., Any]]) -> None:
+    def _keep(self, shown: Any, pack: Optional[Pack]) -> None:
         rollback.changes(self, '_kept')
         self._kept = shown, pack
 
-    def greet(self, _peer_publish: Optional[Callable[..., Any]]) -> None:
+    def greet(self, _peer_publish: Optional[Publish]) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
         with self._greeting:  # so that an older message, made for an earlier listener, does not replace this one
             shown, pack = self._kept
@@ -234,7 +235,7 @@ class LatchedOutlets:
         self._is_heard = False
         self._lock = threading.Lock()  # listeners come and go in threads of rospy's own
 
-    def add(self, topic: str, message_type: Type[Any], make: Callable[..., Any], queue_size: int = 10) -> None:
+    def add(self, topic: str, message_type: Type[Any], make: Callable[..., Pack], queue_size: int = 10) -> None:
         """Add a topic. ``make(*shown)`` is as in :class:`LatchedOutlet`."""
         self._outlets += (_Member(self, topic, message_type, make, queue_size),)
 
@@ -280,13 +281,13 @@ class LatchedOutlets:
 class _Member(Outlet):
     """One of several topics that show the same values."""
 
-    def __init__(self, group: LatchedOutlets, topic: str, message_type: Type[Any], make: Callable[..., Any],
+    def __init__(self, group: LatchedOutlets, topic: str, message_type: Type[Any], make: Callable[..., Pack],
                  queue_size: int) -> None:
         self._group = group
         self.make = make
         super().__init__(topic, message_type, queue_size, latch=True)
 
-    def greet(self, _peer_publish: Callable[..., Any]) -> None:
+    def greet(self, _peer_publish: Publish) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
         self._group.begin(self)
 

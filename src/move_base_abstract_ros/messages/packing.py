@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
     from move_base_abstract.sensing.laser import Scan
 
+#: a packer
+Pack = Callable[[int], bytes]
 #: the bytes of a geometry_msgs/Twist of zeros, of a robot at rest
 ZERO_TWIST = bytes(48)
 _COVARIANCE = bytes(288)
@@ -28,7 +30,7 @@ _TWIST = struct.Struct('<6d')
 _SCAN = struct.Struct('<7fI')
 
 
-def of_message(message: Any) -> Callable[..., Any]:
+def of_message(message: Any) -> Pack:
     """Return the packer of a message of any type; genpy makes the bytes."""
     def pack(seq: int) -> bytes:
         if message._has_header:

@@ -6,7 +6,7 @@ the bytes are not as expected (not UTF-8, or too short), genpy reads them, and i
 from __future__ import annotations
 
 import struct
-from typing import Any
+from typing import Any, Tuple
 
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 
@@ -25,8 +25,8 @@ class _Cut(Exception):
     """The bytes end within a text."""
 
 
-def _text(data: bytes, begin: int, length: float) -> Any:
-    end: Any = begin + length
+def _text(data: bytes, begin: int, length: int) -> Tuple[str, int]:
+    end = begin + length
     if end > len(data):
         raise _Cut
     return data[begin:end].decode('utf-8'), end

@@ -15,9 +15,13 @@ from ..messages.outbox import Outbox
 from ..messages.outlets import LatchedOutlet, Outlet
 
 if TYPE_CHECKING:
+    from move_base_abstract.config.rates import Rate
     from move_base_abstract.goals.events import Ended
-    from move_base_abstract.goals.ledger import GoalRecord
+    from move_base_abstract.goals.ledger import GoalLedger, GoalRecord
     from move_base_abstract.goals.task_events import TaskEnded
+
+    from ..messages.packing import Pack
+    from .host import Host
 
 
 # A client that misses the acceptance of its goal misses only its active_cb, so a shorter wait is enough.
@@ -43,21 +47,21 @@ class ActionShell:
     It has the methods that a GoalLedger needs: ``publish_status()`` and ``new_id(now_ns)``.
     """
 
-    def __init__(self, ns: str, id_prefix: str, host: Any, types: ActionTypes, min_answer_delay: Any) -> None:
+    def __init__(self, ns: str, id_prefix: str, host: Host, types: ActionTypes, min_answer_delay: float) -> None:
         self.ns = ns
         self._id_prefix = id_prefix
-        self._host: Any = host
+        self._host = host
         self._clock = host.clock
         self._types = types
         self._min_answer_delay = host.timing.answer_delay(min_answer_delay)
         self._ledger: Any = None
-        self._arrivals: Dict[Any, Any] = {}
+        self._arrivals: Dict[str, float] = {}  # {goal id: s, time.monotonic}
         self._acceptance_wall = 0.0
         self._outbox = Outbox()
         self._counter = itertools.count(1)
         self._packed = None, b''
         self._subscribers: Any = ()
-        self._told: List[Any] = []
+        self._told: List[Rate] = []
         size = host.options.pub_queue_size
         self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
         self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
@@ -66,7 +70,7 @@ class ActionShell:
         #: returns the nodes that listen to feedback, as Outlet.hearers does
         self.hearers = self._feedback.hearers
 
-    def open(self, ledger: Any, feedback_frequency: Callable[..., Any]) -> None:
+    def open(self, ledger: GoalLedger, feedback_frequency: Callable[[], float]) -> None:
         """Publish the status of the goals of ``ledger`` (GoalLedger) from now on.
 
         ``feedback_frequency()`` returns the rate of the feedback [Hz, simulated].
@@ -82,7 +86,7 @@ class ActionShell:
                 self._host.rates.add('status', lambda: self._host.options.status_frequency,
                                      self._status.hearers_of_repetition)]
 
-    def listen(self, on_goal: Callable[..., Any], on_cancel: Callable[..., Any]) -> None:
+    def listen(self, on_goal: Callable[[Any], object], on_cancel: Callable[[Any], object]) -> None:
         """Call ``on_goal(message)``, of the class ``types.goal_in``, and ``on_cancel(GoalID)`` from now on."""
         size = self._host.options.sub_queue_size
         self._subscribers = (
@@ -110,7 +114,7 @@ class ActionShell:
                 if len(self._arrivals) > _KEPT_ARRIVALS:  # the oldest ones are of ids that were answered long ago
                     del self._arrivals[next(iter(self._arrivals))]
 
-    def publish_feedback(self, record: Any, feedback: bytes, stamp_ns: int) -> None:
+    def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int) -> None:
         """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns]."""
         told = self._pack(record) + feedback
         self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
@@ -143,7 +147,7 @@ class ActionShell:
         """Return an id for a goal that came without one at ``now_ns`` [ns]."""
         return '{}-{}-{}.{:09d}'.format(self._id_prefix, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
 
-    def _pack_status(self, now_ns: int) -> Callable[..., Any]:
+    def _pack_status(self, now_ns: int) -> Pack:
         with self._clock.lock:
             told = [self._pack(record) for record in self._ledger.records(now_ns)]
         return lambda seq: packing.statuses(seq, told, now_ns)

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable
+from typing import TYPE_CHECKING, Any
 
 import rospy
 from sensor_msgs.msg import BatteryState
@@ -21,19 +21,21 @@ if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.energy.battery import Battery
 
+    from ..messages.packing import Pack
+    from .host import Host
     from .names import RobotNames
 
 
 class BatteryServer:
     """Shows a robot's Battery in ROS, and lets services change it. The caller of the constructor holds the lock."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot_index: int,
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot_index: int,
                  battery: Battery) -> None:
         self._names = names
         self._clock = host.clock
         self._battery = battery
         self._robot_index = robot_index
-        self._host: Any = host
+        self._host = host
         self._services: Any = ()
         frequency = settings.values['battery_state_freq']
         self._outlet = LatchedOutlet(names.topic('battery_state'), BatteryState, self._pack)
@@ -72,7 +74,7 @@ class BatteryServer:
             self.changed(due_ns)
         return self._clock.wall_to_ns(self._throttle.remaining())
 
-    def _pack(self, now_ns: int) -> Callable[..., Any]:
+    def _pack(self, now_ns: int) -> Pack:
         with self._clock.lock:
             return packing.of_message(self._message(now_ns))
 

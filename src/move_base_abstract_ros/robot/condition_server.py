@@ -1,7 +1,7 @@
 """The condition of one robot in ROS: the services ``~fail`` and ``~repair``, and its status on ``/diagnostics``."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.faults.condition import Condition
 
+    from .diagnostics import RobotDiagnostics
+    from .host import Host
     from .names import RobotNames
 
 
@@ -28,14 +30,14 @@ class ConditionServer:
     The caller of the constructor holds the clock's lock.
     """
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot_index: int, condition: Condition,
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot_index: int, condition: Condition,
                  stream: Stream) -> None:
         self._names = names
         self._clock = host.clock
-        self._condition: Any = condition
+        self._failing: Any = condition.failing  # None: it cannot fail, and there are no services
         self._services: Any = ()
-        self._diagnostics: Any = None
-        self._battery: Any = None
+        self._diagnostics: Optional[RobotDiagnostics] = None
+        self._battery: Optional[BatteryServer] = None
         if not condition.is_ordinary:
             self._diagnostics = host.diagnostics().add(robot_index, names.robot,
                                                        lambda: diagnostics.of_condition(condition))
@@ -50,7 +52,7 @@ class ConditionServer:
         names = self._names
         if self._battery is not None:
             self._battery.serve()
-        if self._condition.failing is not None:
+        if self._failing is not None:
             self._services += (rospy.Service(names.own('fail'), Fail, self._fail),
                                rospy.Service(names.own('repair'), Trigger, self._repair))
 
@@ -59,7 +61,8 @@ class ConditionServer:
             self._diagnostics.changed(event.time_ns)
 
     def _battery_changed(self, event: Union[ChargePassed, Charging]) -> None:
-        self._battery.changed(event.time_ns)
+        if self._battery is not None:
+            self._battery.changed(event.time_ns)
         self._changed(event)
 
     def close(self) -> None:
@@ -78,11 +81,10 @@ class ConditionServer:
         except ConfigurationError as error:
             return FailResponse(False, str(error))
         with self._clock.lock:
-            has_failed = self._condition.failing.fail(REQUEST, self._clock.now_ns(), request.kind or None,
-                                                      repair or None)
+            has_failed = self._failing.fail(REQUEST, self._clock.now_ns(), request.kind or None, repair or None)
         return FailResponse(has_failed, 'The robot has failed.' if has_failed else 'The robot had failed before.')
 
     def _repair(self, _request: Any) -> Any:
         with self._clock.lock:
-            is_repaired = self._condition.failing.repair(self._clock.now_ns())
+            is_repaired = self._failing.repair(self._clock.now_ns())
         return TriggerResponse(is_repaired, 'The robot is repaired.' if is_repaired else 'The robot had not failed.')

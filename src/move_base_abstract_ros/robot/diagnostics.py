@@ -1,7 +1,7 @@
 """Publish the condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from move_base_abstract.config.rates import Rates
     from move_base_abstract.faults.condition import Condition
 
+    from .host import Host
+
+    Told = Tuple[int, str, Dict[str, str]]  # level, text, values
 
 _FREQUENCY = 1.0  # Hz, simulated; as upstream's updaters have it
 _RATE_CAP = 5.0  # Hz, wall
@@ -25,12 +28,12 @@ _RATE_CAP = 5.0  # Hz, wall
 class Diagnostics:
     """The topic and the heartbeat of a process. It is made for the first robot that needs it."""
 
-    def __init__(self, host: Any) -> None:
+    def __init__(self, host: Host) -> None:
         self.outlet = Outlet('/diagnostics', DiagnosticArray, queue_size=100)
         self.heartbeat = Heartbeat(host, _FREQUENCY, _RATE_CAP)
         self._rates = host.rates
 
-    def add(self, robot_index: int, name: str, tell: Callable[..., Any]) -> RobotDiagnostics:
+    def add(self, robot_index: int, name: str, tell: Callable[[], Told]) -> RobotDiagnostics:
         """Add the robot ``name``; return its RobotDiagnostics.
 
         ``tell()`` returns (level, text, {key: value}), as for a DiagnosticStatus.
@@ -42,13 +45,13 @@ class RobotDiagnostics:
     """The status of one robot, in messages of its own, so that they keep their place in the order of all messages."""
 
     def __init__(self, shared: Diagnostics, rates: Rates, robot_index: int, name: str,
-                 tell: Callable[..., Any]) -> None:
+                 tell: Callable[[], Told]) -> None:
         self._shared = shared
         self._rates = rates
         self._robot_index = robot_index
         self._name = name
         self._tell = tell
-        self._latest = None
+        self._latest: Optional[Told] = None
         shared.heartbeat.add(self.send, shared.outlet.is_heard)
         self._told = rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
 
@@ -77,7 +80,7 @@ class RobotDiagnostics:
         self._rates.remove(self._told)
 
 
-def of_condition(condition: Condition) -> Any:
+def of_condition(condition: Condition) -> Told:
     """Return (level, text, values) of a Condition, as for a DiagnosticStatus.
 
     The level is ERROR if the robot has failed or its battery is empty, WARN if it is held or its battery is low.

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Mapping
 
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.goals.goal_pose import GoalPose
     from move_base_abstract.goals.ledger import GoalLedger, GoalRecord
+    from move_base_abstract.goals.navigator import Navigator
+
+    from .host import Host
 
 
 _TYPES = ActionTypes(GoalIn, MoveBaseActionResult, MoveBaseActionFeedback)
@@ -31,11 +34,11 @@ class GoalServer:
     ``stream``: the robot's stream of events; ``values``: those of its settings.
     """
 
-    def __init__(self, ns: str, node_name: str, host: Any, stream: Stream,
-                 values: Mapping[str, Optional[Union[float, str]]]) -> None:
+    def __init__(self, ns: str, node_name: str, host: Host, stream: Stream,
+                 values: Mapping[str, Any]) -> None:
         self._clock = host.clock
         self._navigator: Any = None
-        self._prefetch: Any = None
+        self._prefetch: Callable[[GoalPose], object]
         self._shell = ActionShell(ns, node_name, host, _TYPES, values['min_answer_delay'])
         self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
         self.is_feedback_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
@@ -44,7 +47,7 @@ class GoalServer:
         self._feedback_throttle = host.throttle(values['max_feedback_rate'])
         stream.subscribe('clients', {Departed: self._departed, Ended: self._ended})
 
-    def start(self, ledger: GoalLedger, navigator: Any, prefetch: Any) -> None:
+    def start(self, ledger: GoalLedger, navigator: Navigator, prefetch: Callable[[GoalPose], object]) -> None:
         """Take goals for ``navigator``, whose goals ``ledger`` (GoalLedger) keeps.
 
         ``prefetch(goal)`` is called before each goal, without the lock. It may block.

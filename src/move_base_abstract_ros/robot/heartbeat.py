@@ -1,9 +1,12 @@
 """A heartbeat: it publishes for all robots of a process at once, at one rate."""
 from __future__ import annotations
 
-from typing import Any, Callable, List
+from typing import TYPE_CHECKING, Callable, List
 
 from move_base_abstract.engine.event_queue import NOBODY
+
+if TYPE_CHECKING:
+    from .host import Host
 
 #: heartbeats come after the robots' own events of the same instant
 SHARED_INDEX = 2 ** 31 - 1
@@ -12,11 +15,11 @@ SHARED_INDEX = 2 ** 31 - 1
 class Heartbeat:
     """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
 
-    def __init__(self, host: Any, frequency: float, rate_cap: float) -> None:
+    def __init__(self, host: Host, frequency: float, rate_cap: float) -> None:
         self._clock = host.clock
         self._batch = host.timing.batch
-        self._members: List[Any] = []
-        self._hearers: List[Any] = []
+        self._members: List[Callable[[int], object]] = []
+        self._hearers: List[Callable[[], int]] = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
             series = self._clock.simulation.series(SHARED_INDEX, frequency, self._beat, is_output=True,
@@ -24,7 +27,7 @@ class Heartbeat:
             if series is not None:
                 series.start(self._clock.now_ns())
 
-    def add(self, member: Callable[..., Any], is_heard: Callable[..., Any]) -> None:
+    def add(self, member: Callable[[int], object], is_heard: Callable[[], int]) -> None:
         """Call ``member(now_ns)`` at each beat from now on.
 
         ``is_heard()`` returns which nodes hear what it publishes: NOBODY, ONLOOKERS or PARTICIPANTS.
@@ -33,7 +36,7 @@ class Heartbeat:
             self._members.append(member)
             self._hearers.append(is_heard)
 
-    def remove(self, member: Callable[..., Any]) -> None:
+    def remove(self, member: Callable[[int], object]) -> None:
         """Do not call ``member`` any more."""
         with self._clock.lock:
             place = self._members.index(member)

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Dict, Optional, Sequence, Tuple, Union
 
 import rospy
 
@@ -23,14 +23,11 @@ if TYPE_CHECKING:
     from move_base_abstract.goals.events import Beyond
     from move_base_abstract.traffic.zones import Zone
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
     from ..clocks.throttle import NoThrottle, WallThrottle
-    from ..clocks.timing import LockstepTiming, ScaledTiming
+    from ..clocks.timing import Clock, Timing
 
 _STATUS_RATE_CAP = 5.0  # Hz, wall
 _PUBLICATIONS_PER_SECOND = 500.0  # wall; the limit for all robots of a process together
-
 
 
 @dataclass(frozen=True)
@@ -71,27 +68,27 @@ class Host:
     :raises ConfigurationError: if one of actionlib's parameters is not allowed, or the clock has not started.
     """
 
-    def __init__(self, clock: Union[LockstepClock, RosClock], timing: Union[LockstepTiming, ScaledTiming],
+    def __init__(self, clock: Clock, timing: Timing,
                  is_crowded: bool = False, zones: Sequence[Zone] = (), encounters: Optional[Encounters] = None) -> None:
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
         self.clock = clock
-        self.timing: Any = timing
+        self.timing = timing
         simulation = clock.simulation
         simulation.queue.guard(SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self.zones = zones
         self.encounters = encounters
-        self._robot_count: Any = 0
+        self._robot_count = 0
         self.surroundings = Surroundings()
-        self._has_warned: Any = False  # about goals beyond the recorded legs of a calibration
+        self._has_warned = False  # about goals beyond the recorded legs of a calibration
         self.rates = Rates(clock.hearers.rates_changed)
         clock.hearers.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
-        self._tf_heartbeats: Any = {}
-        self._diagnostics: Any = None
+        self._tf_heartbeats: Dict[Tuple[float, float], Heartbeat] = {}
+        self._diagnostics: Optional[Diagnostics] = None
         timing.begin_to_publish()
         self.events = EventsTopic(clock)
 
@@ -121,7 +118,7 @@ class Host:
             self._diagnostics = Diagnostics(self)
         return self._diagnostics
 
-    def throttle(self, rate: Any) -> Union[NoThrottle, WallThrottle]:
+    def throttle(self, rate: float) -> Union[NoThrottle, WallThrottle]:
         """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
         return self.timing.throttle(rate, self.shortest_period)
 

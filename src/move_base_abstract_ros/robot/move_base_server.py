@@ -1,7 +1,7 @@
 """One robot under move_base's interface: connects the core's navigator with topics, services and parameters."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -41,10 +41,11 @@ if TYPE_CHECKING:
     from move_base_abstract.motion.robot import Robot
     from move_base_abstract.tasks.room import Rooms
     from move_base_abstract.traffic.control import Traffic
+    from move_base_abstract.traffic.traveller import Traveller
 
-    from ..backends.builtin import BuiltinBackend
-    from ..backends.gazebo import GazeboBackend
-    from ..backends.stage import StageBackend
+    from ..backends import Backend
+    from ..clocks.timing import Clock
+    from .host import Host
     from .names import RobotNames
     from .scan_publisher import ScanPublisher
 
@@ -54,21 +55,22 @@ _REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 class MoveBaseServer:
     """One robot of a process's :class:`Host`."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot_index: int = 0,
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot_index: int = 0,
                  traffic: Optional[Traffic] = None, rooms: Optional[Rooms] = None) -> None:
         """``traffic``: the Traffic in which the robot takes part; None if it is alone.
 
         ``rooms``: the Rooms in which it does tasks at places; None if it does no tasks.
         """
         clock = host.clock
-        self._traffic: Any = traffic
-        self._traveller = self._priority = None
+        self._traffic = traffic
+        self._traveller: Optional[Traveller] = None
+        self._priority: Optional[PriorityTopic] = None
         self._rooms = rooms
-        self._work: Any = None
+        self._work: Optional[WorkServer] = None
         self._names = names
-        self._settings: Any = settings
+        self._settings = settings
         self._clock = clock
-        self._host: Any = host
+        self._host = host
         self._controller_frequency = settings.values['controller_frequency']
         self._last_warning = None
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
@@ -114,8 +116,8 @@ class MoveBaseServer:
         settings, values = self._settings, self._settings.values
         backend = backends.make(values['backend'], self._names, settings, self._host.timing)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
-        self._map: Any = RobotMap(self._names, settings, self._clock)
-        self._goal_server: Any = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
+        self._map = RobotMap(self._names, settings, self._clock)
+        self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        self._stream, values)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._stream,
                                  self._goal_server, self._lookup.lookup, make_planner(settings, self._map.check),
@@ -131,7 +133,7 @@ class MoveBaseServer:
         self._host.surroundings.add(robot, values['global_frame'], settings.costmaps.global_footprint)
         self._scans = self._make_scans(robot, backend)
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
-        self._condition_server: Any = ConditionServer(self._names, settings, self._host, robot_index, self.condition,
+        self._condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition,
                                                  self._stream)
         self._markers = robot_markers.add(self._clock, settings, self.navigator, self._stream, self._state,
                                           self.condition.battery is not None)
@@ -141,7 +143,7 @@ class MoveBaseServer:
         self.condition.begin(self._clock.simulation.now_ns)
 
     def _make_scans(self, robot: Robot,
-                    backend: Union[BuiltinBackend, GazeboBackend, StageBackend]) -> Optional[ScanPublisher]:
+                    backend: Backend) -> Optional[ScanPublisher]:
         if not self._settings.laser.rate:
             return None
         from .scan_publisher import ScanPublisher  # imported here, because only robots with a laser need numpy
@@ -225,15 +227,16 @@ class MoveBaseServer:
         self._planner_interface.set_add_unreachable_goal(config['make_plan_add_unreachable_goal'])
 
     def _state(self) -> str:
-        return activity(self.navigator, self.condition, self._work and self._work.tasks)
+        return activity(self.navigator, self.condition, None if self._work is None else self._work.tasks)
 
     def _show(self) -> None:
         with self._clock.lock:
             self._publisher.show(self._clock.now_ns())
 
     def _compare(self, _event: Departed) -> None:
-        robot: Any = self.navigator.robot
-        rospy.loginfo('%s: %s', robot.name, self._settings.original.compare(robot.leg.distance, robot.limits))
+        robot, law = self.navigator.robot, self._settings.original
+        assert robot.leg is not None and law is not None  # it departs; without a law nothing is subscribed
+        rospy.loginfo('%s: %s', robot.name, law.compare(robot.leg.distance, robot.limits))
 
     def _warned(self, event: Any) -> None:
         """Log a warning; the same text at most once in 5 s of wall time."""
@@ -263,7 +266,8 @@ class Localization:
     or the reason why it cannot.
     """
 
-    def __init__(self, names: Any, robot_map: Any, show: Any, place: Any) -> None:
+    def __init__(self, names: RobotNames, robot_map: RobotMap, show: Callable[[], object],
+                 place: Callable[[Any, Any], str]) -> None:
         self._robot = names.robot
         self._map = robot_map
         self._show = show
@@ -298,7 +302,7 @@ class Localization:
 class PriorityTopic:
     """Sets the priority of ``traveller`` (Traveller), which is the robot with ``names`` in the traffic."""
 
-    def __init__(self, names: Any, clock: Any, traveller: Any) -> None:
+    def __init__(self, names: RobotNames, clock: Clock, traveller: Traveller) -> None:
         self._clock = clock
         self._traveller = traveller
         self._subscriber = rospy.Subscriber(names.own('priority'), Int32, self._on_priority, queue_size=10,
@@ -325,7 +329,8 @@ class SimpleGoals:
     get it by the topic.
     """
 
-    def __init__(self, names: Any, clock: Any, take: Any = None) -> None:
+    def __init__(self, names: RobotNames, clock: Clock,
+                 take: Optional[Callable[[str, int, GoalPose], object]] = None) -> None:
         self._names = names
         self._clock = clock
         self._take = take

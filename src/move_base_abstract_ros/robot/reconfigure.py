@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping
 
 import rospy
 from dynamic_reconfigure.encoding import extract_params
@@ -32,11 +32,11 @@ _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
 class _SafeServer(Server):
     """A Server that starts from ``known`` values and survives parameters of the wrong type."""
 
-    def __init__(self, config_type: Any, callback: Callable[..., Any], namespace: str,
-                 known: Mapping[str, Union[bool, float, str]]) -> None:
+    def __init__(self, config_type: Any, callback: Callable[[Any, int], Any], namespace: str,
+                 known: Mapping[str, Any]) -> None:
         self._known = known
-        self._written: Dict[Any, Any] = {}
-        self._made: Dict[Any, Any] = {}  # names of parameters that did not exist before
+        self._written: Dict[str, Any] = {}
+        self._made: Dict[str, Any] = {}  # names of parameters that did not exist before
         self._lock = threading.Lock()
         super().__init__(config_type, callback, namespace)
 
@@ -81,7 +81,7 @@ class Reconfigure:
     """The two servers of dynamic_reconfigure of one robot. They pass changes to its :class:`MoveBaseServer`."""
 
     def __init__(self, names: RobotNames, settings: RobotSettings, server: MoveBaseServer) -> None:
-        self._server: Any = server
+        self._server = server
         self._where = names.private
         self._namespace = names.namespace
         values = settings.values

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 import rospy
 
@@ -20,16 +20,14 @@ from .move_base_server import MoveBaseServer
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
-    from ..clocks.timing import LockstepTiming, ScaledTiming
+    from ..clocks.timing import Clock, Timing
     from .names import RobotNames
 
 _LAST_WORDS_SECONDS = 0.1
 _INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 
-def run(node_name: str, describe: Callable[..., Any]) -> None:
+def run(node_name: str, describe: Callable[[], Tuple[RobotNames, Mapping[str, Any], Optional[str]]]) -> None:
     """Run the node ``node_name`` with one robot until ROS shuts down.
 
     ``describe()`` is called once the node is initialised. It returns the arguments of :func:`_build`.
@@ -37,7 +35,7 @@ def run(node_name: str, describe: Callable[..., Any]) -> None:
     run_node(node_name, lambda: _build(*describe()), _say_goodbye)
 
 
-def _build(names: RobotNames, overrides: Mapping[str, Union[float, str]],
+def _build(names: RobotNames, overrides: Mapping[str, Any],
            default_tf_prefix: Optional[str]) -> Optional[MoveBaseServer]:
     """Return the robot's server, or None if ROS shuts down first.
 
@@ -53,15 +51,15 @@ def _build(names: RobotNames, overrides: Mapping[str, Union[float, str]],
     return server
 
 
-def start(clock: Union[LockstepClock, RosClock], timing: Union[LockstepTiming, ScaledTiming],
+def start(clock: Clock, timing: Timing,
           robots: Sequence[Tuple[RobotNames, RobotSettings]]) -> bool:
     """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs. Return False if ROS shuts down meanwhile."""
     return clock.start() and timing.await_surroundings(
         clock, listen_to_static_frames, lambda participant: wait_for_maps(robots, participant))
 
 
-def read_robot_settings(overrides: Mapping[str, Union[float, str]], default_tf_prefix: Optional[str],
-                        base: Any) -> Any:
+def read_robot_settings(overrides: Mapping[str, Any], default_tf_prefix: Optional[str],
+                        base: Mapping[str, Any]) -> RobotSettings:
     """Return the settings in the node's private namespace, and log where the important ones come from.
 
     ``overrides`` take precedence over the private parameters, and these over ``base``. All are {name: value}.
@@ -90,7 +88,7 @@ def _inherited(raw: Mapping[str, Any]) -> Dict[str, str]:
     return {name: rospy.get_param(path) for name, path in found.items() if path}
 
 
-def _report(settings: Any, where: str) -> None:
+def _report(settings: RobotSettings, where: str) -> None:
     limits = settings.limits
     rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start (%g, %g, %g) in %s, backend %s',
                   where, limits.max_speed, settings.speed_source,

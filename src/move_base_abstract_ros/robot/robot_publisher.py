@@ -1,7 +1,7 @@
 """The topics of one robot besides its actions: its pose, its current goal, and that its wheels stop."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import PoseStamped, Twist
@@ -23,10 +23,9 @@ if TYPE_CHECKING:
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.motion.robot import Robot
 
-    from ..backends.builtin import BuiltinBackend
-    from ..backends.gazebo import GazeboBackend
-    from ..backends.stage import StageBackend
+    from ..backends import Backend
     from ..maps.costmap_topics import CostmapTopics
+    from .host import Host
     from .names import RobotNames
 
 _DEAF_SECONDS = 0.1  # wall; the pause of the odometry of a robot that stands, if no node hears it
@@ -35,8 +34,8 @@ _DEAF_SECONDS = 0.1  # wall; the pause of the odometry of a robot that stands, i
 class RobotPublisher:
     """Publishes a robot's poses (by its backend), costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot: Robot,
-                 backend: Union[BuiltinBackend, GazeboBackend, StageBackend], costmaps: CostmapTopics,
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot: Robot,
+                 backend: Backend, costmaps: CostmapTopics,
                  stream: Stream) -> None:
         simulation = host.clock.simulation
         self._clock = host.clock
@@ -63,7 +62,7 @@ class RobotPublisher:
                                    Lapse: self._lapsed})
         self._stand(simulation.now_ns)
 
-    def _series_at_rest(self, settings: RobotSettings, host: Any) -> Optional[Series]:
+    def _series_at_rest(self, settings: RobotSettings, host: Host) -> Optional[Series]:
         """Return the Series that publishes the odometry of a robot that stands, or None."""
         frequency = settings.values['odom_rate_at_rest']
         if frequency is None:

@@ -1,7 +1,7 @@
 """A robot's laser scans, which are computed if any node hears them, and the pose of the laser in tf."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sensor_msgs.msg import LaserScan
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.motion.robot import Robot
 
+    from ..backends import Backend
     from ..maps.robot_map import RobotMap
+    from .host import Host
     from .names import RobotNames
 
 
@@ -28,7 +30,7 @@ class ScanPublisher:
     Whether any node hears the scans changes nothing in tf, nor in any other topic.
     """
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Any, robot: Robot, backend: Any,
+    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot: Robot, backend: Backend,
                  robot_map: RobotMap) -> None:
         values = settings.values
         self._robot = robot

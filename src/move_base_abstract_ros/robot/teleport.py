@@ -4,7 +4,7 @@ With the parameter ``compatible_with`` also ``robot_pose``: the original package
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Union
+from typing import TYPE_CHECKING, Any, Callable
 
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
@@ -23,16 +23,15 @@ if TYPE_CHECKING:
     from move_base_abstract.goals.navigator import Navigator
     from move_base_abstract.motion.frames import RobotFrames
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
     from .names import RobotNames
 
 
 class Teleport:
     """Listens for poses and passes them to ``navigator``. A pose that cannot be used moves nothing, and is reported."""
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Union[LockstepClock, RosClock],
-                 navigator: Navigator, frames: RobotFrames, prefetch: Callable[..., Any]) -> None:
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Clock,
+                 navigator: Navigator, frames: RobotFrames, prefetch: Callable[[str, int], object]) -> None:
         self._names = names
         self._clock = clock
         self._navigator = navigator

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from move_base_abstract.motion.robot import Robot
     from move_base_abstract.tasks.room import Rooms
 
+    from .host import Host
+
 
 #: name of the action below a robot's namespace
 ACTION = 'work'
@@ -42,9 +44,9 @@ class WorkServer:
     ``has_failed()``: whether the robot cannot work now, as for PlaceTaskRunner.
     """
 
-    def __init__(self, ns: str, robot_name: str, robot_index: int, host: Any, rooms: Rooms,
+    def __init__(self, ns: str, robot_name: str, robot_index: int, host: Host, rooms: Rooms,
                  settings: Any, stream: Stream, robot: Optional[Robot] = None,
-                 has_failed: Callable[..., Any] = lambda: False) -> None:
+                 has_failed: Callable[[], bool] = lambda: False) -> None:
         """``settings``: seed, frame (of poses), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
         self._clock = host.clock
         self._frame = settings['frame']
@@ -76,8 +78,9 @@ class WorkServer:
             self._clock.leave_restarts(self.tasks.restart)
 
     def _waits(self, event: TaskWaits) -> None:
-        if self._shell.has_feedback_listeners():
-            self._shell.publish_feedback(self.tasks.ledger.active, pack_feedback(True, 0, 0.0), event.time_ns)
+        record = self.tasks.ledger.active
+        if record is not None and self._shell.has_feedback_listeners():
+            self._shell.publish_feedback(record, pack_feedback(True, 0, 0.0), event.time_ns)
 
     def progress(self, record: GoalRecord, elapsed_ns: int, duration_ns: int, now_ns: int) -> None:
         """Publish how much is done, as often as the cap in wall time allows, and at the end; see TaskClient."""

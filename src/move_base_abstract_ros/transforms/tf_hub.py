@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Any, Callable, Iterator, List, Sequence, Tuple
+from typing import TYPE_CHECKING, Callable, ContextManager, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from tf2_msgs.msg import TFMessage
 
@@ -17,12 +17,18 @@ from ..lockstep.exchange import rollback
 from ..messages import packing
 from ..messages.outlets import Outlet, Packed
 
+if TYPE_CHECKING:
+    from ..messages.outlets import Publish
+    from ..messages.packing import Pack
+
+    Make = Callable[[], List[bytes]]
+
 
 class _TfOutlet(Outlet):
     """The publisher of /tf; ``greet(peer_publish)`` is called for each new listener."""
 
-    def __init__(self, greet: Callable[..., Any]) -> None:
-        self.greet = greet  # type: ignore[method-assign]
+    def __init__(self, greet: Callable[[Publish], None]) -> None:
+        self.greet = greet  # type: ignore[assignment,method-assign]
         super().__init__('/tf', TFMessage, queue_size=100)
 
 
@@ -30,12 +36,12 @@ class _Hub:
     """Publishes transforms, at once or collected."""
 
     def __init__(self) -> None:
-        self._latest: Any = None
+        self._latest: Optional[Dict[str, Make]] = None
         self._lock = threading.RLock()
-        self._outlet: Any = None
-        self._collected: Any = None
+        self._outlet: Optional[_TfOutlet] = None
+        self._collected: Optional[List[Make]] = None
 
-    def send(self, key: str, make: Callable[..., Any]) -> None:
+    def send(self, key: str, make: Make) -> None:
         with self._lock:
             if self._latest is not None:
                 rollback.changes_entry(self._latest, key)
@@ -61,7 +67,7 @@ class _Hub:
     def hearers(self) -> List[Tuple[str, str]]:
         return [] if self._outlet is None else self._outlet.hearers()
 
-    def _greet(self, peer_publish: Callable[..., Any]) -> None:
+    def _greet(self, peer_publish: Publish) -> None:
         with self._lock:
             if self._latest:
                 peer_publish(Packed(_packer(list(self._latest.values()))))
@@ -77,7 +83,7 @@ class _Hub:
                 if collected:
                     self._publish(collected)
 
-    def _publish(self, makes: Sequence[Callable[..., Any]]) -> None:
+    def _publish(self, makes: Sequence[Make]) -> None:
         if self._outlet is None:
             self._outlet = _TfOutlet(self._greet)
         self._outlet.send(_packer(makes))
@@ -86,11 +92,11 @@ class _Hub:
 _HUB = _Hub()
 
 
-def _packer(makes: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
+def _packer(makes: Sequence[Make]) -> Pack:
     return lambda _seq: packing.transforms([transform for make in makes for transform in make()])
 
 
-def send(key: str, make: Callable[..., Any]) -> None:
+def send(key: str, make: Make) -> None:
     """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :func:`batch`.
 
     ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
@@ -118,6 +124,6 @@ def forget(key: str) -> None:
     _HUB.forget(key)
 
 
-def batch() -> Any:
+def batch() -> ContextManager[None]:
     """Return a context that collects all transforms sent meanwhile, and publishes them as one message."""
     return _HUB.batch()

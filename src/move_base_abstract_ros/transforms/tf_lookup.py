@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, List, Optional, Set, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Set
 
 import rosgraph
 import rospy
@@ -22,8 +22,7 @@ from ..messages import conversions
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
 
-    from ..clocks.lockstep_clock import LockstepClock
-    from ..clocks.ros_clock import RosClock
+    from ..clocks.timing import Clock
 
 _STATIC = '/tf_static'
 _STATIC_SECONDS = 2.0  # wall
@@ -35,7 +34,7 @@ class _EarlyFrames:
 
     def __init__(self) -> None:
         self.buffer = tf2_ros.Buffer(debug=False)
-        self._heard: Set[Any] = set()
+        self._heard: Set[str] = set()
         self._listener = None
         self._lock = threading.Lock()
         self._subscriber = rospy.Subscriber(_STATIC, TFMessage, self._on_static, queue_size=None)
@@ -86,7 +85,7 @@ class TfLookup:
     """
 
     def __init__(self, global_frame: Any, timeout: float = 0.0,
-                 clock: Optional[Union[LockstepClock, RosClock]] = None) -> None:
+                 clock: Optional[Clock] = None) -> None:
         self._global_frame = global_frame
         self._timeout = timeout
         self._clock = clock

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import threading
-from typing import AbstractSet, Any, Dict, Sequence, Set
+from typing import AbstractSet, Any, Dict, Sequence, Set, Tuple
 
 import rosgraph
 import rospy
@@ -27,9 +27,9 @@ class _Watch:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._claims: Dict[Any, Any] = {}
-        self._known: Set[Any] = set()
-        self._warned: Set[Any] = set()
+        self._claims: Dict[str, str] = {}  # {frame: robot}
+        self._known: Set[str] = set()  # nodes
+        self._warned: Set[Tuple[str, str]] = set()  # (frame, node)
         self._end = threading.Event()
         self._thread: Any = None
 
