@@ -1,4 +1,5 @@
 """The search for what chaos breaks, without runs: fewest decisions, what counts as a failure, the file that replays."""
+import argparse
 import json
 
 import pytest
@@ -74,6 +75,34 @@ def test_only_what_is_wanted_counts():
     assert found(crashed, wanted=['every_goal_ends'], **both)[0] == 'every_goal_ends'
     assert found(crashed, wanted=['crash'], **both)[0] == found(crashed, wanted=['crash /a'], **both)[0] == 'crash /a'
     assert found(crashed, wanted=['cra', 'deadlock'], **both) is None
+
+
+def test_robots_that_wait_for_each_other_are_a_standstill():
+    waits = {'time_ns': 1500000000, 'robot': 'a', 'kind': 'deadlock', 'values': ['a', 'zone x', 'b', 'zone y']}
+    for wanted in ([], ['no_standstill']):
+        assert found(complete(), waits, wanted=wanted, ended_by='idle')[0] == 'no_standstill'
+    assert found(complete(), ended_by='deadlock', reason='who') == ('deadlock', 'who')
+    assert found(complete(), wanted=['no_standstill'], ended_by='deadlock', reason='who')[0] == 'no_standstill'
+
+
+def test_what_is_asked_for_is_known_or_said_to_be_a_text(capsys):
+    assert command._wanted(['no_crash', 'crash /a', 'deadlock', 'no_standstill']) == (
+        ['no_crash', 'no_standstill'], ['crash', 'crash /a', 'deadlock', 'no_standstill'])
+    assert command._wanted(['all', 'charged']) == (['charged'], [])
+    assert not capsys.readouterr().out
+    assert command._wanted(['every_goal_end', 'one owner']) == ([], ['every_goal_end', 'one owner'])
+    assert capsys.readouterr().out == (
+        "chaos: 'every_goal_end' is taken for the text of a statement of your own; did you mean 'every_goal_ends'?\n"
+        "chaos: 'one owner' is taken for the text of a statement of your own\n")
+
+
+@pytest.mark.parametrize(('text', 'says'), [
+    ('x', "got 'x'; allowed: a whole number in 1..2147483647"), ('3:1', 'the smaller one first'),
+    ('0:4', 'got 0; allowed'), ('1:', "got ''")])
+def test_seeds_that_are_none_are_refused(text, says):
+    with pytest.raises(argparse.ArgumentTypeError, match=says):
+        command._seeds(text)
+    assert (command._seeds('3'), command._seeds('2:4')) == ((3, 3), (2, 4))
 
 
 def test_a_search_gathers_what_runs_have_stated_up_to_the_first_that_fails():

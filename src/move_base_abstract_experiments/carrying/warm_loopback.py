@@ -5,7 +5,6 @@ kernel ends the processes that it has forked.
 """
 from __future__ import annotations
 
-import functools
 import os
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
@@ -16,15 +15,10 @@ from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 
+from . import warm_ros
+
 #: the nodes that had ended before their Loopback was closed, as fields of runs.ends.Process
 ended: List[Dict[str, Any]] = []
-
-
-@functools.lru_cache(maxsize=None)
-def _launcher() -> str:
-    """Return the path of our launcher. The search walks through all packages, so it is made only once."""
-    path: str = loopback.find_executable('lockstep')
-    return path
 
 
 class WarmLoopback(Loopback):
@@ -51,7 +45,7 @@ class WarmLoopback(Loopback):
         full_name = ns_join(namespace, name)
         ros_master.set_parameters(self.uri, [(ns_join(full_name, key), value)
                                              for key, value in (parameters or {}).items()])
-        launcher = _launcher()
+        launcher = warm_ros.launcher()
         words = [os.path.join(os.path.dirname(launcher), executable), *arguments, f'__ns:={namespace}',
                  f'__name:={name}']
         if not os.access(words[0], os.X_OK):

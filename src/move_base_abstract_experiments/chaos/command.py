@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import list_of, number, text
+from move_base_abstract.common.kinds import list_of, number, similar, text
 from move_base_abstract.common.options import given, of_arguments, option, word_of, words_of
-from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.run_options import LARGEST_CHAOS_SEED, RunOptions
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
 
@@ -21,15 +22,14 @@ from .replay_file import Replay
 from .runs import RunRequest, RunResult, Runs, document_of
 
 GOOD, FAILED, OTHER = 0, 1, 3
-_LARGEST_SEED = 2147483647
 _OUTPUT = 'chaos.json'
 _COUNT = word_of(number(1, 1024, whole=True))
+_SEED = word_of(number(1, LARGEST_CHAOS_SEED, whole=True))
 #: RunOptions that mean nothing here
 _REFUSED = {**dict.fromkeys(('chaos_seed', 'chaos_delay', 'chaos_only'), '--seeds and --delay say what is tried'),
             'lookahead': 'with a lookahead no events are equal'}
 #: {name of a property: the beginning of the names of the failures that it is here}
-_FAILURES = {'no_crash': 'crash', 'no_exception': 'crash', 'no_standstill': 'deadlock',
-             'no_zero_delay_loop': 'zero_delay_loop'}
+_FAILURES = {'no_crash': 'crash', 'no_exception': 'crash', 'no_zero_delay_loop': 'zero_delay_loop'}
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,8 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     parser.add_argument('--replay', metavar='FILE', help='run a failure again, and say whether it is the same')
     command_line.add_run(parser, _Options, _REFUSED)
     options = parser.parse_args(words)
-    besides = words_of(of_arguments(_Options, options)) + options.command
+    options.asked = of_arguments(_Options, parser, options)
+    besides = words_of(options.asked) + options.command
     if options.replay and besides:
         parser.error(f'--replay: the file says what is run; got also {" ".join(besides)}')
     return parser, options
@@ -74,21 +75,17 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
 
 def _seeds(text: str) -> Tuple[int, int]:
     first, colon, last = text.partition(':')
-    low, high = int(first), int(last if colon else first)
-    if not 1 <= low <= high <= _LARGEST_SEED:
-        raise argparse.ArgumentTypeError(f'must be FIRST:LAST in 1..{_LARGEST_SEED}, got {text}')
+    low, high = _SEED(first), _SEED(last if colon else first)
+    if low > high:
+        raise argparse.ArgumentTypeError(f'got {text}; allowed: FIRST:LAST, the smaller one first')
     return low, high
 
 
 def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     from move_base_abstract_ros.launching import command_line
     (path, arguments), = command_line.files_of(parser, options.command)
-    asked = of_arguments(_Options, options)
-    more = given(_Options, options)
-    judged = [word for word in asked.properties if word.partition('=')[0] in BUILT_IN]  # some take a number
-    more['properties'] = [ALL, *judged]
-    names = [word.partition('=')[0] if word in judged else word for word in asked.properties if word != ALL]
-    wanted = [_FAILURES.get(name, name) for name in names]
+    judged, wanted = _wanted(options.asked.properties)
+    more = {**given(_Options, options), 'properties': [ALL, *judged]}
     first, last = options.seeds
     begin = time.monotonic()
     with Runs(document_of(path, arguments, more), os.getcwd(), options.workers, options.delay, wanted) as runs:
@@ -102,13 +99,27 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
             _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(said, 'run')} that say it")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
-            if last < _LARGEST_SEED:
-                further = f'{last + 1}:{min(2 * last - first + 1, _LARGEST_SEED)}'
-                _say('next: more seeds: ' + command_line.typed('chaos', ['--seeds', further, *_changed(options)], asked,
-                                                              options.command))
+            if last < LARGEST_CHAOS_SEED:
+                further = f'{last + 1}:{min(2 * last - first + 1, LARGEST_CHAOS_SEED)}'
+                _say('next: more seeds: ' + command_line.typed(
+                    'chaos', ['--seeds', further, *_changed(options)], options.asked, options.command))
             return GOOD
         made = Replay([path, *arguments], found.chosen.seed, options.delay, [], '', '', more)
         return _tell(runs, found, made, options.output)
+
+
+def _wanted(properties: Sequence[str]) -> Tuple[List[str], List[str]]:
+    """Return (the built-in properties among those that are asked for, the names of the failures that count; []: all).
+
+    Say which are taken for statements of nodes, whose texts nobody knows before they are made.
+    """
+    judged = [word for word in properties if word.partition('=')[0] in BUILT_IN]  # some take a number
+    names = [word.partition('=')[0] if word in judged else word for word in properties]
+    known = (ALL, *failures.NAMES, *BUILT_IN)
+    for name in names:
+        if name.partition(' ')[0] not in known:
+            _say(f'{shown(name)} is taken for the text of a statement of your own{similar(name, known)}')
+    return judged, [] if ALL in names else [_FAILURES.get(name, name) for name in names]
 
 
 def _first_failing(told: Iterable[RunResult], gathered: Gathering) -> Optional[RunResult]:

@@ -16,9 +16,8 @@ from ..records import Result
 #: the kinds of events in which something goes wrong with a robot, also on purpose by buggify
 _GOES_WRONG = ('failed', 'lapse_began')
 _SAID = {fault.becomes: fault.said for fault in FAULTS}
-#: the built-in properties that fail under their own name; the finders of crashes and standstills have the others
-OF_ROBOTS = tuple(name for name in BUILT_IN if name not in (
-    'no_crash', 'no_exception', 'no_standstill', 'no_zero_delay_loop'))
+#: the built-in properties that fail under their own name, unless a kind before says more; kinds have the others
+PROPERTIES = tuple(name for name in BUILT_IN if name not in ('no_crash', 'no_exception', 'no_zero_delay_loop'))
 
 
 class Failure(NamedTuple):
@@ -91,10 +90,10 @@ def _ended_by(name: str) -> Callable[[Evidence], Iterator[Failure]]:
     return find
 
 
-def _of_robots(run: Evidence) -> Iterator[Failure]:
-    """Yield the broken properties of robots: goals that never end, overfull places, empty batteries."""
+def _built_in(run: Evidence) -> Iterator[Failure]:
+    """Yield the broken built-in properties: robots that wait for each other, goals that never end, overfull places."""
     for one in run.judged.broken:
-        if one.property in OF_ROBOTS:
+        if one.property in PROPERTIES:
             yield Failure(one.property, one.words())
 
 
@@ -119,7 +118,7 @@ KINDS = (
     Kind(('deadlock',), 'no participant wants to wake up, and one of them waits for something that is '
          '[owed](lockstep.md#idle-and-deadlock) to it', _ended_by('deadlock')),
     Kind(('zero_delay_loop',), 'there are too many rounds at one instant', _ended_by('zero_delay_loop')),
-    Kind(OF_ROBOTS, 'one of these [properties](properties.md) is broken', _of_robots),
+    Kind(PROPERTIES, 'one of these [properties](properties.md) is broken', _built_in),
     Kind(('unfinished',), 'the run did not come to its end: it took more than 120 s of wall time, or could not go on',
          _unfinished),
 )
