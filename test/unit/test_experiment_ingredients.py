@@ -271,6 +271,17 @@ def test_trials_of_another_program_run_again_or_stay_labelled(workspace):
     assert not any(one.kept for one in about.trials)
 
 
+def test_trials_that_cannot_be_read_run_again_and_the_user_is_told(workspace):
+    (workspace / 'walk.yaml').write_text(EXPERIMENT + 'replications: 3\n')
+    ids, _, _ = resume(workspace, False)
+    for name in ids[1:]:
+        (workspace / 'out' / 'trials' / name / 'trial.json').write_text('{"format": 0}')
+    again, said, _ = resume(workspace, True)
+    assert again == ids[1:]
+    assert said == f"experiment: {workspace / 'out' / 'trials' / ids[1] / 'trial.json'}: 'format' must be 1, got 0; " \
+                   'another version of this program wrote it: 2 trials run again\n'
+
+
 def test_a_trial_that_has_run_twice_keeps_its_mark_whatever_is_chosen_now(workspace, monkeypatch):
     (workspace / 'walk.yaml').write_text(EXPERIMENT + 'replications: 8\nverify: 0.5\n')
     monkeypatch.setattr(plan, '_condition', lambda number, *rest: ('', 'delays')[number % 2])  # as another version may

@@ -13,10 +13,11 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.lockstep.run_options import ALLOW
 
+from .. import records
 from ..description import ingredients, plan
 from ..description.ingredients import Made
 from ..description.trial import Trial
-from ..records import Plan, Planned, Result
+from ..records import Plan, Result
 from . import outputs
 
 FILE = 'programs.json'
@@ -32,11 +33,16 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
     """
     programs, wanted, once = _read(folder.path), set(), 0
     old: Dict[str, List[Trial]] = {}
+    unread: List[str] = []
     for one, entry in zip(chosen, planned.trials):
         made = ingredients.of_trial(one)
         name = entry.program = ingredients.name_of(made)
         programs.setdefault(name, made)
-        was = outputs.read_planned(folder.path, Planned(one.id))
+        try:
+            was = records.read_trial(str(folder.path), one.id)
+        except ConfigurationError as problem:
+            was = None
+            unread.append(str(problem))
         if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ALLOW):
             wanted.add(one.id)
         elif was.made_of == entry.made_of:
@@ -55,6 +61,7 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
             else:
                 wanted.add(one.id)
     texts = [_once_text(once)] if once else []
+    texts += [f'{unread[0]}: {_again(len(unread))}'] if unread else []
     for text in (*texts, *(_old_text(what, len(those), keep_old) for what, those in old.items())):
         print(f'experiment: {text}', file=stream, flush=True)
     folder.write(FILE, json.dumps(programs, sort_keys=True).encode())
@@ -69,12 +76,14 @@ def _once_text(count: int) -> str:
 
 
 def _old_text(what: str, count: int, keep_old: bool) -> str:
-    if count == 1:
-        then = '1 trial is kept, labelled' if keep_old else '1 trial runs again (--keep-old keeps it, labelled)'
-    else:
-        then = f'{count} trials ' + (
-            'are kept, labelled' if keep_old else 'run again (--keep-old keeps them, labelled)')
-    return f'{what} changed: {then}'
+    if keep_old:
+        kept = '1 trial is kept' if count == 1 else f'{count} trials are kept'
+        return f'{what} changed: {kept}, labelled'
+    return f'{what} changed: {_again(count)} (--keep-old keeps {"it" if count == 1 else "them"}, labelled)'
+
+
+def _again(count: int) -> str:
+    return '1 trial runs again' if count == 1 else f'{count} trials run again'
 
 
 def changed_since(output: str, trial: Trial, was: Result) -> str:
