@@ -118,6 +118,7 @@ class LockstepSeries(unittest.TestCase):
             '--param', '/compatible_with=move_base_abstract', '--sleep', 'simulated'))
         self.assertEqual(code, 0, said)
         self.assertEqual(said.count('trial 1 over at 31.100 s, at 10.0'), 2, said)
+        self.assertNotIn('has died', said)  # the deputy leaves with the script, as it should
         first = self.log(1)
         self.assertEqual(first, self.log(2))
         rows = [json.loads(line) for line in first.splitlines()]

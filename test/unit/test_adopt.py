@@ -4,9 +4,12 @@ import math
 import shlex
 
 import pytest
+from roslaunch.core import RLException
+from rospkg import ResourceNotFound
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
+from move_base_abstract_ros.adopting import next_step
 from move_base_abstract_ros.launching import adoption, command_line, plan
 from move_base_abstract_ros.nodes.launch_run import launched
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
@@ -32,6 +35,17 @@ GROUP = """<group ns="{0}">
     <node pkg="gazebo_ros" type="spawn_model" name="spawn" args="-urdf -model {0} -x {1} -y {2} -z 0.1 -Y {3}
       -param robot_description"/>
   </group>"""
+
+
+def test_only_an_error_of_a_launch_file_is_followed_by_what_helps_with_those_of_others():
+    hint = '. If the file was written for Gazebo'
+    assert hint in next_step.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', False)
+    assert 'Gazebo' not in next_step.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', True)
+    assert hint in next_step.with_next(ConfigurationError('/stage publishes /clock itself'), 'a.launch', False)
+    of_user = ConfigurationError('nofile: cannot be read: No such file or directory')
+    assert next_step.with_next(of_user, 'a.launch', False) == str(of_user)
+    asks = next_step.with_next(ResourceNotFound('x'), 'a.launch', False)
+    assert asks.startswith('the package x is not found here; is its workspace sourced? If the file')
 
 
 def test_robots_of_gazebo_in_groups_start_where_they_are_spawned(package):

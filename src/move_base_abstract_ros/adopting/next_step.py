@@ -2,8 +2,11 @@
 import re
 from xml.etree import ElementTree
 
+from move_base_abstract.common.errors import ConfigurationError
+
 #: parts of errors of launch files that were written for something that is not here
-_OF_OTHERS = ('publishes /clock', 'does not exist', 'No such file', 'unknown machine', 'environment variable')
+_OF_OTHERS = ('publishes /clock', 'does not exist', 'unknown machine', 'environment variable')
+_OF_ROSLAUNCH = 'No such file'  # in an error of ours, the file is one that the user names
 
 
 def with_next(error, path, adopts):
@@ -22,10 +25,12 @@ def with_next(error, path, adopts):
     if isinstance(error, ResourceNotFound):
         name = text.partition('\nROS path')[0].rpartition(': ')[2]
         text = 'the package {} is not found here; is its workspace sourced?'.format(name)
-    elif not any(words in text for words in _OF_OTHERS):
+    elif not any(words in text for words in _OF_OTHERS) and (
+            _OF_ROSLAUNCH not in text or isinstance(error, ConfigurationError)):
         return text
-    return text + ('' if adopts else ' If the file was written for Gazebo, Stage or real robots, --adopt leaves out '
-                   'what is not here, and says what it does')
+    stop = '' if text.endswith(('.', '?')) else '.'
+    return text if adopts else (text + stop + ' If the file was written for Gazebo, Stage or real robots, --adopt '
+                                'leaves out what is not here, and says what it does')
 
 
 def _wanted(path):

@@ -15,6 +15,8 @@ from move_base_abstract.runs import ends
 _FILE = re.compile(r'[^\w.-]+', re.ASCII)
 _LAST_BYTES = 1 << 16
 _PIECE = 1 << 16
+_MOST_PIECES = 100  # of each process, that are shown before the run is looked at again
+_LONGEST_LINE = 1 << 16  # bytes; longer lines are read in parts
 
 
 class Files:
@@ -85,12 +87,14 @@ class Screen:
 
     def pause(self, seconds):
         """Show what nodes print, and wait for it at most ``seconds`` [s, wall]."""
-        ready = select.select(self._pipes, [], [], seconds)[0]
-        while ready:
+        for _ in range(_MOST_PIECES):  # a node that prints without an end must not keep the run from its own
+            ready = select.select(self._pipes, [], [], seconds)[0]
+            if not ready:
+                break
             for one in ready:
                 if not one.read():
                     self._pipes.remove(one)
-            ready = select.select(self._pipes, [], [], 0.0)[0]
+            seconds = 0.0
 
 
 class _Screen:
@@ -139,8 +143,8 @@ class _Screen:
     def take(self, piece):
         """Take bytes that the process has printed; b'': it prints no more."""
         *lines, self._begun = (self._begun + piece).split(b'\n')
-        if not piece and self._begun:
-            lines, self._begun = [self._begun], b''
+        if self._begun and (not piece or len(self._begun) >= _LONGEST_LINE):
+            lines, self._begun = [*lines, self._begun], b''
         for line in lines:
             text = line.decode('utf-8', 'replace')
             if text.strip():

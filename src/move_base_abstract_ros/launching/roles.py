@@ -18,10 +18,8 @@ DEPUTY = 'move_base_abstract_ros.nodes.series_run.deputy'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
               'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
               'property_monitor', 'deputy')
-#: own nodes that have nothing to do when the run is over: their results are in the event log, or are written already
-_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
-                       'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
-                       'deputy')
+#: the one of them with something to do when the run is over; results of the others are in the log, or written already
+_WITH_LAST_WORDS = 'soil_coordinator'
 _LOOK_ON = {
     'rviz': 'it only displays',
     'rqt_gui': 'it only displays', 'image_view': 'it only displays', 'plotjuggler': 'it only displays'}
@@ -136,13 +134,18 @@ def _outside(node, with_respawned):
 
 def has_last_words(node):
     """Return whether a roslaunch Node may have something to do after the run, so that it must not be killed then."""
-    return not (node.package == PACKAGE and _own_type(node) in _WITHOUT_LAST_WORDS)
+    return node.package != PACKAGE or _own_type(node) not in _BY_ITSELF or _own_type(node) == _WITH_LAST_WORDS
+
+
+def is_deputy(node):
+    """Return whether a roslaunch Node takes part for a script. It ends when the script leaves the run, as it should."""
+    return node.package == PACKAGE and _own_type(node) == DEPUTY.rpartition('.')[2]
 
 
 def _own_type(node):
     """Return the type of one of our nodes, or the last part of the module's name if it is `lockstep --own MODULE`."""
     words = (node.args or '').split()
-    if node.type != _LAUNCHER or words[:1] != [_OWN_NODE]:
+    if node.type != _LAUNCHER or words[:1] != [_OWN_NODE] or len(words) < 2:
         return node.type
     return re.sub('_node$', '', words[1].rpartition('.')[2])
 

@@ -201,6 +201,7 @@ class Run:
     def end(self):
         """End all processes, and return their ends.Process. Time stops first, so that no node goes on by the clock."""
         self._news()
+        self._pause(0.0)
         for one in self._processes:
             one.early = [pid for pid in one.pids if pid in self._statuses]
             one.shown = () if one.takes_part else one.output.shown()
@@ -250,6 +251,7 @@ class Run:
 
     def printed(self, name):
         """Return the last lines that a process has printed."""
+        self._pause(0.0)  # it may have ended since the last look
         return next(one.output.printed() for one in self._processes if one.name == name)
 
     def _look(self):
@@ -282,7 +284,8 @@ class Run:
 
     def _say_end(self, one, pid):
         """Say that a process has ended. One that ended with the run has not died, unless the run is to end with it."""
-        is_required = one.name != TIME_MASTER and one.node is not None and one.node.required
+        is_required = one.name != TIME_MASTER and one.node is not None and one.node.required and not (
+            roles.is_deputy(one.node))
         is_over = self._time_master in self._statuses or _is_complete(self._log)
         if is_required or one.name == TIME_MASTER or not is_over:
             one.output.ended(pid, self._code(pid), one.words, is_required)
