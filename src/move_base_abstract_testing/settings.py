@@ -1,14 +1,21 @@
 """The keywords of ``@pytest.mark.lockstep`` and of ``lockstep.start``, by which a test says what to start."""
 import os
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Tuple, Union
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import FLAG, SCALAR, Kind, list_of, map_of, number, one_of, one_of_types, text
 from move_base_abstract.common.old_names import warn_of_old
 from move_base_abstract.common.options import option, read
 from move_base_abstract.common.shown import shown
-from move_base_abstract.lockstep.run_options import ADDED, LAST_INSTANT_S, PARAMETERS, ROS_VALUE, RunOptions
+from move_base_abstract.lockstep.run_options import (
+    ADDED,
+    LARGEST_CHAOS_SEED,
+    LAST_INSTANT_S,
+    PARAMETERS,
+    ROS_VALUE,
+    RunOptions,
+)
 from move_base_abstract.runs import built_in
 
 DEPARTURE, IDLE = 'test', 'idle'
@@ -54,26 +61,29 @@ class Settings(RunOptions):
 def chaos_seeds(given: Any) -> List[int]:
     """Return the seeds that a marker asks for. 4 gives 0 to 3; ``range(2, 9)`` and ``[1, 7]`` give their numbers.
 
-    :raises ConfigurationError: if ``given`` is not a number, or a list, tuple or range of numbers, 0 to 2**32 - 1.
+    :raises ConfigurationError: if ``given`` is not a number, or a list, tuple or range of numbers, or one is too large.
     """
     seeds = range(given) if type(given) is int else given  # a bool is not a number here
     if not (isinstance(seeds, (range, list, tuple)) and 0 < len(seeds[:_MOST_SEEDS + 1]) <= _MOST_SEEDS
-            and all(type(one) is int and 0 <= one < 1 << 32 for one in seeds)):
+            and all(type(one) is int and 0 <= one <= LARGEST_CHAOS_SEED for one in seeds)):
         raise ConfigurationError('lockstep: chaos_seeds: must be a number of seeds, or the seeds in a list or range '
-                                 '(1 to {} of them, each 0 to 2**32 - 1), got {}'.format(_MOST_SEEDS, shown(given)))
+                                 '(1 to {} of them, each 0 to {}), got {}'.format(
+                                     _MOST_SEEDS, LARGEST_CHAOS_SEED, shown(given)))
     return list(seeds)
 
 
-def settings_of(given: Dict[str, Any], folder: str) -> Settings:
+def settings_of(given: Dict[str, Any], folder: str, seed: Optional[int] = None) -> Settings:
     """Return the Settings of the keywords ``given``; ``folder`` is the one to which paths are relative.
+
+    ``seed``: one of the marker's chaos_seeds, or None. With 0, the stated order, no message is late.
 
     :raises ConfigurationError: if a keyword is not known, a value is not allowed, or a file is not there.
     """
     for key in given:
         if key in REFUSED:
             raise ConfigurationError('lockstep: {}: not here; {}'.format(key, REFUSED[key]))
-    found = read(Settings, 'lockstep', {key: value for key, value in given.items() if key not in OF_TESTS},
-                 folder=folder)
+    given = {key: value for key, value in given.items() if key not in OF_TESTS}
+    found = read(Settings, 'lockstep', given if seed is None else _with_seed(given, seed), folder=folder)
     if found.parameters:
         warn_of_old('lockstep: parameters', 'lockstep: param')
         found = replace(found, param={**found.parameters, **found.param}, parameters={})
@@ -86,8 +96,13 @@ def settings_of(given: Dict[str, Any], folder: str) -> Settings:
     return found
 
 
-def with_seed(settings: Settings, seed: int) -> Settings:
-    """Return settings with a seed of chaos. 0 is the stated order, in which no message is late."""
-    given = {name: value for name, value in settings.time_master.items() if seed or not name.startswith('chaos_')}
-    late: Dict[str, Any] = {} if seed else {'chaos_delay': 0.0, 'chaos_only': ()}
-    return replace(settings, time_master={**given, 'chaos_seed': seed}, **late)
+def _with_seed(given: Dict[str, Any], seed: int) -> Dict[str, Any]:
+    """Return the keywords of a test with a seed of chaos, also in the place of that of its ``time_master``."""
+    def is_kept(name: str) -> bool:
+        return name != 'chaos_seed' if seed else not str(name).startswith('chaos_')
+    found = {key: value for key, value in given.items() if is_kept(key)}
+    own = found.get('time_master', {})
+    if isinstance(own, dict):
+        stated = {} if seed else {'chaos_seed': 0}  # takes precedence over the launch file's
+        found['time_master'] = {**{name: value for name, value in own.items() if is_kept(name)}, **stated}
+    return {**found, 'chaos_seed': seed}

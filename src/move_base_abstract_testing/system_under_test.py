@@ -18,7 +18,7 @@ from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.replacing import rospy_start
 
 from .launch_text import TEST
-from .settings import settings_of, with_seed
+from .settings import settings_of
 from .system import System
 
 IDENTICAL = 'assert_identical'  # a file of this name says that the test must be run once more
@@ -129,9 +129,7 @@ class Lockstep:
         """
         if self._system is not None:
             raise SimulatorError('lockstep: one test has one run, and it has been started')
-        self._settings = settings_of(given, self._base)
-        if self.chaos_seed is not None:
-            self._settings = with_seed(self._settings, self.chaos_seed)
+        self._settings = settings_of(given, self._base, self.chaos_seed)
         try:
             self._system = System(self._settings, self.folder)
             rospy_start.prepare()

@@ -274,7 +274,9 @@ class LaunchTest(OwnPackage, unittest.TestCase):
                             (('--until', '-1', SYSTEM), '--until: got -1.0; allowed: a number in 1e-9..2147483647 [s'),
                             (('--list', '--until', 'x', SYSTEM), "got 'x'"),
                             (('--onlooker', '/x', SYSTEM), 'no node of this'),
-                            (('--replace', 'a/b=c', SYSTEM), 'PACKAGE/TYPE=PACKAGE/TYPE')):
+                            (('--replace', 'a/b=c', SYSTEM), "a/b: got 'c'; allowed: PACKAGE/TYPE, such as"),
+                            (('--chaos-delay', '1', SYSTEM), "need a 'chaos_seed'"),
+                            (('--network', 'nofile', SYSTEM), 'cannot be read: No such file or directory\n')):
             done = self.run_it(*words, 'bag:=x')
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(text, done.stdout)

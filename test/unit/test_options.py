@@ -1,5 +1,6 @@
 """Options that are written once: as words of a command line, as keys of a file, and where they are refused."""
 import argparse
+import dataclasses
 
 import pytest
 from hypothesis import given as drawn, strategies as st
@@ -15,7 +16,7 @@ RUN = RunOptions(
     tolerant=True, start={'/r/move_base': (1.0, -2.5, 1e-7)},
     param={'/a': [1, 2.5, 'x y'], '/b/c': '', '/d': {'e': '5', 'f': False}},
     add={'/map': "map_server/map_server 'a b.yaml'"}, node_args={'/n': '--x=3 y'}, no_respawn=True, until=60.0, seed=-4,
-    sleep='simulated', stored_topics=('/x=/y', '/z'), lookahead=0.25, network='n.yaml loss:=1', chaos_seed=7,
+    sleep='simulated', stored_topics=('/x=/y', '/z'), network='n.yaml loss:=1', chaos_seed=7,
     chaos_delay=0.001, chaos_only=('0123456789ab',), cores='all', crashes='allow', properties=('all', 'no_crash'))
 
 
@@ -26,8 +27,11 @@ def parser(**others):
 
 
 def test_each_option_of_a_run_can_be_typed_and_is_read_as_it_was():
-    assert all(getattr(RUN, one.field) != one.initial for one in options.options_of(RunOptions).values())
-    assert options.of_words(RunOptions, options.words_of(RUN)) == RUN
+    windows = dataclasses.replace(RUN, chaos_seed=0, chaos_delay=0.0, chaos_only=(), stored_topics=(), lookahead=0.25)
+    assert all(getattr(RUN, one.field) != one.initial or getattr(windows, one.field) != one.initial
+               for one in options.options_of(RunOptions).values())
+    for one in (RUN, windows):
+        assert options.of_words(RunOptions, options.words_of(one)) == one
     assert options.words_of(RunOptions()) == []
 
 
@@ -49,8 +53,12 @@ def test_a_parameter_keeps_its_type_as_yaml(value):
 @pytest.mark.parametrize(('words', 'says'), [
     (['--chaos-seed', '3'], 'program: error: --chaos-seed: not here; seeds say it'),
     (['--adopt'], 'program: error: --adopt: not here; nothing to adopt'),
-    (['--start', '/a=1,2'], "must be NODE=X,Y,YAW; /a: got '1,2'; allowed: X,Y,YAW"),
-    (['--param', '/a'], "must be NAME=VALUE; got '/a'"), (['--param', '/a=[1'], 'must be NAME=VALUE; the value: '),
+    (['--start', '/a=1,2'], "argument --start: /a: got '1,2'; allowed: X,Y,YAW"),
+    (['--start', '/a'], "argument --start: got '/a'; allowed: NODE=X,Y,YAW"),
+    (['--param', '/a'], "argument --param: got '/a'; allowed: NAME=VALUE"),
+    (['--param', '/a=[1'], "argument --param: '[1': is not YAML of plain values: "),
+    (['--param', 'x:=5'], "argument --param: before '=': got 'x:'; allowed: the full name of a parameter"),
+    (['--replace', 'a=b/c'], "argument --replace: before '=': got 'a'; allowed: PACKAGE/TYPE, such as"),
     (['--param', '/a=99999999999'], 'whole ones of 32 bits'), (['--param', '/a=~'], 'got None'),
     (['--until', 'x'], "got 'x'; allowed: a number in 1e-9..2147483647"),
     (['--add', '/a=b'], 'PACKAGE/TYPE [ARGUMENTS]')])
@@ -60,8 +68,41 @@ def test_what_cannot_be_used_here_is_refused_with_the_reason(words, says, capsys
     assert says in capsys.readouterr().err
 
 
+TOGETHER = [({'chaos_delay': 0.1}, "need a 'chaos_seed'"), ({'chaos_only': ['none']}, "need a 'chaos_seed'"),
+            ({'lookahead': 0.1, 'chaos_seed': 1}, 'no events are equal'),
+            ({'lookahead': 0.1, 'stored_topics': ['/a']}, 'all takes time'),
+            ({'lookahead': 'network'}, "without a 'network'")]
+
+
+@pytest.mark.parametrize(('given', 'says'), TOGETHER)
+def test_options_that_mean_nothing_together_are_refused_by_files_command_lines_and_tests(given, says, capsys):
+    words = [word for name, value in given.items() for one in (value if isinstance(value, list) else [value])
+             for word in ('--' + name.replace('_', '-').replace('topics', 'topic'), str(one))]
+    with pytest.raises(SystemExit) as ended:
+        options.of_arguments(RunOptions, parser(), parser().parse_args(words))
+    error = capsys.readouterr().err
+    assert ended.value.code == 2 and says in error and error.startswith('usage: program')
+    for read in (lambda: options.read(RunOptions, '', given), lambda: settings.settings_of(given, '')):
+        with pytest.raises(ConfigurationError, match=says):
+            read()
+
+
+def test_a_seed_of_a_test_takes_precedence_and_the_stated_order_has_no_delays():
+    given = {'chaos_delay': 0.1, 'chaos_only': ['none'],
+             'time_master': {'chaos_seed': 4, 'chaos_delay': 1, 'strict': True}}
+    stated, other = settings.settings_of(given, '', 0), settings.settings_of(given, '', 3)
+    assert (stated.chaos_seed, stated.chaos_delay, stated.chaos_only) == (0, 0.0, ())
+    assert stated.time_master == {'strict': True, 'chaos_seed': 0}
+    assert (other.chaos_seed, other.chaos_delay, other.chaos_only) == (3, 0.1, ('none',))
+    assert other.time_master == {'chaos_delay': 1, 'strict': True}
+
+
+def test_the_old_word_for_the_cores_is_not_handed_on():
+    assert options.words_of(options.read(RunOptions, '', {'cores': 'auto'})) == ['--cores', 'one']
+
+
 def test_a_name_of_earlier_releases_says_the_new_one(capsys):
-    found = options.of_arguments(RunOptions, parser().parse_args(
+    found = options.of_arguments(RunOptions, parser(), parser().parse_args(
         ['--args', '/n=x', '--node-args', '/m=y', '--properties', 'all']))
     assert (found.node_args, found.properties) == ({'/n': 'x', '/m': 'y'}, ('all',))
     assert capsys.readouterr().err == ('program: --args is called --node-args now\n'
@@ -76,10 +117,9 @@ def test_an_unknown_key_names_the_most_similar_one():
 def test_a_test_has_the_options_of_a_run_and_says_what_means_nothing(tmp_path):
     (tmp_path / 'x.launch').write_text('')
     found = settings.settings_of({'launch': tmp_path / 'x.launch', 'param': {'a': [1]}, 'start': {'r': (1, 2, 0)},
-                                  'until': 5, 'chaos_delay': 0.1, 'wall_limit': 3, 'nodes': ('a/b c',)}, str(tmp_path))
+                                  'until': 5, 'wall_limit': 3, 'nodes': ('a/b c',)}, str(tmp_path))
     assert (found.param, found.start, found.nodes) == ({'/a': [1]}, {'/r': (1.0, 2.0, 0.0)}, ('a/b c',))
     assert (found.end, found.properties, found.log_messages) == ({'end_at': 5.0}, ('all',), True)
-    assert (settings.with_seed(found, 0).chaos_delay, settings.with_seed(found, 3).chaos_delay) == (0.0, 0.1)
     with pytest.raises(ConfigurationError, match='crashes: not here; lockstep.allow'):
         settings.settings_of({'crashes': 'allow'}, '')
     with pytest.raises(ConfigurationError, match='lockstep: launch: .*nothing is not there'):

@@ -165,8 +165,9 @@ def test_links_of_a_replay():
 def test_command_lines_without_a_network():
     parser = argparse.ArgumentParser()
     options.add_arguments(parser, RunOptions)
-    assert options.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
-    given = options.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
+    assert options.of_arguments(RunOptions, parser, parser.parse_args([])) == RunOptions()
+    given = options.of_arguments(RunOptions, parser, parser.parse_args(['--network', 'n.yaml loss:=1']))
     assert options.words_of(given) == ['--network', 'n.yaml loss:=1']
     for word, value in (('network', 'network'), ('0.5', 0.5)):
-        assert options.of_arguments(RunOptions, parser.parse_args(['--lookahead', word])).lookahead == value
+        found = parser.parse_args(['--network', 'n.yaml', '--lookahead', word])
+        assert options.of_arguments(RunOptions, parser, found).lookahead == value

@@ -258,7 +258,7 @@ def map_of(kind: Kind, names: Kind = NAME) -> Kind:
 def _pair(names: Kind, kind: Kind) -> Kind:
     """Return the kind of the pairs (name, value) that a command line has as NAME=VALUE."""
     def check(where: str, value: Any) -> Any:
-        name = names.check(where, value[0])
+        name = names.check(f"{where}before '='", value[0])
         return name, kind.check(name, value[1])
 
     def of_word(word: str) -> Any:

@@ -13,7 +13,6 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, NoReturn, Opt
 
 from .errors import ConfigurationError
 from .kinds import Kind, Schema, error, number, unknown
-from .shown import shown
 
 T = TypeVar('T')
 OPTION = 'option'  # the key of an Option in the metadata of a dataclass's field
@@ -179,16 +178,22 @@ def given(cls: Type[Any], found: argparse.Namespace) -> Dict[str, Any]:
             for key, (one, value) in values.items() if value is not None}
 
 
-def of_arguments(cls: Type[T], found: argparse.Namespace) -> T:
-    """Return an instance of the dataclass ``cls`` from the arguments that :func:`add_arguments` has added."""
-    return read(cls, '', given(cls, found))
+def of_arguments(cls: Type[T], parser: argparse.ArgumentParser, found: argparse.Namespace) -> T:
+    """Return an instance of the dataclass ``cls`` from the arguments that :func:`add_arguments` has added.
+
+    If they cannot be used together, ``parser`` ends the program with an error.
+    """
+    try:
+        return read(cls, '', given(cls, found))
+    except ConfigurationError as problem:
+        parser.error(str(problem))
 
 
 def of_words(cls: Type[T], words: Sequence[str]) -> T:
     """Return an instance of the dataclass ``cls`` from words as :func:`words_of` returns them."""
     parser = argparse.ArgumentParser(allow_abbrev=False)
     add_arguments(parser, cls)
-    return of_arguments(cls, parser.parse_args(words))
+    return of_arguments(cls, parser, parser.parse_args(words))
 
 
 def words_of(record: Any) -> List[str]:
@@ -212,7 +217,7 @@ def word_of(kind: Kind, metavar: str = '') -> Callable[[str], Any]:
     def convert(word: str) -> Any:
         try:
             if metavar and '=' not in word:
-                raise ConfigurationError(f'got {shown(word)}')
+                raise error('', word, metavar)
             try:
                 value = kind.of_word(word)
             except ConfigurationError:
@@ -221,7 +226,7 @@ def word_of(kind: Kind, metavar: str = '') -> Callable[[str], Any]:
                 value = word  # the check refuses it with an error that says what is allowed
             kind.check('', value)
         except ConfigurationError as problem:
-            raise argparse.ArgumentTypeError(f'must be {metavar}; {problem}' if metavar else str(problem)) from None
+            raise argparse.ArgumentTypeError(str(problem)) from None
         return value
     return convert
 

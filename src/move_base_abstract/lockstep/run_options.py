@@ -7,29 +7,32 @@ the schema and the tables of the docs have the text that it ``says``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, Tuple, Union
 
 from ..common.bounded_yaml import REQUEST, load_yaml_text, yaml_line
+from ..common.errors import ConfigurationError
 from ..common.kinds import FLAG, Kind, error, list_of, map_of, number, one_of, pattern, short, text
 from ..common.options import option
+from ..common.shown import shown
 from ..runs import built_in
 
 OF_NODES = ('launch', 'command')  # the systems of an experiment that have nodes
 _OF_FILES = ('launch',)
 FAIL, ALLOW = 'fail', 'allow'  # a crash makes the run fail, or it is only reported
 LAST_INSTANT_S = 2147483647.0  # simulated
+LARGEST_CHAOS_SEED = 2**31 - 1  # a parameter of ROS is no larger
 _LARGEST_SEED = 10**18 - 1
 _DEEPEST = 8  # lists and mappings in the value of a parameter
-_NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
+NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'  # of nodes, topics and parameters
 
 
 def _absolute(name: str) -> str:
     return '/' + name.strip('/')
 
 
-NODE = pattern(_NAMES, 'names of nodes, such as /coordinator', _absolute)
-PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
+NODE = pattern(NAMES, 'names of nodes, such as /coordinator', _absolute)
+PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE, such as move_base/move_base')
 
 
 _TOPIC = '/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*'
@@ -67,7 +70,7 @@ def _ros_value(where: str, value: Any, depth: int = 0) -> Any:
 
 
 def _of_yaml(word: str) -> Any:
-    found = load_yaml_text(word, 'the value', REQUEST)
+    found = load_yaml_text(word, shown(word), REQUEST)
     return '' if found is None and not word.strip() else found
 
 
@@ -75,7 +78,7 @@ ROS_VALUE = Kind(_ros_value, {'type': ['string', 'number', 'boolean', 'array', '
 
 
 #: {full name: value} of parameters
-PARAMETERS = map_of(ROS_VALUE, pattern(_NAMES, 'the full name of a parameter, such as /robot_0/max_speed', _absolute))
+PARAMETERS = map_of(ROS_VALUE, pattern(NAMES, 'the full name of a parameter, such as /robot_0/max_speed', _absolute))
 
 
 def _added(where: str, value: Any) -> str:
@@ -86,6 +89,8 @@ def _added(where: str, value: Any) -> str:
 
 
 ADDED = Kind(_added, {'type': 'string'})
+#: `auto` is an old word, which commands for the user do not have
+_CORES = replace(one_of('one', 'all', 'auto'), to_word=lambda word: 'one' if word == 'auto' else word)
 
 
 def _arguments(where: str, value: Any) -> str:
@@ -154,8 +159,8 @@ class RunOptions:
         'describes, `FILE [NAME:=VALUE ...]`; the values replace its `$(arg NAME)`', systems=OF_NODES,
         in_digest=True, parameter='network', metavar="'FILE [NAME:=VALUE ...]'")
     chaos_seed: int = option(
-        number(0, 2147483647, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal events; 0: the '
-        'stated order', systems=OF_NODES, in_digest=True, parameter='chaos_seed', metavar='N')
+        number(0, LARGEST_CHAOS_SEED, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal '
+        'events; 0: the stated order', systems=OF_NODES, in_digest=True, parameter='chaos_seed', metavar='N')
     chaos_delay: float = option(
         number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 'with a `chaos_seed`, messages take up to '
         'this time [s, simulated]; 0: no time', systems=OF_NODES, in_digest=True, parameter='chaos_delay', metavar='S')
@@ -164,7 +169,7 @@ class RunOptions:
         'the decisions of `chaos_seed` that apply, by the names that `chaos` prints; `none`: none, `[]`: all',
         systems=OF_NODES, in_digest=True, parameter='chaos_only', metavar='NAME')
     cores: str = option(
-        one_of('one', 'all', 'auto'), None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
+        _CORES, None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
         'default if the launch file sets nothing), with a lookahead one for each node, or `all`; `auto` is an old word '
         'for `one`. The events are the same in each case', systems=OF_NODES, parameter='cores')
     crashes: str = option(
@@ -173,3 +178,14 @@ class RunOptions:
     properties: Tuple[str, ...] = option(
         list_of(built_in.KIND), [], 'the [properties](properties.md) that are checked when a run is over: `all`, or '
         'names', systems=OF_NODES, flag='property', was='properties', metavar='NAME')
+
+    def __post_init__(self) -> None:
+        """Check what depends on several options. :raises ConfigurationError: naming them, and what is allowed."""
+        if not self.chaos_seed and (self.chaos_delay or self.chaos_only):
+            raise ConfigurationError("'chaos_delay' and 'chaos_only' need a 'chaos_seed' of 1 or more")
+        if self.lookahead and self.chaos_seed:
+            raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', because then no events are equal")
+        if self.lookahead and self.stored_topics:
+            raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', because then all takes time")
+        if self.lookahead == 'network' and not self.network:
+            raise ConfigurationError("'lookahead' must be a number [s] without a 'network' that has delays")

@@ -24,7 +24,7 @@ from move_base_abstract.common.kinds import (
     text,
 )
 from move_base_abstract.common.options import collected, mapping_of, option
-from move_base_abstract.lockstep.run_options import LAST_INSTANT_S, NODE, OF_NODES, PARAMETERS, POSE, RunOptions
+from move_base_abstract.lockstep.run_options import LAST_INSTANT_S, NAMES, NODE, OF_NODES, PARAMETERS, POSE, RunOptions
 from move_base_abstract.runs.metrics import USUAL, Metric
 
 SYSTEMS = ('launch', 'command', 'function')  # an experiment runs exactly one of them
@@ -42,8 +42,7 @@ def in_words(systems: Iterable[str]) -> str:
     return ' or '.join(f'a {each} file' if each == 'launch' else f'a {each}' for each in systems)
 
 
-_NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
-_TOPIC = pattern(_NAMES, 'the name of a topic, such as /done', lambda name: '/' + name.lstrip('/'))
+_TOPIC = pattern(NAMES, 'the name of a topic, such as /done', lambda name: '/' + name.lstrip('/'))
 _ALL_OR_NODES = f'a list of names of nodes, or {ALL}'
 _FUNCTION = pattern(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*:[A-Za-z_][A-Za-z0-9_]*',
                     'module:function, such as my_package.metrics:summarise')

@@ -83,12 +83,15 @@ def schema() -> Dict[str, Any]:
     systems: List[Any] = [{'if': {'required': [system]}, 'then': {'properties': refused[system], **(
         {'required': ['participants']} if system == 'command' else {})}} for system in SYSTEMS]
     windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']},
-               'then': {'properties': {'stored_topics': {'maxItems': 0}}}}
+               'then': {'properties': {'stored_topics': {'maxItems': 0}, 'chaos_seed': {'maximum': 0}}}}
     by_network = {'if': {'properties': {'lookahead': {'enum': ['network']}}, 'required': ['lookahead']},
                   'then': {'required': ['network']}}
+    decides = {'if': {'anyOf': [{'properties': {'chaos_delay': {'exclusiveMinimum': 0}}, 'required': ['chaos_delay']},
+                                {'properties': {'chaos_only': {'minItems': 1}}, 'required': ['chaos_only']}]},
+               'then': {'properties': {'chaos_seed': {'minimum': 1}}, 'required': ['chaos_seed']}}
     return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'an experiment of move_base_abstract',
             **schema_of(Experiment), 'oneOf': [{'required': [system]} for system in SYSTEMS],
-            'allOf': [*systems, windows, by_network]}
+            'allOf': [*systems, windows, by_network, decides]}
 
 
 def _refused(cls: Any, system: str) -> Dict[str, Any]:
@@ -134,12 +137,6 @@ def _check_names(experiment: Experiment) -> None:
     if experiment.participants is not None and (experiment.participant or experiment.onlooker):
         raise ConfigurationError("'participant' and 'onlooker' change what 'participants: all' says; with a list of "
                                  "'participants', all others look on")
-    if experiment.lookahead and experiment.stored_topics:
-        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', because then all takes time")
-    if experiment.lookahead == 'network' and not experiment.network:
-        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' that has delays")
-    if experiment.lookahead and experiment.chaos_seed:
-        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', because then no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:

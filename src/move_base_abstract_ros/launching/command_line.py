@@ -39,9 +39,9 @@ def add_run(parser, cls=RunOptions, refused=None):
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
 
-def run_of(options):
-    """Return the RunOptions among the parsed options."""
-    return of_arguments(RunOptions, options)
+def run_of(parser, options):
+    """Return the RunOptions among the options that ``parser`` has parsed; see of_arguments()."""
+    return of_arguments(RunOptions, parser, options)
 
 
 def files_of(parser, words):

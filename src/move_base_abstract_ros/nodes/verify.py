@@ -127,7 +127,7 @@ def _parse(words):
                         '(default: a temporary one, which is kept if something is wrong)')
     parser.add_argument('--chaos', metavar='FILE', help='verify the run that a file from `chaos` describes')
     options = parser.parse_args(words)
-    options.run = command_line.run_of(options)
+    options.run = command_line.run_of(parser, options)
     if options.chaos is not None:
         _read_chaos(parser, options)
     command_line.files_of(parser, options.command)

@@ -87,7 +87,7 @@ def read_words(words):
     options = parser.parse_args(words)
     if options.script:
         parser.error('--script must be the first word')
-    options.run, options.one = command_line.run_of(options), of_arguments(command_line.OneRun, options)
+    options.run, options.one = command_line.run_of(parser, options), of_arguments(command_line.OneRun, parser, options)
     return parser, options
 
 

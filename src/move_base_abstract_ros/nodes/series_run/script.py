@@ -59,7 +59,8 @@ def _parse(words):
     if not options.command or not os.path.isfile(options.command[0]):
         raise SimulatorError('a Python script must follow the options, got {}'.format(
             ' '.join(options.command) or 'nothing'))
-    given = words_of(of_arguments(command_line.OneRun, options)) + words_of(command_line.run_of(options))
+    given = [word for one in (of_arguments(command_line.OneRun, parser, options), command_line.run_of(parser, options))
+             for word in words_of(one)]
     return options.logs, given, options.command
 
 
