@@ -297,8 +297,8 @@ def test_a_trial_that_has_run_twice_keeps_its_mark_whatever_is_chosen_now(worksp
     monkeypatch.setattr(plan, '_condition', lambda number, *rest: '')
     assert resume(workspace, False)[:2] == ([], '')
     chosen = plan.trials(spec.read(str(workspace / 'walk.yaml')))
-    assert [resumption.changed_since(str(workspace / 'out'), one, outputs.read_planned(
-        workspace / 'out', records.Planned(one.id))) for one in chosen] == [''] * 8
+    assert [resumption.changed_since(str(workspace / 'out'), one, records.read_trial(
+        str(workspace / 'out'), one.id)) for one in chosen] == [''] * 8
 
 
 def test_rows_of_an_old_program_are_in_no_table_before_they_have_run_again(workspace, monkeypatch):
