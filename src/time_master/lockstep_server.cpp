@@ -39,7 +39,7 @@ LockstepServer::LockstepServer(const LockstepSettings& settings, const std::stri
                                Local local, Listeners listeners)
     : session_(settings, wallNow()),
       shares_memory_(local.shares_memory),
-      cores_(local.uses_all_cores, settings.lookahead > 0),
+      cores_(local.uses_all_cores || settings.lookahead > 0),
       listeners_(std::move(listeners)),
       listener_(listenOn(host, port)),
       address_(host + ":" + std::to_string(portOf(listener_))),

@@ -43,7 +43,7 @@ class LockstepServer {
 
   /** @brief How participants on this computer are treated. */
   struct Local {
-    bool uses_all_cores = false;  // or they are kept on one core, with a lookahead on one each
+    bool uses_all_cores = false;  // or they are kept on one core, unless there is a lookahead
     bool shares_memory = true;    // whether they may report through shared memory
   };
 

@@ -122,17 +122,13 @@ class CoresTest(unittest.TestCase):
         self.assertEqual([len(mask) for mask in masks], [1, 1])
         self.assertTrue(masks[0].isdisjoint(masks[1]) or 'shared with other runs' in said, (masks, said))
 
-    def test_with_a_lookahead_each_participant_has_one_of_several_cores(self):
-        ros, _child, client = self.join('one', ['/fleet'], lookahead=STEP_NS / 1e9)
-        fleet = ros.run('fleet', 'fleet', parameters={'robots': [{'name': 'robot_0'}]}).process.pid
-        turns = client.turns()
-        wait_for('each has one core', lambda: next(turns) or all(
-            len(os.sched_getaffinity(process)) == 1 for process in (0, fleet)))
-        self.assertTrue(os.sched_getaffinity(0).isdisjoint(os.sched_getaffinity(fleet)))
-        wait_for('the state says so', lambda: 'cores of this computer: one each (cores ' in self.why(ros))
-        client.leave()
-        client.close()
-        wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+    def test_with_a_lookahead_or_with_all_nothing_is_bound(self):
+        for cores, lookahead in (('one', STEP_NS / 1e9), ('all', 0.0)):
+            with self.subTest(cores, lookahead=lookahead):
+                ros, _child, client = self.join(cores, lookahead=lookahead)
+                for _turn, _number in zip(client.turns(), range(ROUNDS)):
+                    self.assertEqual(os.sched_getaffinity(0), OWN)
+                self.assertIn('cores of this computer: all', self.why(ros))
 
     def test_why_says_that_all_cores_would_help_nodes_that_compute_at_once(self):
         for at_once in (False, True):

@@ -170,8 +170,8 @@ class RunOptions:
         systems=OF_NODES, in_digest=True, parameter='chaos_only', metavar='NAME')
     cores: str = option(
         _CORES, None, 'the [cores](time_master.md#cores) on which nodes run: `one` (also the '
-        'default if the launch file sets nothing), with a lookahead one for each node, or `all`; `auto` is an old word '
-        'for `one`. The events are the same in each case', systems=OF_NODES, parameter='cores')
+        'default if the launch file sets nothing), or `all`, as always with a lookahead; `auto` is an old word for '
+        '`one`. The events are the same in each case', systems=OF_NODES, parameter='cores')
     crashes: str = option(
         one_of(FAIL, ALLOW), FAIL, 'what happens if a node [crashes](lockstep_launch.md#crashes): the run fails '
         '(`fail`), or the crash is reported and the run counts if it comes to its end (`allow`)')

@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <sys/syscall.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -56,19 +55,6 @@ std::optional<cpu_set_t> coresOf(pid_t thread) {
                                                                : std::nullopt;
 }
 
-/** @return the time for which @p process has worked, on all cores together [ns]. */
-Nanoseconds workOf(pid_t process) {
-  clockid_t clock = 0;
-  timespec time{};
-  return clock_getcpuclockid(process, &clock) == 0 && clock_gettime(clock, &time) == 0
-             ? time.tv_sec * kNanosecondsPerSecond + time.tv_nsec
-             : 0;
-}
-
-bool isOnly(int core, const cpu_set_t& cores) {
-  return core >= 0 && CPU_COUNT(&cores) == 1 && CPU_ISSET(core, &cores) != 0;
-}
-
 bool setCores(pid_t thread, const cpu_set_t& cores) {
   return sched_setaffinity(thread, sizeof(cores), &cores) == 0;
 }
@@ -92,7 +78,6 @@ void CoreBinding::add(pid_t process) {
   }
   const auto own = coresOf(process);
   added.began = beginOf(process);
-  added.worked = workOf(process);
   added.is_left_alone = !own || added.began.empty() || process == getpid();
   if (own) {
     added.own = *own;
@@ -123,68 +108,31 @@ cpu_set_t CoreBinding::allowed() const {
   return cores;
 }
 
-bool CoreBinding::hasChoice() const {
-  if (own_thread_id_ == 0 || own_thread_.is_left_alone) {
-    return false;
-  }
-  const cpu_set_t common = allowed();
-  return CPU_COUNT(&common) >= (layout_ == CoreLayout::kApart ? 2 : 1) &&
-         std::any_of(processes_.begin(), processes_.end(), [](const auto& entry) {
-           return !entry.second.is_left_alone && CPU_COUNT(&entry.second.own) > 1;
-         });
+bool CoreBinding::isOnly(const cpu_set_t& cores) const {
+  return claimed_.number() >= 0 && CPU_COUNT(&cores) == 1 &&
+         CPU_ISSET(claimed_.number(), &cores) != 0;
 }
 
-void CoreBinding::bind() {
-  if (claimed_.numbers().empty() || !claimed_.areIn(allowed())) {
-    release();
-    const std::size_t most = layout_ == CoreLayout::kTogether ? 1 : processes_.size();
-    claimed_.choose(allowed(), std::min<std::size_t>(most, 2), most);
-    if (claimed_.numbers().empty()) {
-      return;
-    }
+void CoreBinding::bind(bool anew) {
+  const bool may_bind = own_thread_id_ != 0 && !own_thread_.is_left_alone &&
+                        std::any_of(processes_.begin(), processes_.end(), [](const auto& entry) {
+                          return !entry.second.is_left_alone && CPU_COUNT(&entry.second.own) > 1;
+                        });
+  const cpu_set_t cores = allowed();
+  const bool stays = claimed_.number() >= 0 && CPU_ISSET(claimed_.number(), &cores) != 0;
+  if (anew || !may_bind || !stays) {
+    leaveCore();
   }
-  share();
+  if (may_bind && claimed_.number() < 0) {
+    claimed_.choose(cores);
+  }
+  if (claimed_.number() < 0) {
+    return;
+  }
   is_bound_ = true;
-  if (layout_ == CoreLayout::kTogether) {
-    own_thread_.core = claimed_.numbers().front();
-    applyTo(own_thread_id_, own_thread_, true);
-  }
+  applyTo(own_thread_id_, own_thread_, true);
   for (auto& [id, process] : processes_) {
     apply(id, process, true);
-  }
-}
-
-/**
- * @brief Share the cores out: from the process that has worked most since the last time, each gets
- * the core with the least work so far. One that is bound already stays where it is.
- */
-void CoreBinding::share() {
-  std::map<int, Nanoseconds> loads;
-  std::vector<std::pair<Nanoseconds, Process*>> order;
-  for (const int core : claimed_.numbers()) {
-    loads[core] = 0;
-  }
-  for (auto& [id, process] : processes_) {
-    if (process.is_left_alone) {
-      continue;
-    }
-    const Nanoseconds now = workOf(id);
-    const Nanoseconds worked = now - process.worked;
-    if (is_bound_ && process.core >= 0) {
-      loads[process.core] += worked;
-    } else {
-      order.emplace_back(worked, &process);
-      process.worked = now;
-    }
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (const auto& [worked, process] : order) {
-    const auto least =
-        std::min_element(loads.begin(), loads.end(),
-                         [](const auto& a, const auto& b) { return a.second < b.second; });
-    process->core = least->first;
-    least->second += std::max<Nanoseconds>(worked, 1);
   }
 }
 
@@ -200,7 +148,7 @@ void CoreBinding::release() {
   applyTo(own_thread_id_, own_thread_, false);
 }
 
-void CoreBinding::leaveCores() {
+void CoreBinding::leaveCore() {
   release();
   claimed_.leave();
 }
@@ -233,16 +181,16 @@ bool CoreBinding::applyTo(pid_t id, Process& process, bool to_one) {
   if (!now) {
     return true;  // it has just ended
   }
-  const bool has_one = isOnly(process.core, *now);
+  const bool has_one = isOnly(*now);
   // A new thread has the cores of the thread that made it.
   const auto entry = process.threads.try_emplace(id, has_one ? process.own : *now).first;
   cpu_set_t wanted = entry->second;
   if (!has_one && CPU_EQUAL(&*now, &wanted) == 0) {
     return false;
   }
-  if (to_one && CPU_ISSET(process.core, &wanted) != 0) {
+  if (to_one && CPU_ISSET(claimed_.number(), &wanted) != 0) {
     CPU_ZERO(&wanted);
-    CPU_SET(process.core, &wanted);
+    CPU_SET(claimed_.number(), &wanted);
   }
   return CPU_EQUAL(&*now, &wanted) != 0 || setCores(id, wanted) || !coresOf(id);
 }
@@ -252,7 +200,7 @@ void CoreBinding::leaveAlone(pid_t id, Process& process) {
   for (const pid_t thread : threadsOf(id)) {
     const auto now = coresOf(thread);
     const auto found = process.threads.find(thread);
-    if (now && found != process.threads.end() && isOnly(process.core, *now)) {
+    if (now && found != process.threads.end() && isOnly(*now)) {
       setCores(thread, found->second);
     }
   }
@@ -278,7 +226,7 @@ void CoreBinding::freeChildrenOf(pid_t parent, const Process& of, int depth) {
       }
       for (const pid_t one : threadsOf(child)) {
         const auto now = coresOf(one);
-        if (now && isOnly(of.core, *now)) {
+        if (now && isOnly(*now)) {
           setCores(one, of.own);
         }
       }

@@ -1,4 +1,5 @@
-// Binds each process of a run to a core of this computer, and gives it its cores back. No ROS.
+// Binds the processes of a run to one core of this computer, and gives them their cores back. No
+// ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_BINDING_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_BINDING_H
 
@@ -9,26 +10,19 @@
 #include <string>
 #include <vector>
 
-#include "claimed_cores.h"
-#include "clock/scaled_clock.h"
+#include "claimed_core.h"
 
 namespace move_base_abstract {
 
-/** @brief Which cores the processes have: all the same one, or each one of several. */
-enum class CoreLayout { kTogether, kApart };
-
 /**
- * @brief Binds all threads of each added process to one core.
+ * @brief Binds all threads of each added process, and one thread of this process, to the same core.
  *
- * kTogether: all have the same core, and one thread of this process has it, too. kApart: each has
- * one of several cores, by the work that it has done, so that each core has as much to do.
- *
- * They are cores that each process may use anyway. A process that changes its own cores is left
+ * It is a core that each process may use anyway. A process that changes its own cores is left
  * alone from then on, and so is a process that may not be changed. Not thread-safe.
  */
 class CoreBinding {
  public:
-  explicit CoreBinding(CoreLayout layout) : layout_(layout) {}
+  CoreBinding() = default;
   CoreBinding(const CoreBinding&) = delete;
   CoreBinding& operator=(const CoreBinding&) = delete;
   ~CoreBinding() { release(); }
@@ -39,26 +33,26 @@ class CoreBinding {
   /** @brief Give @p process, which may have ended, its cores back. */
   void remove(pid_t process);
 
-  /** @return whether there are several cores, and such that all processes may use. */
-  bool hasChoice() const;
-  /** @brief Bind each process to its core. Call this again for new threads and processes. */
-  void bind();
-  /** @brief Give all processes their cores back. This run keeps its claims. */
+  /**
+   * @brief Bind the processes, if there is a core that all may use, and one of them has others.
+   * Call this again for new threads and processes.
+   * @param anew whether to choose another core if there is a better one.
+   */
+  void bind(bool anew);
+  /** @brief Give all processes their cores back. This run keeps its claim. */
   void release();
-  /** @brief Release, and give the claims up. */
-  void leaveCores();
+  /** @brief Release, and give the claim up. */
+  void leaveCore();
   /** @brief Give the child processes, which do not take part, the cores that their parents had. */
   void freeChildren();
 
   bool isBound() const { return is_bound_; }
-  const ClaimedCores& claimed() const { return claimed_; }
+  const ClaimedCore& claimed() const { return claimed_; }
 
  private:
   struct Process {
-    std::string began;       // as /proc says, since another process may get its number
-    cpu_set_t own;           // of its first thread
-    int core = -1;           // the one that it has when it is bound; -1: none yet
-    Nanoseconds worked = 0;  // CPU time, when it was added, or when the cores were shared out
+    std::string began;  // as /proc says, since another process may get its number
+    cpu_set_t own;      // of its first thread
     int uses = 0;
     bool is_left_alone = false;
     std::map<pid_t, cpu_set_t> threads;  // the cores that each had
@@ -69,13 +63,12 @@ class CoreBinding {
   void leaveAlone(pid_t id, Process& process);
   void freeChildrenOf(pid_t parent, const Process& of, int depth);
   cpu_set_t allowed() const;
-  void share();
+  bool isOnly(const cpu_set_t& cores) const;
 
   Process own_thread_;
   pid_t own_thread_id_ = 0;
   std::map<pid_t, Process> processes_;
-  const CoreLayout layout_;
-  ClaimedCores claimed_;
+  ClaimedCore claimed_;
   bool is_bound_ = false;
 };
 

@@ -9,22 +9,16 @@ namespace {
 
 constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
 // A participant that works for so long may need a core for itself, or have several threads: a round
-// that only handles messages takes less. With a lookahead a core may have several to work off.
+// that only handles messages takes less.
 constexpr Nanoseconds kLongRound = 20 * kMillisecond;
 constexpr Nanoseconds kFreeCoreGap = kNanosecondsPerSecond;
 constexpr Nanoseconds kChildrenGap = 500 * kMillisecond;  // a look takes about 1 ms
-constexpr std::uint64_t kRoundsBefore = 100;              // that show which participants work most
 constexpr Nanoseconds kWork =
     2 * kMillisecond;  // of one participant in a round; messages take less
 constexpr Nanoseconds kTellingTime = kNanosecondsPerSecond;
 constexpr double kMuchWork = 0.5;
 
 }  // namespace
-
-CoreKeeper::CoreKeeper(bool uses_all, bool has_lookahead)
-    : layout_(has_lookahead ? CoreLayout::kApart : CoreLayout::kTogether),
-      binding_(layout_),
-      is_over_(uses_all) {}
 
 void CoreKeeper::join(pid_t process) {
   if (!is_over_ && process > 0) {
@@ -58,7 +52,7 @@ void CoreKeeper::follow(std::uint64_t rounds, std::size_t owing, Nanoseconds wal
 
 void CoreKeeper::finishRound(Nanoseconds wall) {
   const Nanoseconds duration = wall - begun_;
-  if (!binding_.claimed().numbers().empty()) {
+  if (binding_.claimed().number() >= 0) {
     in_rounds_ += duration;
     const bool is_common_work =
         grants_ > 1 && duration >= static_cast<Nanoseconds>(grants_) * kWork;
@@ -76,52 +70,34 @@ void CoreKeeper::finishRound(Nanoseconds wall) {
  * @return the wall instant at which the round begins.
  */
 Nanoseconds CoreKeeper::beginRound(Nanoseconds wall) {
-  const bool looks = binding_.claimed().areShared() && wall >= free_core_due_;
-  const bool is_early = layout_ == CoreLayout::kApart && round_ < kRoundsBefore;
-  const bool shares = layout_ == CoreLayout::kApart && round_ >= next_share_;
-  if (is_early || (binding_.isBound() && !is_new_ && !looks && !shares)) {
+  const bool looks = binding_.claimed().isShared() && wall >= free_core_due_;
+  if (binding_.isBound() && !is_new_ && !looks) {
     return wall;
   }
-  if (looks || !binding_.hasChoice()) {
-    binding_.leaveCores();
-  }
-  if (shares) {
-    binding_.release();
-    next_share_ = 4 * round_;
-  }
-  if (binding_.hasChoice()) {
-    binding_.bind();
-    free_core_due_ = wallNow() + kFreeCoreGap;
-  }
+  binding_.bind(looks);
+  free_core_due_ = wallNow() + kFreeCoreGap;
   is_new_ = false;
   return wallNow();
 }
 
 Nanoseconds CoreKeeper::due() const {
-  const auto at_once = static_cast<Nanoseconds>(layout_ == CoreLayout::kApart ? grants_ : 1);
-  return binding_.isBound() && grants_ > 0 ? begun_ + at_once * kLongRound : kNever;
+  return binding_.isBound() && grants_ > 0 ? begun_ + kLongRound : kNever;
 }
 
 void CoreKeeper::end() {
-  binding_.leaveCores();
+  binding_.leaveCore();
   is_over_ = true;
 }
 
 std::string CoreKeeper::text() const {
-  std::string numbers;
-  for (const int core : binding_.claimed().numbers()) {
-    numbers += (numbers.empty() ? "" : ", ") + std::to_string(core);
-  }
-  if (numbers.empty()) {
+  const ClaimedCore& core = binding_.claimed();
+  if (core.number() < 0) {
     return "all";
-  }
-  numbers += binding_.claimed().areShared() ? ", shared with other runs" : "";
-  if (layout_ == CoreLayout::kApart) {
-    return "one each (cores " + numbers + ")";
   }
   const double share = static_cast<double>(in_common_work_) / static_cast<double>(in_rounds_ + 1);
   const bool is_much = in_rounds_ >= kTellingTime && share >= kMuchWork;
-  return "one (core " + numbers + ")" +
+  return "one (core " + std::to_string(core.number()) +
+         (core.isShared() ? ", shared with other runs)" : ")") +
          (is_much ? "; for " + std::to_string(std::lround(100.0 * share)) +
                         " % of the time several nodes compute for milliseconds at one instant: "
                         "`cores: all` may be faster"

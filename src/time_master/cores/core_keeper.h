@@ -1,4 +1,4 @@
-// Keeps a run on few cores: binds its processes, and says when that makes it slow. No ROS.
+// Keeps a run on one core: binds its processes, and says when that makes it slow. No ROS.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
 
@@ -16,12 +16,8 @@ namespace move_base_abstract {
 /** @brief Not thread-safe. The thread that sends the grants calls begin(). */
 class CoreKeeper {
  public:
-  /**
-   * @param uses_all whether nothing is bound.
-   * @param has_lookahead whether the run has one: then all participants work at once, so each is
-   * kept on a core of its own, as far as there are enough. Otherwise all are kept on the same one.
-   */
-  CoreKeeper(bool uses_all, bool has_lookahead);
+  /** @param uses_all whether nothing is bound. */
+  explicit CoreKeeper(bool uses_all) : is_over_(uses_all) {}
 
   void begin() { binding_.useThisThread(); }
   /** @brief Add the process of a participant on this computer. */
@@ -30,7 +26,7 @@ class CoreKeeper {
   void leave(pid_t process);
 
   /**
-   * @brief Change the cores if that is due. Call this after each decision of the session, before
+   * @brief Change the core if that is due. Call this after each decision of the session, before
    * its output is sent.
    * @param rounds the number of rounds so far.
    * @param owing the number of participants that work in the latest round.
@@ -45,9 +41,8 @@ class CoreKeeper {
   void end();
 
   /**
-   * @return the cores in use: "all", "one (core 3)", or "one each (cores 0, 3)", and whether
-   * other runs have one of them; and a hint if participants often compute for long at once,
-   * which all cores would do sooner.
+   * @return the cores in use: "all" or "one (core 3)", and whether other runs have it; and a hint
+   * if participants often compute for long at once, which all cores would do sooner.
    */
   std::string text() const;
 
@@ -55,12 +50,10 @@ class CoreKeeper {
   void finishRound(Nanoseconds wall);
   Nanoseconds beginRound(Nanoseconds wall);
 
-  const CoreLayout layout_;
   CoreBinding binding_;
   bool is_over_;         // or never begins
   bool is_new_ = false;  // a process was added that is not bound yet
   std::uint64_t round_ = 0;
-  std::uint64_t next_share_ = 0;    // the round in which the cores are shared out anew
   std::size_t grants_ = 0;          // of the round under way; 0: there is none
   Nanoseconds begun_ = 0;           // wall, of this round
   Nanoseconds in_rounds_ = 0;       // wall, while one core is kept

@@ -121,8 +121,8 @@ constexpr ParameterRow kParameterTable[] = {
      "The run ends with the round in which the first of these nodes leaves (exit code 0) or dies "
      "(1)."},
     {"cores", "text", "", "one", "one, all, auto",
-     "Cores of their computer on which participants run: `one`, with a lookahead one each, or "
-     "`all`; `auto` is an old word for `one`; events do not depend on them."},
+     "Cores of their computer on which participants run: `one`, or `all`, as always with a "
+     "lookahead; `auto` is an old word for `one`; events do not depend on them."},
     {"shared_memory", "true or false", "", "true", "true, false",
      "Whether participants in C++ on this computer may report through memory that they share with "
      "the time master; events do not depend on it."},

@@ -127,7 +127,7 @@ inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
   reader.choose("cores", words, cores);
   if (cores == "auto") {
     ROS_WARN(
-        "parameter cores: auto measures no more and means one (with a lookahead one core each); "
+        "parameter cores: auto measures no more and means one; "
         "set one, or all for nodes that compute for milliseconds; the next release refuses auto");
   }
   parameters.uses_all_cores = cores == "all";

@@ -1,4 +1,4 @@
-#include "claimed_cores.h"
+#include "claimed_core.h"
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -36,39 +36,30 @@ Descriptor claimCore(int core, int place) {
 
 }  // namespace
 
-ClaimedCores::ClaimedCores() : ticks_at_start_(ticks()) {}
+ClaimedCore::ClaimedCore() : ticks_at_start_(ticks()) {}
 
-bool ClaimedCores::areIn(const cpu_set_t& cores) const {
-  return std::all_of(numbers_.begin(), numbers_.end(),
-                     [&cores](int core) { return CPU_ISSET(core, &cores) != 0; });
-}
-
-void ClaimedCores::choose(const cpu_set_t& allowed, std::size_t fewest, std::size_t most) {
+void ClaimedCore::choose(const cpu_set_t& allowed) {
   leave();
-  std::vector<int> left = idlestFirst(allowed);
-  for (int place = 0; place < kMostRuns && numbers_.size() < (place == 0 ? most : fewest);
-       ++place) {
-    for (const int core : std::exchange(left, {})) {
-      Descriptor claim = numbers_.size() < most ? claimCore(core, place) : Descriptor();
-      if (claim.get() < 0) {
-        left.push_back(core);
-        continue;
+  const std::vector<int> cores = idlestFirst(allowed);
+  for (int place = 0; place < kMostRuns; ++place) {
+    for (const int core : cores) {
+      claim_ = claimCore(core, place);
+      if (claim_.get() >= 0) {
+        number_ = core;
+        is_shared_ = place > 0;
+        return;
       }
-      numbers_.push_back(core);
-      claims_.push_back(std::move(claim));
-      are_shared_ = are_shared_ || place > 0;
     }
   }
-  std::sort(numbers_.begin(), numbers_.end());
 }
 
-void ClaimedCores::leave() {
-  numbers_.clear();
-  claims_.clear();
-  are_shared_ = false;
+void ClaimedCore::leave() {
+  number_ = -1;
+  claim_ = Descriptor();
+  is_shared_ = false;
 }
 
-std::vector<int> ClaimedCores::idlestFirst(const cpu_set_t& cores) const {
+std::vector<int> ClaimedCore::idlestFirst(const cpu_set_t& cores) const {
   std::vector<std::pair<int, int>> order;  // tenths of the time that it was busy, and its number
   for (const auto& [core, now] : ticks()) {
     if (core < CPU_SETSIZE && CPU_ISSET(core, &cores) != 0) {
@@ -88,7 +79,7 @@ std::vector<int> ClaimedCores::idlestFirst(const cpu_set_t& cores) const {
 }
 
 /** @return the time of each core since the computer was started. */
-std::map<int, ClaimedCores::Ticks> ClaimedCores::ticks() {
+std::map<int, ClaimedCore::Ticks> ClaimedCore::ticks() {
   std::ifstream file("/proc/stat");
   std::map<int, Ticks> found;
   for (std::string line; std::getline(file, line) && line.rfind("cpu", 0) == 0;) {
