@@ -4,9 +4,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Mapping, Optional, Union
 
-from move_base_abstract.common.csv_files import open_csv, rows_of
+from move_base_abstract.common.csv_files import number_in, open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown
 from move_base_abstract.motion.geometry import Pose2D
 
 from .legs import RecordedLeg, Way, way_along
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _NEEDED = ('start_x', 'start_y', 'start_yaw', 'goal_x', 'goal_y', 'goal_yaw', 'duration_s', 'state')
-_SUCCEEDED, _ABORTED = 3, 4  # of actionlib_msgs/GoalStatus
+_PREEMPTED, _SUCCEEDED, _ABORTED = 2, 3, 4  # of actionlib_msgs/GoalStatus
 _MOST_ROWS = 1_000_000
 _HALF_TURN = math.pi + 1e-3  # rad; a table may have rounded it up
 
@@ -45,11 +44,7 @@ class _Lines:
 
 def _read(lines: _Lines, path: str) -> List[RecordedLeg]:
     legs: List[RecordedLeg] = []
-    for where, row in rows_of(lines, path):
-        missing = [name for name in _NEEDED if name not in row]
-        if missing:
-            raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
-                path, ', '.join(missing), ', '.join(_NEEDED)))
+    for where, row in rows_of(lines, path, _NEEDED):
         if len(legs) >= _MOST_ROWS:
             raise ConfigurationError('{}: got more than {} rows; allowed: at most that'.format(path, _MOST_ROWS))
         legs.append(_leg(row, where, len(legs) + 1))
@@ -60,7 +55,7 @@ def _read(lines: _Lines, path: str) -> List[RecordedLeg]:
 
 
 def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
-    values = {name: _number(row, name, where) for name in _NEEDED}
+    values = {name: number_in(row, name, where) for name in _NEEDED}
     _check('duration_s', values['duration_s'], where, values['duration_s'] > 0.0, 'a number > 0 [s]')
     start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
     optional = {name: _optional(row, name, where) for name in (
@@ -79,7 +74,7 @@ def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
         _way(optional, start, goal), None if None in end else Pose2D(*end),
         not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
         optional['min_robot_dist_m'], optional['plan_clearance_m'], optional['send_s'],
-        None if None in stamps else stamps[1] - stamps[0], map=row.get('map') or '',
+        None if None in stamps else stamps[1] - stamps[0], cut=values['state'] == _PREEMPTED, map=row.get('map') or '',
         reverse=optional['reverse_s'], turned=_turned_beyond(optional))
 
 
@@ -106,14 +101,4 @@ def _check(name: str, value: Any, where: str, is_allowed: bool, allowed: str) ->
 
 
 def _optional(row: Mapping[str, str], name: str, where: str) -> Optional[float]:
-    return _number(row, name, where) if row.get(name) not in (None, '') else None
-
-
-def _number(row: Mapping[str, str], name: str, where: str) -> float:
-    try:
-        value = float(row[name])
-    except (TypeError, ValueError):
-        value = math.nan
-    if not math.isfinite(value):
-        raise ConfigurationError('{}: {}: got {}; allowed: a finite number'.format(where, name, shown(row[name])))
-    return value
+    return number_in(row, name, where) if row.get(name) not in (None, '') else None

@@ -12,7 +12,6 @@ from move_base_abstract.motion.calibration import ENCOUNTERS, calibration_file, 
 from .encounter_fit import fit_encounters, log_likelihoods, mean_seconds
 from .law import Durations
 from .meetings import met_legs
-from .recordings import read_recordings
 
 if TYPE_CHECKING:
     from .encounter_fit import Fitted
@@ -45,7 +44,7 @@ def calibrate_encounters(folders: Sequence[str], name: str,
     radius = RADIUS if calibration.encounters is None else calibration.encounters.radius
     legs: List[MetLeg] = []
     for folder in folders:
-        legs += _numbered_from(len(legs), met_legs(read_recordings(folder), folder, calibration, radius, robot_radius))
+        legs += _numbered_from(len(legs), met_legs(folder, calibration, radius, robot_radius))
     fitted = fit_encounters(legs, raw, radius)
     values = {key: value for key, value in raw.items() if key not in ('format', 'source')}
     values[ENCOUNTERS] = {**fitted.values, 'source': _source(legs, fitted)}

@@ -28,8 +28,9 @@ class RecordedLeg(NamedTuple):
     robot (not if somebody moved it, or it was already stuck); ``nearest_robot`` [m]: the least distance to another
     robot; ``clearance`` [m]: the least distance of the way to occupied cells; ``sent`` [s]: when the goal was sent;
     ``by_stamps`` [s]: the duration by two further stamps; ``doubt``: the fault that its reader has found, a key of
-    checks.DOUBTS, or ''; ``map``: the name of its map, '' if it is not recorded; ``reverse`` [s]: how long the robot
-    drove backwards; ``turned`` [rad]: by how much more it turned than its way asks for.
+    checks.DOUBTS, or ''; ``cut``: whether it was preempted; ``map``: the name of its map, '' if it is not recorded;
+    ``reverse`` [s]: how long the robot drove backwards; ``turned`` [rad]: by how much more it turned than its way asks
+    for.
     """
 
     recording: str
@@ -48,6 +49,7 @@ class RecordedLeg(NamedTuple):
     sent: Optional[float] = None
     by_stamps: Optional[float] = None
     doubt: str = ''
+    cut: bool = False
     map: str = ''
     reverse: Optional[float] = None
     turned: Optional[float] = None

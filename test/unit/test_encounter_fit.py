@@ -15,7 +15,6 @@ from move_base_abstract_calibration import command, encounter_fit, encounter_rep
 from move_base_abstract_calibration.law import Durations
 from move_base_abstract_calibration.legs import Way
 from move_base_abstract_calibration.meetings import Meeting, MetLeg, met_legs
-from move_base_abstract_calibration.recordings import read_recordings
 
 SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'calibrated' / 'move_base_dwa_stage.yaml'
 VALUES = yaml.safe_load(SHIPPED.read_text())
@@ -67,7 +66,6 @@ def write_recording(folder, rows):
         lines.append(','.join(map(str, ['m', robot, number, *start, *goal, *goal, send, result, result - send, state,
                                         0, 0, 0])))
     (folder / 'legs.csv.gz').write_bytes(gzip.compress(('\n'.join(lines) + '\n').encode()))
-    (folder / 'poses.csv.gz').write_bytes(gzip.compress(b'run,robot,t,x,y,yaw,v,w,goal\nm,0,0.5,1,2,0,0,0,0\n'))
     (folder / 'hall.pgm').write_bytes(b'P5\n300 100\n255\n' + b'\xfe' * 30000)
     (folder / 'hall.yaml').write_text('{image: hall.pgm, resolution: 0.1, origin: [0, 0, 0], negate: 0, '
                                       'occupied_thresh: 0.65, free_thresh: 0.196}\n')
@@ -81,13 +79,29 @@ HEAD_ON = [(0, 1, (2.0, 5.0, 0.0), (28.0, 5.0, 0.0), 0.0, 40.0, 3),
 def test_who_meets_whom_follows_from_ways_and_times(tmp_path):
     write_recording(tmp_path, HEAD_ON)
     calibration = read_calibration('move_base_dwa_stage', 'test')
-    first, again, other = met_legs(read_recordings(tmp_path), tmp_path, calibration, 3.0, 0.4)
+    first, again, other = met_legs(tmp_path, calibration, 3.0, 0.4)
     assert (first.map, first.way.length, first.duration, first.succeeded) == ('hall', 26.0, 40.0, True)
     (meeting,), (back,) = first.meetings, other.meetings
     assert (meeting.kind, meeting.may_yield, meeting.other) == ('head_on', True, 2) and back.other == 0
     assert meeting.nearest == back.nearest == pytest.approx(0.5, abs=1e-3)
     assert meeting.after == pytest.approx(13.5, abs=1.0)
     assert again.meetings == ()
+
+
+@pytest.mark.parametrize('old, new, message', [
+    (b'm,1,1', b'other,1,1', "legs.csv.gz: run: got 'other'; allowed: one that missions.csv has"),
+    (b'0.0,60.0,60.0', b',60.0,60.0', 'legs.csv.gz: run m, robot 1, goal 1: no number in send_s'),
+    (b'send_s', b'sent', 'legs.csv.gz: run m, robot 0, goal 1: no number in send_s'),
+    (b'28.0', b'x', "legs.csv.gz: line 2: goal_x: got 'x'"), (b'run,', b'', 'legs.csv.gz: line 2: got')])
+def test_what_is_wrong_with_a_recording_is_named(tmp_path, old, new, message):
+    write_recording(tmp_path, HEAD_ON)
+    path = tmp_path / 'legs.csv.gz'
+    path.write_bytes(gzip.compress(gzip.decompress(path.read_bytes()).replace(old, new, 1)))
+    with pytest.raises(ConfigurationError, match=message):
+        met_legs(tmp_path, read_calibration('move_base_dwa_stage', 'test'), 3.0, 0.4)
+    path.write_bytes(path.read_bytes()[:-6])
+    with pytest.raises(ConfigurationError, match='legs.csv.gz: cannot be read as CSV'):
+        met_legs(tmp_path, read_calibration('move_base_dwa_stage', 'test'), 3.0, 0.4)
 
 
 def test_calibrate_says_what_it_lacks(tmp_path, capsys):

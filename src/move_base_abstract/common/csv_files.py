@@ -5,9 +5,10 @@ import contextlib
 import csv
 import gzip
 import io
+import math
 import os
 import zlib
-from typing import IO, TYPE_CHECKING, Dict, Iterable, Iterator, Tuple, Type
+from typing import IO, TYPE_CHECKING, Dict, Iterable, Iterator, Mapping, Sequence, Tuple, Type
 
 from .errors import ConfigurationError
 from .input_files import open_input
@@ -45,13 +46,14 @@ def _unpacked(stream: IO[bytes], path: StrPath, error_type: Type[ConfigurationEr
     return io.BytesIO(data)
 
 
-def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str, str]]]:
+def rows_of(lines: Iterable[str], path: StrPath, needed: Sequence[str] = ()) -> Iterator[Tuple[str, Dict[str, str]]]:
     """Yield (where, {column: cell}) for each row of a table whose first line names the columns; skip empty lines.
 
     ``lines``: an iterable of text lines; it may have the number of its last line as the attribute ``number``. ``where``
     is a text with the path and the line, for errors.
 
-    :raises ConfigurationError: if there are no columns, a column is there twice, or a row has another length.
+    :raises ConfigurationError: if there are no columns, one of ``needed`` is missing, a column is there twice, or a row
+        has another length.
     """
     reader = csv.reader(lines, strict=True)
     columns = [name.strip() for name in next(reader, ())]
@@ -61,6 +63,10 @@ def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str
         if columns.count(name) > 1:
             raise ConfigurationError('{}: line 1: the column {} is there {} times; allowed: names that differ'.format(
                 path, shown(name), columns.count(name)))
+    missing = [name for name in needed if name not in columns]
+    if missing:
+        raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
+            path, ', '.join(missing), ', '.join(needed)))
     for cells in reader:
         if cells:
             where = '{}: line {}'.format(path, getattr(lines, 'number', reader.line_num))
@@ -68,3 +74,17 @@ def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str
                 raise ConfigurationError('{}: got {} cells; allowed: {}, as many as the first line has'.format(
                     where, len(cells), len(columns)))
             yield where, dict(zip(columns, cells))
+
+
+def number_in(row: Mapping[str, str], name: str, where: str) -> float:
+    """Return the number in the column ``name`` of a row that :func:`rows_of` has yielded with ``where``.
+
+    :raises ConfigurationError: if it is not a finite number.
+    """
+    try:
+        value = float(row[name])
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ConfigurationError('{}: {}: got {}; allowed: a finite number'.format(where, name, shown(row[name])))
+    return value
