@@ -7,15 +7,11 @@ from enum import Enum
 from typing import Any, Dict, Union
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import check_keys
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.kinds import Kind, check_keys, error, integer, made_by, number, string
 
 PUBLISHED_CONFIGURATIONS = (('ssi', 'random'), ('ssi', 'dynamic'), ('rr', 'random'), ('rr', 'dynamic'))
 
-OWN_CLASS = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*')  # the name of a user's class
-MAX_ROBOTS = 1000
-RANGES = {'budget_s': (1e-3, 1e7, 's'), 'dwell_s': (0.0, 1e7, 's'), 'speed': (1e-3, 1e3, 'm/s'),
-          'coarse_m': (1.0, 1e6, 'm'), 'cell_m': (1e-3, 1e6, 'm')}
+_OWN_CLASS = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*')  # the name of a user's class
 
 
 class Allocation(str, Enum):
@@ -47,6 +43,23 @@ class Crs(str, Enum):
     METRES = 'metres'
 
 
+def _member_of(members: Any, or_own: bool = False) -> Kind:
+    """Return the kind of the members of an enum, or with ``or_own`` of names of a user's classes."""
+    def made(value: Any) -> Any:
+        return value if or_own and isinstance(value, str) and _OWN_CLASS.fullmatch(value) else members(value)
+    return made_by(made, ', '.join(each.value for each in members) + (
+        ", or a class of your own as 'my_package.module:Class'" if or_own else ''))
+
+
+#: {field of TrialConfig: its Kind}
+KINDS = {'field': string("a text such as 'synthetic' or 'csv:PATH'"), 'robots': integer(1, 1000),
+         'allocation': _member_of(Allocation, True), 'sampling': _member_of(Sampling, True),
+         'budget_s': number(1e-3, 1e7, unit='s'), 'dwell_s': number(0.0, 1e7, unit='s'),
+         'dwell_spread_s': number(0.0, 1e7, unit='s', note='at most dwell_s'), 'speed': number(1e-3, 1e3, unit='m/s'),
+         'cell_m': number(1e-3, 1e6, unit='m'), 'coarse_cells': _member_of(CoarseCells),
+         'coarse_m': number(1.0, 1e6, unit='m'), 'crs': _member_of(Crs)}
+
+
 @dataclass(frozen=True)
 class TrialConfig:
     """The mission of one trial, the same for every engine. Texts are converted into the enums.
@@ -69,20 +82,10 @@ class TrialConfig:
     size: str = ''  # 'WIDTHxHEIGHT' [m] to which a csv field's bounding box is stretched; '' = its own size
 
     def __post_init__(self) -> None:
-        for name, kind in (('allocation', Allocation), ('sampling', Sampling), ('coarse_cells', CoarseCells),
-                           ('crs', Crs)):
-            object.__setattr__(self, name, _member(kind, name, getattr(self, name)))
-        if not isinstance(self.field, str):
-            raise ConfigurationError(f"field must be a text such as 'synthetic' or 'csv:PATH', got {self.field!r}")
-        if isinstance(self.robots, bool) or not isinstance(self.robots, int) or not 1 <= self.robots <= MAX_ROBOTS:
-            raise ConfigurationError(f'robots must be a whole number in 1..{MAX_ROBOTS}, got {shown(self.robots)}')
-        for name, (least, most, unit) in RANGES.items():
-            value = getattr(self, name)
-            if not _is_number(value) or not least <= value <= most:
-                raise ConfigurationError(f'{name} must lie in {least:g}..{most:g} {unit}, got {shown(value)}')
-        if not _is_number(self.dwell_spread_s) or not 0.0 <= self.dwell_spread_s <= self.dwell_s:
-            raise ConfigurationError(f'dwell_spread_s must lie in 0..dwell_s, {self.dwell_s:g} s, '
-                                     f'got {self.dwell_spread_s!r}')
+        for name, kind in KINDS.items():
+            object.__setattr__(self, name, kind.check(name, getattr(self, name)))
+        if self.dwell_spread_s > self.dwell_s:
+            raise error('dwell_spread_s', self.dwell_spread_s, f'at most dwell_s, {self.dwell_s:g} s')
         if self.cell_m == int(self.cell_m):
             object.__setattr__(self, 'cell_m', int(self.cell_m))
         parse_size(self.size)
@@ -120,20 +123,3 @@ def parse_size(text: Union[int, str]) -> Any:
     if not (width >= 1.0 and height >= 1.0):
         raise ConfigurationError(f"size must be 'WIDTHxHEIGHT' in metres such as '324x220', each >= 1, got {text!r}")
     return width, height
-
-
-def _member(kind: Any, name: str, value: Any) -> Any:
-    try:
-        return kind(value)
-    except ValueError:
-        allowed = ', '.join(member.value for member in kind)
-        own = ''
-        if kind in (Allocation, Sampling):
-            if isinstance(value, str) and OWN_CLASS.fullmatch(value):
-                return value
-            own = "; or a class of your own as 'my_package.module:Class'"
-        raise ConfigurationError(f'{name} must be one of {allowed}, got {value!r}{own}') from None
-
-
-def _is_number(value: float) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

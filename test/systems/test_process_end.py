@@ -219,7 +219,7 @@ class EndTest(unittest.TestCase):
                 ('fleet', {'robots': [{'name': 'a', 'count': 1000000000}]}, 'got 1000000000; allowed: a whole number'),
                 ('fleet', {'robots': [{'name': 'a', 'count': 2, 'tf_prefix': 'x'}]}, "tf frame 'x/base_link'"),
                 (SOIL_COORDINATOR, {'names': ['a b', 'c', 'd']}, "got ['a b', 'c', 'd']; allowed: a list"),
-                (SOIL_COORDINATOR, {'robots': 1000000000}, 'robots must be a whole number in 1..1000')):
+                (SOIL_COORDINATOR, {'robots': 1000000000}, 'got 1000000000; allowed: a whole number in 1..1000')):
             program, *arguments = (executable,) if isinstance(executable, str) else executable
             names.append((ros.run(program, 'node_{}'.format(len(names)), parameters=parameters,
                                   arguments=arguments), words))

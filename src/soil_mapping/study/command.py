@@ -14,9 +14,9 @@ from typing import Any
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.kinds import number
-from move_base_abstract.common.options import POSITIVE, word_of
-from soil_mapping import environment
-from soil_mapping.config import Crs, TrialConfig
+from move_base_abstract.common.options import word_of
+from soil_mapping import config, environment
+from soil_mapping.config import TrialConfig
 
 from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
@@ -28,6 +28,17 @@ ENGINE_OPTIONS = {  # options of one engine or clock only: default, and the argu
     'clock': ('lockstep', '--engine ros'), 'factor': (10.0, '--engine ros --clock scaled'),
     'limit': (0.0, '--engine ros --clock lockstep'), 'charge': ('none', '--engine ros --clock lockstep'),
     'motion': ('euclidean', '--engine mesa'), 'bag': (False, '--engine ros')}
+_OWN = ' a class of your own, my_package.module:Class'
+#: options of the mission: {option: (field of TrialConfig, metavar, help)}
+MISSION = {
+    '--field': ('field', None, "'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse'"),
+    '--crs': ('crs', '{degrees,metres}', 'for csv:PATH: columns lat, lon in degrees, or x, y in metres such as UTM'),
+    '--size': ('size', 'WxH', "for csv:PATH: stretch the readings' bounding box to this size in m, such as 324x220"),
+    '--robots': ('robots', 'N', 'number of robots'), '--budget': ('budget_s', 'S', 'simulated s that a trial lasts'),
+    '--dwell': ('dwell_s', 'S', 'simulated s that a sample takes'),
+    '--dwell-spread': ('dwell_spread_s', 'S', 'each dwell is drawn evenly from dwell - S to dwell + S'),
+    '--speed': ('speed', 'V', 'speed of the robots in m/s'),
+    '--cell': ('cell_m', 'M', 'edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2')}
 
 
 def main(words: Any = None) -> Any:
@@ -125,13 +136,13 @@ def _run(arguments: Any) -> Any:
     from move_base_abstract_experiments.results import outputs
 
     from . import experiment, trials
-    config = _config(arguments)
+    mission = _config(arguments)
     names = groups.chosen(arguments.groups, os.environ.get('STUDY_1X') == '1')
     output = _folder(arguments)
     outputs.OUT.check(output)
-    for spec in groups.specs_of(names, config):
+    for spec in groups.specs_of(names, mission):
         trials.check(spec, with_imports=False)
-    document = experiment.document(config, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
+    document = experiment.document(mission, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
                                    arguments.pictures)
     with temporary.folder('move_base_abstract_study_') as folder:
         file = os.path.join(folder, 'experiment.yaml')
@@ -159,14 +170,12 @@ def _experiment(words: Any) -> Any:
 
 
 def _config(arguments: Any) -> Any:
-    names = ('field', 'crs', 'size', 'robots', 'allocation', 'sampling', 'budget_s', 'dwell_s', 'dwell_spread_s',
-             'speed', 'cell_m')
-    return TrialConfig(**{name: getattr(arguments, name) for name in names if hasattr(arguments, name)})
+    return TrialConfig(**{name: value for name, value in vars(arguments).items() if hasattr(TrialConfig, name)})
 
 
 def _parser() -> Any:
-    parser = argparse.ArgumentParser(prog='study.py', description='The soil compaction mapping study: trials on ROS and '
-                                     'on Mesa, and their comparison. Each ROS trial has a ROS master of its own.')
+    parser = argparse.ArgumentParser(prog='study.py', description='The soil compaction mapping study: trials on ROS '
+                                     'and on Mesa, and their comparison. Each ROS trial has a ROS master of its own.')
     commands = parser.add_subparsers(required=True, metavar='trial|run|report|status|rerun|setup')
     _add_trial(commands.add_parser('trial', help='run one trial'))
     _add_run(commands.add_parser('run', help='run the missing trials of the whole study, then write the report'))
@@ -194,13 +203,10 @@ def _add_trial(parser: Any) -> None:
                         help='motion on Mesa: euclidean = straight; eight = one 2 m cell a second in eight directions, '
                         'with --cell 2 (default: euclidean)')
     parser.add_argument('--seed', type=_SEED, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
-    parser.add_argument('--allocation', default='ssi', metavar='NAME', help='rr (round robin), ssi (auction), or a '
-                        'class of your own, my_package.module:Class (default: %(default)s)')
-    parser.add_argument('--sampling', default='dynamic', metavar='NAME', help='random, dynamic, grid, or a class of '
-                        'your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--bag', action='store_true', default=None, help='record all topics to trial.bag')
     parser.add_argument('--output', default='trial', metavar='DIR', help='folder of the results (default: %(default)s)')
-    _add_mission(parser, pictures=True)
+    _add_mission(parser, {'--allocation': ('allocation', 'NAME', 'rr (round robin), ssi (auction), or' + _OWN),
+                          '--sampling': ('sampling', 'NAME', 'random, dynamic, grid, or' + _OWN)}, pictures=True)
 
 
 def _add_run(parser: Any) -> None:
@@ -219,28 +225,15 @@ def _add_run(parser: Any) -> None:
                         help='chance that a trial runs twice, 0..1; the first trial always does (default: %(default)s)')
     parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
                         help='folder of the study; complete trials in it are kept (default: %(default)s)')
-    _add_mission(parser, pictures=False)
+    _add_mission(parser, {}, pictures=False)
 
 
-def _add_mission(parser: Any, pictures: Any) -> None:
-    parser.add_argument('--field', default='synthetic', help="'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse' "
-                        '(default: %(default)s)')
-    parser.add_argument('--crs', choices=[each.value for each in Crs], default='degrees',
-                        help='for csv:PATH: columns lat, lon in degrees, or x, y in metres such as UTM (default: '
-                        '%(default)s)')
-    parser.add_argument('--size', default='', metavar='WxH', help="for csv:PATH: stretch the readings' bounding box to "
-                        'this size in m, such as 324x220 (default: their own size)')
-    parser.add_argument('--robots', type=_COUNT, default=3, metavar='N', help='number of robots (default: %(default)s)')
-    parser.add_argument('--budget', dest='budget_s', type=POSITIVE, default=240.0, metavar='S',
-                        help='simulated s that a trial lasts (default: %(default)g)')
-    parser.add_argument('--dwell', dest='dwell_s', type=float, default=1.0, metavar='S',
-                        help='simulated s that a sample takes (default: %(default)g)')
-    parser.add_argument('--dwell-spread', dest='dwell_spread_s', type=float, default=0.0, metavar='S',
-                        help='each dwell is drawn evenly from dwell - S to dwell + S (default: %(default)g)')
-    parser.add_argument('--speed', type=POSITIVE, default=2.0, metavar='V', help='speed of the robots in m/s '
-                        '(default: %(default)g)')
-    parser.add_argument('--cell', dest='cell_m', type=POSITIVE, default=1, metavar='M',
-                        help='edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2 '
-                        '(default: %(default)s)')
+def _add_mission(parser: Any, rows: Any, pictures: Any) -> None:
+    defaults = TrialConfig()
+    for option, (name, metavar, text) in {**rows, **MISSION}.items():
+        default = getattr(defaults, name)
+        parser.add_argument(option, dest=name, metavar=metavar, default=getattr(default, 'value', default),
+                            type=word_of(config.KINDS[name]) if name in config.KINDS else str,
+                            help=f'{text} (default: {"its own" if default == "" else "%(default)s"})')
     parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,  # type: ignore[attr-defined]
                         help='draw the maps of the trial')

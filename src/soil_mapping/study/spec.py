@@ -4,8 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Dict, Union
 
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.kinds import integer, number, one_of
 from move_base_abstract.lockstep.charge import check_charge
 from soil_mapping.config import TrialConfig
 from soil_mapping.mesa_models.motion import motion_named
@@ -14,7 +13,9 @@ from .field_cache import digests
 
 ENGINES = ('ros', 'mesa')
 CLOCKS = ('lockstep', 'scaled')
-MAX_SEED = 2**63 - 1
+#: {field of TrialSpec: its Kind}
+KINDS = {'engine': one_of(*ENGINES), 'clock': one_of(*CLOCKS), 'seed': integer(0, 2**63 - 1),
+         'factor': number(0.01, 1e6), 'limit': number(0.01, 1e6, or_zero=True)}
 
 
 @dataclass(frozen=True)
@@ -31,15 +32,8 @@ class TrialSpec:
     motion: str = 'euclidean'  # for Mesa
 
     def __post_init__(self) -> None:
-        for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
-            if getattr(self, name) not in allowed:
-                raise ConfigurationError(f'{name} must be one of {", ".join(allowed)}, got {getattr(self, name)!r}')
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or not 0 <= self.seed <= MAX_SEED:
-            raise ConfigurationError(f'seed must be a whole number in 0..2^63-1, got {shown(self.seed)}')
-        if not 0.01 <= self.factor <= 1e6:
-            raise ConfigurationError(f'factor must lie in 0.01..1e6, got {self.factor!r}')
-        if self.limit != 0.0 and not 0.01 <= self.limit <= 1e6:
-            raise ConfigurationError(f'limit must be 0 (none) or lie in 0.01..1e6, got {self.limit!r}')
+        for name, kind in KINDS.items():
+            object.__setattr__(self, name, kind.check(name, getattr(self, name)))
         check_charge(self.charge)
         if self.engine == 'mesa':
             motion_named(self.motion, self.config)

@@ -78,7 +78,7 @@ def test_what_they_decide_happens_and_is_recorded(hill, tmp_path):
     ({'sampling': 'soil_own_missing:Nobody'}, 'cannot import soil_own_missing: ModuleNotFoundError'),
     ({'allocation': 'soil_own_example:Wrong'}, r'allocate must return \(robot, place in its queue\).*, got \(3, 0\)'),
     ({'allocation': 'soil_own_example:Nothing'}, 'the class has no method allocate'),
-    ({'allocation': 'none'}, "must be one of rr, ssi, got 'none'; or a class of your own as 'my_package.module:")])
+    ({'allocation': 'none'}, "got 'none'; allowed: rr, ssi, or a class of your own as 'my_package.module:")])
 def test_their_mistakes_are_told_with_their_names(hill, options, complaint):
     with pytest.raises(ConfigurationError, match=complaint):
         run(hill, **options)
