@@ -6,14 +6,6 @@ import time
 from typing import Any, Callable, Dict, Iterator
 
 
-class NullStopwatch:
-    """Measures nothing."""
-
-    def phase(self, name: str) -> Any:
-        """Return a context manager that does nothing."""
-        return contextlib.nullcontext()
-
-
 class Stopwatch:
     """Adds up the wall seconds of each phase in ``seconds``; a phase inside another counts in both."""
 

@@ -23,7 +23,7 @@ from move_base_abstract.common.units import seconds_to_ns
 from ..config import Sampling
 from ..interpolation.kriging import MIN_SAMPLES, Kriging
 from ..seeds import Purpose, generator
-from ..stopwatch import NullStopwatch
+from ..stopwatch import Stopwatch
 from .allocation import Allocator
 from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample
 from .mission_log import Activity, MissionLog
@@ -33,7 +33,6 @@ from .sampling import make_sampling, start_places
 if TYPE_CHECKING:
     from ..config import TrialConfig
     from ..ground_truth.field import Field
-    from ..stopwatch import Stopwatch
     from .commands import Place
     from .sampling import Task
 
@@ -54,7 +53,7 @@ class Coordinator:
         self.start_places = start_places(config.robots, seed, truth.grid)
         self.estimate = None  # the latest Estimate; None before the third sample
         self.log = MissionLog(config.robots)
-        self._stopwatch = stopwatch or NullStopwatch()
+        self._stopwatch = stopwatch or Stopwatch()
         self._kriging: Any = Kriging(truth.grid)
         self._sampling = (OwnSampling if is_own(config.sampling) else make_sampling)(config, seed, truth.grid)
         if is_own(config.allocation):

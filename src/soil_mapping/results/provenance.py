@@ -6,24 +6,11 @@ import functools
 import importlib.metadata
 import os
 import platform
-import re
-from pathlib import Path
 from typing import Dict, List, Union
 
 KERNEL_NAMES = ('openblas_get_corename', 'openblas_get_corename64_', 'scipy_openblas_get_corename',
                 'scipy_openblas_get_corename64_')  # OpenBLAS's names of the function, by the way of its build
 LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
-
-
-@functools.lru_cache(maxsize=1)
-def package_version() -> str:
-    """Return the version in this package's package.xml, in the source tree or installed; or 'unknown'."""
-    for folder in list(Path(__file__).resolve().parents)[3:7]:  # Python 3.9 takes no slice of them
-        for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
-            if file.is_file():
-                found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))
-                return found.group(1) if found else 'unknown'
-    return 'unknown'
 
 
 @functools.lru_cache(maxsize=1)

@@ -15,12 +15,10 @@ import rospy
 
 from soil_mapping.mission.commands import Drive, TakeSample
 
-from .ros_time import now_ns, to_ros_duration
-
 READY_TIMEOUT_S = 60.0  # wall; on the scaled clock only
 POLL_S = 0.01  # wall
 START_TRIES = 5  # number of times that a robot is sent to its start, at most
-START_PAUSE_NS = 1_000_000_000  # simulated ns between two tries
+START_PAUSE_S = 1.0  # simulated, between two tries
 END = (-1, None)  # on the queue: the budget is over
 SHUTDOWN = (-2, None)
 
@@ -104,7 +102,7 @@ class MissionRun:
         if tries >= START_TRIES:
             raise MissionFailed(f'{told} (tried {tries} times)')
         rospy.logwarn('%s; it is sent again', told)
-        rospy.sleep(to_ros_duration(START_PAUSE_NS))
+        rospy.sleep(START_PAUSE_S)
         robot.drive(*place)
 
     def run(self) -> None:
@@ -125,7 +123,7 @@ class MissionRun:
 
     def _tell_end(self) -> None:
         try:
-            rospy.sleep(to_ros_duration(self._coordinator.end_ns - now_ns()))
+            rospy.sleep(rospy.Duration(nsecs=self._coordinator.end_ns - now_ns()))
         except rospy.ROSInterruptException:
             return
         self._events.put(END)
@@ -190,3 +188,8 @@ class MissionRun:
                 self._tell(index, handle, end_ns)
         self._coordinator.end(end_ns, [robot.place() for robot in self._robots])
         self._show()
+
+
+def now_ns() -> int:
+    """Return the present ROS time [simulated ns]."""
+    return rospy.Time.now().to_nsec()

@@ -14,8 +14,6 @@ from move_base_abstract.motion.geometry import quaternion_of_yaw
 from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from soil_mapping.mission.odometer import Odometer
 
-from .ros_time import now_ns, to_ros_duration
-
 SAME_PLACE_M = 1e-6  # a robot that is so near to a place is there
 
 
@@ -82,7 +80,7 @@ class RobotLink:
     def take_sample(self, dwell_ns: Any) -> None:
         """Let the robot sample where it stands, for dwell_ns [simulated ns]."""
         self._goal_place = None
-        self._send(self._task, PlaceTaskGoal(Task(duration=to_ros_duration(dwell_ns))))
+        self._send(self._task, PlaceTaskGoal(Task(duration=rospy.Duration(nsecs=dwell_ns))))
 
     def cancel(self) -> None:
         """Cancel the goal that is under way, if there is one; its end is reported like any other."""
@@ -127,6 +125,6 @@ class RobotLink:
 
     def _on_pose(self, message: Any) -> None:
         position = message.pose.pose.position
-        stamp_ns = message.header.stamp.to_nsec() or now_ns()  # 0: the publisher sets no stamp
+        stamp_ns = message.header.stamp.to_nsec() or rospy.Time.now().to_nsec()  # 0: the publisher sets no stamp
         with self._lock:
             self._odometer.pose(stamp_ns, position.x, position.y)

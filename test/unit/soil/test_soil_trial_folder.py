@@ -2,6 +2,7 @@ import dataclasses
 import json
 import math
 import os
+import re
 import signal
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.own_files import MARKER, OutputError, whole_file
-from soil_mapping.results import pictures, provenance, trial_folder
+from soil_mapping.results import pictures, trial_folder
 from soil_mapping.results.trial_folder import KIND, TrialFolder, is_complete, read_about, read_trial
 
 
@@ -175,7 +176,7 @@ def test_on_a_full_disk_what_was_written_stays_and_so_does_the_older_trial(tmp_p
 def test_the_record_says_what_was_read_and_by_which_version(tmp_path, result):
     about = read_about(finish(tmp_path / 'trial', dataclasses.replace(result, inputs={'field': 'ab12'})))
     assert about['inputs'] == {'field': 'ab12'}
-    assert about['package'] == provenance.package_version() != 'unknown'
+    assert re.match('[0-9]+[.]', about['package'])
 
 
 @pytest.mark.parametrize('replacing', [False, True])
