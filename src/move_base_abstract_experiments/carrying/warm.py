@@ -67,7 +67,8 @@ def _wants_start() -> bool:
 def _import(wanted: Sequence[str]) -> None:
     """Import what the trials need, as Common.warm says. More would make each fork slower."""
     if ROS in wanted and warm_ros.is_there():
-        warm_ros.import_all()
+        from move_base_abstract_ros.launching import warm_nodes
+        warm_nodes.import_all()
     if NUMPY in wanted:
         importlib.import_module('numpy.random')  # from 2.3 on, numpy imports it only when it is used
 

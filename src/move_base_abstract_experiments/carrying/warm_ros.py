@@ -4,8 +4,6 @@ from __future__ import annotations
 import functools
 import importlib.util
 
-from ..description import launch_files
-
 
 def is_there() -> bool:
     """Return whether ROS and this package's ROS modules are installed."""
@@ -17,10 +15,3 @@ def launcher() -> str:
     """Return the path of our launcher. The search walks through all packages, so it is made only once."""
     from move_base_abstract_ros.loopback import find_executable
     return str(find_executable('lockstep'))
-
-
-def import_all() -> None:
-    """Import the modules, and look up the paths, that the processes of trials need."""
-    from move_base_abstract_ros.launching import warm_nodes
-    warm_nodes.import_all()
-    launch_files.core()

@@ -1,17 +1,11 @@
-"""Launch files, read by roslaunch's own loader. What is the same for each trial is found once per warm process.
-
-To read the parameters of ROS's core, roslaunch runs two programs each time (`rosversion`). To find a node's program, it
-walks through all packages. Together these take several times as long as the rest.
-"""
+"""The launch files of trials. The programs of their nodes are found once per warm process."""
 from __future__ import annotations
 
-import copy
 import json
 import os
 import re
 import xml.etree.ElementTree
-from functools import lru_cache
-from typing import Any, Iterable, List, Match, Tuple
+from typing import Any, List, Match, Sequence, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -20,38 +14,15 @@ _FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
 _MOST_INCLUDED = 1000
 
 
-@lru_cache(maxsize=None)
-def core() -> Any:
-    """Return roslaunch's configuration of ROS's core alone. The warm process calls this once for all its trials."""
-    import roslaunch.config
-    return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
-
-
-def read(files: Iterable[Tuple[str, Iterable[str]]], is_tolerant: bool = False) -> Any:
-    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])].
-
-    is_tolerant: whether to leave out files and packages that are not on this computer.
-
-    :raises ConfigurationError: with the words of roslaunch.
-    """
+def read(files: List[Tuple[str, Sequence[str]]], is_tolerant: bool = False) -> Any:
+    """Return roslaunch's configuration of files, as plan.read() does. :raises ConfigurationError: if it cannot."""
     from roslaunch.core import RLException
-    from roslaunch.loader import LoadException
-    from roslaunch.xmlloader import XmlLoader, XmlParseException
-    config = copy.deepcopy(core())
-    loader = _tolerant() if is_tolerant else XmlLoader()
-    loader.ignore_unset_args = False
+
+    from move_base_abstract_ros.launching import plan
     try:
-        for path, arguments in files:
-            loader.load(path, config, argv=list(arguments), verbose=False)
-        config.assign_machines()
-    except (RLException, XmlParseException, LoadException) as error:
+        return plan.read(files, is_tolerant)
+    except RLException as error:
         raise ConfigurationError(str(error)) from None
-    return config
-
-
-def _tolerant() -> Any:
-    from move_base_abstract_ros.launching.core_file import TolerantLoader
-    return TolerantLoader()
 
 
 def arguments_of(path: str) -> List[str]:

@@ -9,6 +9,7 @@ found, except if the program imports another module of the same Python package.
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib.util
 import os
 import re
@@ -16,7 +17,7 @@ import shutil
 import subprocess
 import sys
 from functools import lru_cache
-from typing import Any, Collection, List, Optional, Sequence, Set, Tuple, Type
+from typing import Collection, List, Sequence, Set, Tuple
 
 from move_base_abstract.common.processes import interpreter_of
 
@@ -31,6 +32,8 @@ _MOST_FILES = 5000
 _MOST_BYTES = 4 << 20  # of a source file that are read
 _LDD_S = 20.0  # wall
 _BY_PIP = f'{os.sep}site-packages{os.sep}'
+#: the errors for files that cannot be read or found, or are not Python source
+_NO_SOURCE = OSError, ValueError, SyntaxError, RecursionError, MemoryError, ImportError
 
 
 def is_of_system(path: str) -> bool:
@@ -46,7 +49,7 @@ def is_by_pip(path: str) -> bool:
 def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
     """Return the real paths of the files of the program at a path. folders: where its modules may be."""
     found = {os.path.realpath(path)}
-    with _Quiet(), open(path, 'rb') as stream:
+    with contextlib.suppress(*_NO_SOURCE), open(path, 'rb') as stream:
         begin = stream.read(_MOST_BYTES)
         relay = _RELAY.search(begin)
         if relay:
@@ -117,7 +120,7 @@ def python_path() -> List[str]:
 def _elsewhere(name: str) -> Tuple[str, ...]:
     """Return the files of a module that is in no folder of Python's path but has a finder, as by `pip install -e`."""
     spec = None
-    with _Quiet():
+    with contextlib.suppress(*_NO_SOURCE):
         spec = importlib.util.find_spec(name) if name else None  # the name has no dot, so nothing is imported
     inside = list(spec.submodule_search_locations or ()) if spec else []
     place = inside[0] if inside else os.path.splitext(spec.origin or '')[0] if spec else ''
@@ -128,7 +131,7 @@ def _elsewhere(name: str) -> Tuple[str, ...]:
 def _imported(path: str) -> Tuple[str, ...]:
     """Return the first parts of the names that a module imports; '' for a module of its own package."""
     names = []
-    with _Quiet(), open(path, 'rb') as stream:
+    with contextlib.suppress(*_NO_SOURCE), open(path, 'rb') as stream:
         if not path.endswith(('.py', '.pyi')) and b'python' not in stream.readline(200):
             return ()
         stream.seek(0)
@@ -150,7 +153,7 @@ def files_of_module(place: str, name: str) -> Tuple[str, ...]:
     if not name or not os.path.isdir(package):
         return (os.path.realpath(single),) if name and os.path.isfile(single) else ()
     folders = [package]
-    with _Quiet(), open(os.path.join(package, '__init__.py'), encoding='utf-8') as stream:
+    with contextlib.suppress(*_NO_SOURCE), open(os.path.join(package, '__init__.py'), encoding='utf-8') as stream:
         for extended in _EXTENDED.findall(stream.read(_MOST_BYTES)):
             folders += [os.path.join(one, name) for one in extended.split(';')]
     found = []
@@ -162,17 +165,6 @@ def files_of_module(place: str, name: str) -> Tuple[str, ...]:
             if len(found) > _MOST_FILES:
                 break
     return tuple(found)
-
-
-class _Quiet:
-    """Ignore files that cannot be read or found, or are not Python source."""
-
-    def __enter__(self) -> _Quiet:
-        return self
-
-    def __exit__(self, kind: Optional[Type[BaseException]], *_others: Any) -> bool:
-        return kind is not None and issubclass(kind, (
-            OSError, ValueError, SyntaxError, RecursionError, MemoryError, ImportError))
 
 
 def forget() -> None:

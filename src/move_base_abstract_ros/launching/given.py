@@ -20,14 +20,14 @@ def add_to(config, options):
         config.nodes.append(_node(config, name, *_split(added)))
         names.append(name)
     for name, arguments in options.node_args.items():
-        _known('--node-args', name, names)
+        check_known('--node-args', name, names)
         for node in config.nodes:
             if roles.name_of(node) == name:
                 node.args = arguments
     for key, value in options.param.items():
         _set(config, key, value)
     for name, pose in options.start.items():
-        _known('--start', name, names)
+        check_known('--start', name, names)
         for key, value in zip(_START, pose):
             _set(config, '{}/{}'.format(name, key), value)
 
@@ -44,7 +44,8 @@ def _split(added):
     return (*kind.split('/'), arguments)
 
 
-def _known(option, name, names):
+def check_known(option, name, names):
+    """Raise ConfigurationError if the launch file has no node of the name that an option has."""
     if name not in names:
         raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
             option, name, ', '.join(names) or 'none'))

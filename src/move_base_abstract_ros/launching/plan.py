@@ -9,6 +9,8 @@ import roslaunch.config
 import roslaunch.core
 import rospkg
 from roslaunch import substitution_args
+from roslaunch.loader import convert_value
+from roslaunch.xmlloader import XmlLoader
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.options import options_of
@@ -16,10 +18,11 @@ from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.ends import TIME_MASTER
 
+from ..adopting.reading import Tolerant
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
-from . import core_file, given, look_ups, roles, start_poses
+from . import given, look_ups, roles, start_poses
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
 _NOT_COVERED = TIME_MASTER + '/not_covered'
@@ -93,11 +96,38 @@ def read(files, is_tolerant=False):
 
     :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
-    loader = core_file.TolerantLoader() if is_tolerant else core_file.Loader()
+    loader = _TolerantLoader() if is_tolerant else _Loader()
     config = roslaunch.config.load_config_default(files, None, loader=loader, verbose=False)
     if is_tolerant and config.taken:
         look_ups.packages.cache_clear()
     return config
+
+
+class _Loader(XmlLoader):
+    """roslaunch's loader, which knows what `rosversion` prints for the file of ROS's core, and does not run it."""
+
+    def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
+        """Return the value of a parameter, as roslaunch's loader does."""
+        known = _answer(command) if value is None and textfile is None and binfile is None else ''
+        if known:
+            return convert_value(known + '\n', ptype)
+        return super().param_value(verbose, name, ptype, value, textfile, binfile, command)
+
+
+class _TolerantLoader(Tolerant, _Loader):
+    """The same loader for launch files of others, which may name packages and files that are not here."""
+
+
+def _answer(command):
+    """Return what a command of the file of ROS's core prints, or '' if that is not known."""
+    if command == 'rosversion -d':
+        return os.environ.get('ROS_DISTRO', '')
+    if command == 'rosversion roslaunch':
+        try:
+            return look_ups.packages().get_manifest('roslaunch').version or ''
+        except (rospkg.ResourceNotFound, rospkg.InvalidManifest):
+            return ''
+    return ''
 
 
 def plan_of(config, options):
@@ -174,9 +204,7 @@ def _check_names(config, options):
     for option, asked in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         for name in asked:
-            if name not in names:
-                raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
-                    option, name, ', '.join(names) or 'none'))
+            given.check_known(option, name, names)
 
 
 def _replace(config, replaced):
