@@ -116,8 +116,7 @@ namespace ros {
 // Like any other wall clock, except for roscpp's own use, such as the stamps of its log.
 
 WallTime WallTime::now() {
-  using Now = WallTime();
-  static Now* const function = shim::real<Now>("_ZN3ros8WallTime3nowEv");
+  static auto* const function = shim::real(&WallTime::now, "_ZN3ros8WallTime3nowEv");
   if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
     return function();
   }
@@ -126,8 +125,7 @@ WallTime WallTime::now() {
 }
 
 SteadyTime SteadyTime::now() {
-  using Now = SteadyTime();
-  static Now* const function = shim::real<Now>("_ZN3ros10SteadyTime3nowEv");
+  static auto* const function = shim::real(&SteadyTime::now, "_ZN3ros10SteadyTime3nowEv");
   if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
     return function();
   }

@@ -164,9 +164,8 @@ void storeNoMore() {
 }
 
 void store() {
-  using CallAvailable = void(ros::CallbackQueue*, ros::WallDuration);
-  static CallAvailable* const function =
-      real<CallAvailable>("_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  static auto* const function = real<void(ros::CallbackQueue*, ros::WallDuration)>(
+      "_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
   if (calls_back) {
     return;
   }

@@ -190,8 +190,7 @@ bool Node::waitsOn() {
 }
 
 void Node::setTime(Nanoseconds now) {
-  using SetNow = void(const ros::Time&);
-  static SetNow* const set_now = real<SetNow>("_ZN3ros4Time6setNowERKS0_");
+  static auto* const set_now = real<void(const ros::Time&)>("_ZN3ros4Time6setNowERKS0_");
   set_now(ros::Time().fromNSec(static_cast<std::uint64_t>(now)));
 }
 

@@ -255,8 +255,7 @@ namespace ros::param {
 
 /** Without roscpp's cache: the ROS master's notices of changes come by the wall clock. */
 ROSCPP_DECL bool getImpl(const std::string& key, XmlRpc::XmlRpcValue& value, bool use_cache) {
-  using Get = bool(const std::string&, XmlRpc::XmlRpcValue&, bool);
-  static Get* const function = shim::real<Get>(
+  static auto* const function = shim::real<bool(const std::string&, XmlRpc::XmlRpcValue&, bool)>(
       "_ZN3ros5param7getImplERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERN6XmlRpc11"
       "XmlRpcValueEb");
   return function(key, value, use_cache && !shim::takesPart());

@@ -10,12 +10,12 @@
 namespace move_base_abstract::shim {
 
 inline void awake(Task* task) {
-  static auto* const post = real<int(sem_t*)>("sem_post");
+  static auto* const post = real(&::sem_post, "sem_post");
   post(&task->go);
 }
 
 inline int awaitGo(Task* task) {
-  static auto* const wait = real<int(sem_t*)>("sem_wait");
+  static auto* const wait = real(&::sem_wait, "sem_wait");
   return wait(&task->go);
 }
 

@@ -167,9 +167,9 @@ namespace wire = move_base_abstract::wire;
 namespace ros {
 
 bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
-  using Advertise = bool(ServiceManager*, const AdvertiseServiceOptions&);
-  static Advertise* const function = shim::real<Advertise>(
-      "_ZN3ros14ServiceManager16advertiseServiceERKNS_23AdvertiseServiceOptionsE");
+  static auto* const function =
+      shim::real(&ServiceManager::advertiseService,
+                 "_ZN3ros14ServiceManager16advertiseServiceERKNS_23AdvertiseServiceOptionsE");
   const bool is_app = shim::turn().enter();
   const shim::Beside beside;
   const bool is_done = function(this, options);
@@ -188,8 +188,8 @@ bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
 }
 
 bool ServiceManager::unadvertiseService(const std::string& name) {
-  using Unadvertise = bool(ServiceManager*, const std::string&);
-  static Unadvertise* const function = shim::real<Unadvertise>(
+  static auto* const function = shim::real(
+      &ServiceManager::unadvertiseService,
       "_ZN3ros14ServiceManager18unadvertiseServiceERKNSt7__cxx1112basic_stringIcSt11char_"
       "traitsIcESaIcEEE");
   if (shim::turn().enter()) {
@@ -208,9 +208,8 @@ bool ServiceManager::unadvertiseService(const std::string& name) {
 
 bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& response,
                          const std::string& md5) {
-  using Call =
-      bool(ServiceClient*, const SerializedMessage&, SerializedMessage&, const std::string&);
-  static Call* const function = shim::real<Call>(
+  static auto* const function = shim::real<bool(ServiceClient*, const SerializedMessage&,
+                                                SerializedMessage&, const std::string&)>(
       "_ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11"
       "char_traitsIcESaIcEEE");
   if (!shim::turn().enter()) {
@@ -236,9 +235,8 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
 }
 
 bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage& response) {
-  using Call = bool(ServiceServerLink*, const SerializedMessage&, SerializedMessage&);
-  static Call* const function =
-      shim::real<Call>("_ZN3ros17ServiceServerLink4callERKNS_17SerializedMessageERS1_");
+  static auto* const function = shim::real(
+      &ServiceServerLink::call, "_ZN3ros17ServiceServerLink4callERKNS_17SerializedMessageERS1_");
   const shim::Blocking blocking;  // the answer comes through roscpp's own thread
   return function(this, request, response);
 }
@@ -246,9 +244,8 @@ bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage
 namespace service {
 
 bool exists(const std::string& name, bool print_failure_reason) {
-  using Exists = bool(const std::string&, bool);
-  static Exists* const function = shim::real<Exists>(
-      "_ZN3ros7service6existsERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEb");
+  static auto* const function = shim::real(
+      &exists, "_ZN3ros7service6existsERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEb");
   if (shim::turn().enter()) {
     const std::string service = names::resolve(name);
     if (shim::isOffered(service)) {
@@ -263,8 +260,7 @@ bool exists(const std::string& name, bool print_failure_reason) {
 }
 
 bool waitForService(const std::string& name, Duration timeout) {
-  using WaitForService = bool(const std::string&, Duration);
-  static WaitForService* const function = shim::real<WaitForService>(
+  static auto* const function = shim::real<bool(const std::string&, Duration)>(
       "_ZN3ros7service14waitForServiceERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEENS_8"
       "DurationE");
   if (!shim::turn().enter()) {

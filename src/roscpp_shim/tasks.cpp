@@ -23,7 +23,6 @@ __thread TurnLocal t_local = {nullptr, 0, 0, 0, false, 0};
 namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
-using MutexFunction = int(pthread_mutex_t*);
 
 /** For allocations, which cannot ask turn(): turn() itself allocates. */
 enum class Phase { kBefore, kActive, kOver };
@@ -41,7 +40,7 @@ bool isInFirstThread() {
 }  // namespace
 
 void PlainMutex::lock() {
-  static MutexFunction* const lock_mutex = real<MutexFunction>("pthread_mutex_lock");
+  static auto* const lock_mutex = real(&::pthread_mutex_lock, "pthread_mutex_lock");
   lock_mutex(&mutex_);
 }
 
@@ -136,7 +135,7 @@ void Turn::end() {
 std::shared_ptr<Task> Turn::create(std::function<void*()> main) {
   const Inside inside;
   const auto task = std::make_shared<Task>();
-  static auto* const init = real<int(sem_t*, int, unsigned)>("sem_init");
+  static auto* const init = real(&::sem_init, "sem_init");
   init(&task->go, 0, 0);
   task->main = std::move(main);
   if (task->main) {

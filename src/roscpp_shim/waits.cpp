@@ -207,16 +207,14 @@ namespace ros {
 // ---- time ------------------------------------------------------------------------------------
 
 void Time::setNow(const Time& now) {
-  using SetNow = void(const Time&);
-  static SetNow* const function = shim::real<SetNow>("_ZN3ros4Time6setNowERKS0_");
+  static auto* const function = shim::real(&Time::setNow, "_ZN3ros4Time6setNowERKS0_");
   if (!shim::takesPart()) {  // otherwise grants set the time
     function(now);
   }
 }
 
 Time Time::now() {
-  using Now = Time();
-  static Now* const function = shim::real<Now>("_ZN3ros4Time3nowEv");
+  static auto* const function = shim::real(&Time::now, "_ZN3ros4Time3nowEv");
   if (shim::turn().holds()) {
     shim::Turn::self()->has_acted = true;
     shim::countLook(&shim::Turn::self()->clock_reads, shim::kClockReads);
@@ -225,8 +223,7 @@ Time Time::now() {
 }
 
 bool Duration::sleep() const {
-  using Sleep = bool(const Duration*);
-  static Sleep* const function = shim::real<Sleep>("_ZNK3ros8Duration5sleepEv");
+  static auto* const function = shim::real(&Duration::sleep, "_ZNK3ros8Duration5sleepEv");
   if (!shim::turn().enter()) {
     return function(this);
   }
@@ -234,8 +231,7 @@ bool Duration::sleep() const {
 }
 
 bool Time::sleepUntil(const Time& end) {
-  using SleepUntil = bool(const Time&);
-  static SleepUntil* const function = shim::real<SleepUntil>("_ZN3ros4Time10sleepUntilERKS0_");
+  static auto* const function = shim::real(&Time::sleepUntil, "_ZN3ros4Time10sleepUntilERKS0_");
   if (!shim::turn().enter()) {
     return function(end);
   }
@@ -245,9 +241,8 @@ bool Time::sleepUntil(const Time& end) {
 // ---- callback queues -------------------------------------------------------------------------
 
 void CallbackQueue::callAvailable(WallDuration timeout) {
-  using CallAvailable = void(CallbackQueue*, WallDuration);
-  static CallAvailable* const function =
-      shim::real<CallAvailable>("_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  static auto* const function = shim::real<void(CallbackQueue*, WallDuration)>(
+      "_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
   if (shim::isInternalQueue(this) || !shim::turn().enter()) {
     function(this, timeout);
     return;
@@ -268,9 +263,8 @@ void CallbackQueue::callAvailable(WallDuration timeout) {
 }
 
 CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
-  using CallOne = CallOneResult(CallbackQueue*, WallDuration);
-  static CallOne* const function =
-      shim::real<CallOne>("_ZN3ros13CallbackQueue7callOneENS_12WallDurationE");
+  static auto* const function = shim::real<CallOneResult(CallbackQueue*, WallDuration)>(
+      "_ZN3ros13CallbackQueue7callOneENS_12WallDurationE");
   if (shim::isInternalQueue(this) || !shim::turn().enter()) {
     return function(this, timeout);
   }
@@ -290,8 +284,8 @@ CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
 }
 
 void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t owner) {
-  using AddCallback = void(CallbackQueue*, const CallbackInterfacePtr&, uint64_t);
-  static AddCallback* const function = shim::real<AddCallback>(
+  static auto* const function = shim::real(
+      &CallbackQueue::addCallback,
       "_ZN3ros13CallbackQueue11addCallbackERKN5boost10shared_ptrINS_17CallbackInterfaceEEEm");
   const bool is_outside = shim::takesPart() && shim::Turn::self() == nullptr;
   if (!is_outside || shim::isInternalQueue(this)) {
@@ -308,9 +302,8 @@ void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t o
 }
 
 void CallbackQueue::removeByID(uint64_t owner) {
-  using RemoveById = void(CallbackQueue*, uint64_t);
-  static RemoveById* const function =
-      shim::real<RemoveById>("_ZN3ros13CallbackQueue10removeByIDEm");
+  static auto* const function =
+      shim::real(&CallbackQueue::removeByID, "_ZN3ros13CallbackQueue10removeByIDEm");
   if (shim::takesPart()) {
     shim::node().removeOutside(this, owner);
   }
@@ -320,9 +313,8 @@ void CallbackQueue::removeByID(uint64_t owner) {
 // ---- spinners --------------------------------------------------------------------------------
 
 void SingleThreadedSpinner::spin(CallbackQueue* queue) {
-  using Spin = void(SingleThreadedSpinner*, CallbackQueue*);
-  static Spin* const function =
-      shim::real<Spin>("_ZN3ros21SingleThreadedSpinner4spinEPNS_13CallbackQueueE");
+  static auto* const function = shim::real(
+      &SingleThreadedSpinner::spin, "_ZN3ros21SingleThreadedSpinner4spinEPNS_13CallbackQueueE");
   const shim::InSpinner spinner;
   function(this, queue);
 }
@@ -334,16 +326,15 @@ class ROSCPP_DECL AsyncSpinnerImpl {
 };
 
 void AsyncSpinnerImpl::stop() {
-  using Stop = void(AsyncSpinnerImpl*);
-  static Stop* const function = shim::real<Stop>("_ZN3ros16AsyncSpinnerImpl4stopEv");
+  static auto* const function =
+      shim::real(&AsyncSpinnerImpl::stop, "_ZN3ros16AsyncSpinnerImpl4stopEv");
   ++shim::spinner_stops;  // seen when this thread waits for the others to end
   function(this);
 }
 
 void AsyncSpinnerImpl::threadFunc() {
-  using ThreadFunction = void(AsyncSpinnerImpl*);
-  static ThreadFunction* const function =
-      shim::real<ThreadFunction>("_ZN3ros16AsyncSpinnerImpl10threadFuncEv");
+  static auto* const function =
+      shim::real(&AsyncSpinnerImpl::threadFunc, "_ZN3ros16AsyncSpinnerImpl10threadFuncEv");
   const shim::InSpinner spinner;
   function(this);
 }

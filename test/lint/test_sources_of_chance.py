@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+import test_shim_replaced
 
 from move_base_abstract_ros.replacing import replaced
 
@@ -11,7 +12,6 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / 'docs' / 'sources_of_chance.md'
 LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
 MACHINE = LOCKSTEP / 'machine'
-SHIM_ROW = re.compile(r'^REPLACED\(([\w+]+), "[^"]+",\s+"([^"]+)",', re.MULTILINE)
 #: of Python's: names of a clock, of a sleep, of chance, of the machine
 PYTHON_SOURCE = re.compile(
     r'(time|uuid|os|gc|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.|threading\._(time|newname)$|'
@@ -24,7 +24,6 @@ LABELLED = {'id', 'hash', 'threading.Thread.start', 'threading.get_ident', 'os.s
             'rospy.get_param'}
 #: of the library that is preloaded into Python programs
 NATIVE = 'Libraries in C of Python programs'
-NATIVE_ROW = re.compile(r'^REPLACED\([\w+]+, "([^"]+)", (\w+), ', re.MULTILINE)
 KINDS = {'followed', 'labelled', 'partly'}
 
 
@@ -52,8 +51,7 @@ def literals(path, name):
 
 
 def test_each_function_that_the_library_stands_in_front_of_has_its_row():
-    text = (ROOT / 'src' / 'roscpp_shim' / 'machine' / 'replaced.def').read_text(encoding='utf-8')
-    sources = [name for library, name in SHIM_ROW.findall(text) if name != 'bind()' and (
+    sources = [name for library, _since, name, _symbol in test_shim_replaced.rows() if name != 'bind()' and (
         library.startswith('lib') or name in ('ros::WallTime::now()', 'ros::SteadyTime::now()'))]
     assert len(sources) > 70
     shown = [name for name in functions('C++') if name.endswith(')') and not name.startswith('syscall')]
@@ -80,9 +78,10 @@ def test_what_is_labelled_in_python_is_told_by_the_code():
 
 
 def test_each_function_that_libraries_of_python_programs_are_kept_from_has_its_row():
-    text = (ROOT / 'src' / 'python_shim' / 'replaced.def').read_text(encoding='utf-8')
-    names = NATIVE_ROW.findall(text)
-    assert len(names) > 50
+    text = (ROOT / 'src' / 'python_shim' / 'exports.map').read_text(encoding='utf-8')
+    symbols = re.findall(r'\b(\w+);', re.sub(r'/\*.*?\*/', '', text, flags=re.DOTALL))
+    assert len(symbols) > 50
+    names = [('std::random_device::operator()()' if one.startswith('_Z') else one + '()', one) for one in symbols]
     assert sorted(functions(NATIVE)) == sorted(name for name, _symbol in names)
     sources = [*sorted((ROOT / 'src' / 'python_shim').glob('*.cpp')), *sorted((ROOT / 'src' / 'libc').glob('*.h'))]
     code = ''.join(path.read_text(encoding='utf-8') for path in sources)

@@ -273,7 +273,7 @@ class OutsideTest(unittest.TestCase):
     def test_what_the_library_exports_is_what_its_table_lists(self):
         table = os.path.join(SOURCES, 'machine', 'replaced.def')
         with open(table) as stream:
-            listed = re.findall(r' (\w+),\s+"[^"]+"\)$', stream.read(), re.MULTILINE)
+            listed = re.findall(r' (\w+)\)$', stream.read(), re.MULTILINE)
         library = ctypes.CDLL('libstdc++.so.6')  # Debian 11's waits for futures by the steady clock differ
         listed = [name for name in listed if not name.startswith('_ZNSt') or hasattr(library, name)]
         told = subprocess.run(['nm', '-D', '--defined-only', find_shim(os.environ)], check=True, text=True,

@@ -118,29 +118,29 @@ extern "C" {
 // uses the computer's address and the UUIDs that were made before.
 
 void uuid_generate(unsigned char* out) {
-  static auto* const function = shim::real<shim::Generate>("uuid_generate");
+  static auto* const function = shim::real(&::uuid_generate, "uuid_generate");
   shim::nameOr(function, out, 4, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 void uuid_generate_random(unsigned char* out) {
-  static auto* const function = shim::real<shim::Generate>("uuid_generate_random");
+  static auto* const function = shim::real(&::uuid_generate_random, "uuid_generate_random");
   shim::nameOr(function, out, 4, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 void uuid_generate_time(unsigned char* out) {
-  static auto* const function = shim::real<shim::Generate>("uuid_generate_time");
+  static auto* const function = shim::real(&::uuid_generate_time, "uuid_generate_time");
   shim::nameOr(function, out, 1, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 int uuid_generate_time_safe(unsigned char* out) {
-  static auto* const function = shim::real<int(unsigned char*)>("uuid_generate_time_safe");
+  static auto* const function = shim::real(&::uuid_generate_time_safe, "uuid_generate_time_safe");
   return shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(out);
 }
 
 // ---- process number --------------------------------------------------------------------------
 
 pid_t getpid() {
-  static auto* const function = shim::real<pid_t()>("getpid");
+  static auto* const function = shim::real(&::getpid, "getpid");
   if (shim::sees() != shim::Sees::kMachine && shim::isProgramsOwn(MOVE_BASE_ABSTRACT_CALLER)) {
     shim::tell("getpid() is another number in another run", MOVE_BASE_ABSTRACT_CALLER);
   }

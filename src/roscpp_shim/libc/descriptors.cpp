@@ -119,12 +119,9 @@ using shim::DescriptorWait;
 namespace move_base_abstract::shim {
 namespace {
 
-using Poll = int(pollfd*, nfds_t, int);
-using Select = int(int, fd_set*, fd_set*, fd_set*, timeval*);
-
-Poll* realPoll() {
-  static Poll* const function = real<Poll>("poll");
-  return function;
+int pollReally(pollfd* polled, nfds_t count, int timeout) {
+  static auto* const function = real(&::poll, "poll");
+  return function(polled, count, timeout);
 }
 
 DescriptorWait waitOnPoll(const char* name, pollfd* polled, nfds_t count, Nanoseconds lasts,
@@ -139,7 +136,7 @@ DescriptorWait waitOnPoll(const char* name, pollfd* polled, nfds_t count, Nanose
       return all;
     };
   }
-  return {name, look, [polled, count] { return realPoll()(polled, count, 0) != 0; }, lasts, caller};
+  return {name, look, [polled, count] { return pollReally(polled, count, 0) != 0; }, lasts, caller};
 }
 
 /** @brief The sets of a select(), which writes its answer into them. */
@@ -164,7 +161,7 @@ struct SelectSets {
   }
 
   bool isReady() const {
-    static Select* const function = real<Select>("select");
+    static auto* const function = real(&::select, "select");
     fd_set copies[3];
     fd_set* pointers[3];
     for (int k = 0; k < 3; ++k) {
@@ -187,7 +184,7 @@ DescriptorWait waitOnSelect(const char* name, const SelectSets& sets, Nanosecond
 DescriptorWait waitOnSet(const char* name, int set, Nanoseconds lasts, const void* caller) {
   const auto is_ready = [set] {  // without taking the events, as epoll_wait() would
     pollfd polled{set, POLLIN, 0};
-    return realPoll()(&polled, 1, 0) != 0;
+    return pollReally(&polled, 1, 0) != 0;
   };
   return {name, [set] { return membersOf(set); }, is_ready, lasts, caller};
 }
@@ -203,11 +200,11 @@ int poll(pollfd* polled, nfds_t count, int timeout) {
       "poll()", polled, count, shim::ofMilliseconds(timeout), MOVE_BASE_ABSTRACT_CALLER);
   return wait.isOver()
              ? 0
-             : wait.waited(shim::realPoll()(polled, count, wait.isSimulated() ? 0 : timeout));
+             : wait.waited(shim::pollReally(polled, count, wait.isSimulated() ? 0 : timeout));
 }
 
 int __poll_chk(pollfd* polled, nfds_t count, int timeout, size_t size) {
-  static auto* const function = shim::real<int(pollfd*, nfds_t, int, size_t)>("__poll_chk");
+  static auto* const function = shim::real(&::__poll_chk, "__poll_chk");
   const DescriptorWait wait = shim::waitOnPoll(
       "poll()", polled, count, shim::ofMilliseconds(timeout), MOVE_BASE_ABSTRACT_CALLER);
   return wait.isOver()
@@ -216,8 +213,7 @@ int __poll_chk(pollfd* polled, nfds_t count, int timeout, size_t size) {
 }
 
 int ppoll(pollfd* polled, nfds_t count, const timespec* timeout, const sigset_t* mask) {
-  static auto* const function =
-      shim::real<int(pollfd*, nfds_t, const timespec*, const sigset_t*)>("ppoll");
+  static auto* const function = shim::real(&::ppoll, "ppoll");
   const DescriptorWait wait =
       shim::waitOnPoll("ppoll()", polled, count, shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
   const timespec at_once{0, 0};
@@ -227,7 +223,7 @@ int ppoll(pollfd* polled, nfds_t count, const timespec* timeout, const sigset_t*
 }
 
 int select(int count, fd_set* readable, fd_set* writable, fd_set* other, timeval* timeout) {
-  static shim::Select* const function = shim::real<shim::Select>("select");
+  static auto* const function = shim::real(&::select, "select");
   const DescriptorWait wait = shim::waitOnSelect("select()", {count, {readable, writable, other}},
                                                  shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
   timeval at_once{0, 0};
@@ -238,8 +234,7 @@ int select(int count, fd_set* readable, fd_set* writable, fd_set* other, timeval
 
 int pselect(int count, fd_set* readable, fd_set* writable, fd_set* other, const timespec* timeout,
             const sigset_t* mask) {
-  static auto* const function =
-      shim::real<int(int, fd_set*, fd_set*, fd_set*, const timespec*, const sigset_t*)>("pselect");
+  static auto* const function = shim::real(&::pselect, "pselect");
   const DescriptorWait wait = shim::waitOnSelect("pselect()", {count, {readable, writable, other}},
                                                  shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
   const timespec at_once{0, 0};
@@ -249,15 +244,14 @@ int pselect(int count, fd_set* readable, fd_set* writable, fd_set* other, const 
 }
 
 int epoll_wait(int set, epoll_event* events, int count, int timeout) {
-  static auto* const function = shim::real<int(int, epoll_event*, int, int)>("epoll_wait");
+  static auto* const function = shim::real(&::epoll_wait, "epoll_wait");
   const DescriptorWait wait = shim::waitOnSet("epoll_wait()", set, shim::ofMilliseconds(timeout),
                                               MOVE_BASE_ABSTRACT_CALLER);
   return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout));
 }
 
 int epoll_pwait(int set, epoll_event* events, int count, int timeout, const sigset_t* mask) {
-  static auto* const function =
-      shim::real<int(int, epoll_event*, int, int, const sigset_t*)>("epoll_pwait");
+  static auto* const function = shim::real(&::epoll_pwait, "epoll_pwait");
   const DescriptorWait wait = shim::waitOnSet("epoll_pwait()", set, shim::ofMilliseconds(timeout),
                                               MOVE_BASE_ABSTRACT_CALLER);
   return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout, mask));

@@ -133,7 +133,7 @@ namespace policy = shim;
 extern "C" {
 
 int rename(const char* from, const char* to) {
-  static auto* const function = shim::real<int(const char*, const char*)>("rename");
+  static auto* const function = shim::real(&::rename, "rename");
   return shim::tellRenamed(function(from, to), to, MOVE_BASE_ABSTRACT_CALLER);
 }
 

@@ -18,7 +18,6 @@ namespace move_base_abstract::shim {
 namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
-using SetTime = int(int, int, const itimerspec*, itimerspec*);
 
 constexpr int kLongestMs = 1000;  // wall: longest wait until the kernel notices a due timer
 
@@ -122,7 +121,7 @@ class KernelTimers {
  private:
   /** @return whether it is still a timer. */
   static bool setReal(int descriptor, const itimerspec& value, int flags) {
-    static SetTime* const function = real<SetTime>("timerfd_settime");
+    static auto* const function = real(&::timerfd_settime, "timerfd_settime");
     return function(descriptor, flags, &value, nullptr) == 0;
   }
 
@@ -159,7 +158,7 @@ namespace shim = move_base_abstract::shim;
 extern "C" {
 
 int timerfd_create(int clock, int flags) {
-  static auto* const function = shim::real<int(int, int)>("timerfd_create");
+  static auto* const function = shim::real(&::timerfd_create, "timerfd_create");
   const int descriptor = function(clock, flags);
   const shim::Sees whose = shim::sees();
   if (descriptor >= 0 && whose != shim::Sees::kMachine) {
@@ -174,7 +173,7 @@ int timerfd_create(int clock, int flags) {
 }
 
 int timerfd_settime(int descriptor, int flags, const itimerspec* value, itimerspec* before) {
-  static auto* const function = shim::real<shim::SetTime>("timerfd_settime");
+  static auto* const function = shim::real(&::timerfd_settime, "timerfd_settime");
   if (!shim::isFollowed(descriptor)) {
     const bool is_about = shim::isAboutToFollow();
     const int result = function(descriptor, flags, value, before);
@@ -199,7 +198,7 @@ int timerfd_settime(int descriptor, int flags, const itimerspec* value, itimersp
 }
 
 int timerfd_gettime(int descriptor, itimerspec* value) {
-  static auto* const function = shim::real<int(int, itimerspec*)>("timerfd_gettime");
+  static auto* const function = shim::real(&::timerfd_gettime, "timerfd_gettime");
   if (!shim::isFollowed(descriptor)) {
     return function(descriptor, value);
   }

@@ -164,8 +164,7 @@ extern "C" {
 // ---- semaphores ------------------------------------------------------------------------------
 
 int sem_init(sem_t* semaphore, int shared, unsigned value) {
-  using Init = int(sem_t*, int, unsigned);
-  static Init* const function = shim::real<Init>("sem_init");
+  static auto* const function = shim::real(&::sem_init, "sem_init");
   if (shared != 0) {
     shim::addShared(semaphore, MOVE_BASE_ABSTRACT_CALLER);
   }
@@ -173,8 +172,7 @@ int sem_init(sem_t* semaphore, int shared, unsigned value) {
 }
 
 sem_t* sem_open(const char* name, int flags, ...) {
-  using Open = sem_t*(const char*, int, ...);
-  static Open* const function = shim::real<Open>("sem_open");
+  static auto* const function = shim::real(&::sem_open, "sem_open");
   va_list rest;
   va_start(rest, flags);
   const auto mode = va_arg(rest, unsigned);  // the function reads it if flags say so
@@ -186,30 +184,26 @@ sem_t* sem_open(const char* name, int flags, ...) {
 }
 
 int sem_wait(sem_t* semaphore) {
-  using SemWait = int(sem_t*);
-  static SemWait* const function = shim::real<SemWait>("sem_wait");
+  static auto* const function = shim::real(&::sem_wait, "sem_wait");
   return shim::takeSemaphore(semaphore, CLOCK_REALTIME, nullptr,
                              [semaphore](const timespec*) { return function(semaphore); });
 }
 
 int sem_timedwait(sem_t* semaphore, const timespec* deadline) {
-  using SemWait = int(sem_t*, const timespec*);
-  static SemWait* const function = shim::real<SemWait>("sem_timedwait");
+  static auto* const function = shim::real(&::sem_timedwait, "sem_timedwait");
   return shim::takeSemaphore(semaphore, CLOCK_REALTIME, deadline,
                              [semaphore](const timespec* by) { return function(semaphore, by); });
 }
 
 int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* deadline) {
-  using SemWait = int(sem_t*, clockid_t, const timespec*);
-  static SemWait* const function = shim::real<SemWait>("sem_clockwait");
+  static auto* const function = shim::real(&::sem_clockwait, "sem_clockwait");
   return shim::takeSemaphore(semaphore, clock, deadline, [semaphore, clock](const timespec* by) {
     return function(semaphore, clock, by);
   });
 }
 
 int sem_post(sem_t* semaphore) {
-  using SemPost = int(sem_t*);
-  static SemPost* const function = shim::real<SemPost>("sem_post");
+  static auto* const function = shim::real(&::sem_post, "sem_post");
   const int result = function(semaphore);
   if (shim::Turn::self() == nullptr) {  // the program's own threads look at the value
     shim::turn().signal(semaphore, false);
@@ -220,70 +214,65 @@ int sem_post(sem_t* semaphore) {
 // ---- locks of readers and writers, and spin locks --------------------------------------------
 
 int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
-  using Take = int(pthread_rwlock_t*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_rdlock");
+  static auto* const function = shim::real(&::pthread_rwlock_rdlock, "pthread_rwlock_rdlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_tryrdlock(lock); }, CLOCK_REALTIME, nullptr,
       [lock](const timespec*) { return function(lock); });
 }
 
 int pthread_rwlock_wrlock(pthread_rwlock_t* lock) {
-  using Take = int(pthread_rwlock_t*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_wrlock");
+  static auto* const function = shim::real(&::pthread_rwlock_wrlock, "pthread_rwlock_wrlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_trywrlock(lock); }, CLOCK_REALTIME, nullptr,
       [lock](const timespec*) { return function(lock); });
 }
 
 int pthread_rwlock_timedrdlock(pthread_rwlock_t* lock, const timespec* deadline) {
-  using Take = int(pthread_rwlock_t*, const timespec*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_timedrdlock");
+  static auto* const function =
+      shim::real(&::pthread_rwlock_timedrdlock, "pthread_rwlock_timedrdlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_tryrdlock(lock); }, CLOCK_REALTIME, deadline,
       [lock](const timespec* by) { return function(lock, by); });
 }
 
 int pthread_rwlock_timedwrlock(pthread_rwlock_t* lock, const timespec* deadline) {
-  using Take = int(pthread_rwlock_t*, const timespec*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_timedwrlock");
+  static auto* const function =
+      shim::real(&::pthread_rwlock_timedwrlock, "pthread_rwlock_timedwrlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_trywrlock(lock); }, CLOCK_REALTIME, deadline,
       [lock](const timespec* by) { return function(lock, by); });
 }
 
 int pthread_rwlock_clockrdlock(pthread_rwlock_t* lock, clockid_t clock, const timespec* deadline) {
-  using Take = int(pthread_rwlock_t*, clockid_t, const timespec*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_clockrdlock");
+  static auto* const function =
+      shim::real(&::pthread_rwlock_clockrdlock, "pthread_rwlock_clockrdlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_tryrdlock(lock); }, clock, deadline,
       [lock, clock](const timespec* by) { return function(lock, clock, by); });
 }
 
 int pthread_rwlock_clockwrlock(pthread_rwlock_t* lock, clockid_t clock, const timespec* deadline) {
-  using Take = int(pthread_rwlock_t*, clockid_t, const timespec*);
-  static Take* const function = shim::real<Take>("pthread_rwlock_clockwrlock");
+  static auto* const function =
+      shim::real(&::pthread_rwlock_clockwrlock, "pthread_rwlock_clockwrlock");
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_trywrlock(lock); }, clock, deadline,
       [lock, clock](const timespec* by) { return function(lock, clock, by); });
 }
 
 int pthread_rwlock_unlock(pthread_rwlock_t* lock) {
-  using Release = int(pthread_rwlock_t*);
-  static Release* const function = shim::real<Release>("pthread_rwlock_unlock");
+  static auto* const function = shim::real(&::pthread_rwlock_unlock, "pthread_rwlock_unlock");
   return shim::released(lock, function(lock));
 }
 
 int pthread_spin_lock(pthread_spinlock_t* lock) {
-  using Take = int(pthread_spinlock_t*);
-  static Take* const function = shim::real<Take>("pthread_spin_lock");
+  static auto* const function = shim::real(&::pthread_spin_lock, "pthread_spin_lock");
   return shim::takeUntil(
       const_cast<int*>(lock), [lock] { return pthread_spin_trylock(lock); }, CLOCK_REALTIME,
       nullptr, [lock](const timespec*) { return function(lock); });
 }
 
 int pthread_spin_unlock(pthread_spinlock_t* lock) {
-  using Release = int(pthread_spinlock_t*);
-  static Release* const function = shim::real<Release>("pthread_spin_unlock");
+  static auto* const function = shim::real(&::pthread_spin_unlock, "pthread_spin_unlock");
   return shim::released(const_cast<int*>(lock), function(lock));
 }
 
@@ -328,7 +317,8 @@ bool awaitFutex(__atomic_futex_unsigned_base* self, unsigned* word, unsigned val
 bool __atomic_futex_unsigned_base::_M_futex_wait_until(unsigned* word, unsigned value, bool has_end,
                                                        chrono::seconds seconds,
                                                        chrono::nanoseconds rest) {
-  static FutexWait* const function = shim::real<FutexWait>(
+  static auto* const function = shim::real(
+      &__atomic_futex_unsigned_base::_M_futex_wait_until,
       "_ZNSt28__atomic_futex_unsigned_base19_M_futex_wait_untilEPjjbNSt6chrono8durationIlSt5"
       "ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE");
   return awaitFutex(this, word, value, has_end, CLOCK_REALTIME, seconds, rest, function);
@@ -338,7 +328,8 @@ bool __atomic_futex_unsigned_base::_M_futex_wait_until(unsigned* word, unsigned 
 bool __atomic_futex_unsigned_base::_M_futex_wait_until_steady(unsigned* word, unsigned value,
                                                               bool has_end, chrono::seconds seconds,
                                                               chrono::nanoseconds rest) {
-  static FutexWait* const function = shim::real<FutexWait>(
+  static auto* const function = shim::real(
+      &__atomic_futex_unsigned_base::_M_futex_wait_until_steady,
       "_ZNSt28__atomic_futex_unsigned_base26_M_futex_wait_until_steadyEPjjbNSt6chrono8durationIlSt5"
       "ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE");
   return awaitFutex(this, word, value, has_end, CLOCK_MONOTONIC, seconds, rest, function);
@@ -346,9 +337,9 @@ bool __atomic_futex_unsigned_base::_M_futex_wait_until_steady(unsigned* word, un
 #endif
 
 void __atomic_futex_unsigned_base::_M_futex_notify_all(unsigned* word) {
-  using Notify = void(unsigned*);
-  static Notify* const function =
-      shim::real<Notify>("_ZNSt28__atomic_futex_unsigned_base19_M_futex_notify_allEPj");
+  static auto* const function =
+      shim::real(&__atomic_futex_unsigned_base::_M_futex_notify_all,
+                 "_ZNSt28__atomic_futex_unsigned_base19_M_futex_notify_allEPj");
   shim::turn().signal(word, true);
   function(word);
 }

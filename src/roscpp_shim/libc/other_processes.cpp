@@ -107,7 +107,7 @@ extern "C" {
 // ---- connections -----------------------------------------------------------------------------
 
 int socket(int domain, int type, int protocol) {
-  static auto* const function = shim::real<int(int, int, int)>("socket");
+  static auto* const function = shim::real(&::socket, "socket");
   if (domain == AF_INET || domain == AF_INET6 || domain == AF_UNIX) {
     shim::tellUse("socket() makes a connection: data arrives over it by the wall clock",
                   MOVE_BASE_ABSTRACT_CALLER);
@@ -118,25 +118,25 @@ int socket(int domain, int type, int protocol) {
 // ---- memory of several processes -------------------------------------------------------------
 
 int shm_open(const char* name, int flags, mode_t mode) {
-  static auto* const function = shim::real<int(const char*, int, mode_t)>("shm_open");
+  static auto* const function = shim::real(&::shm_open, "shm_open");
   shim::tellShared("shm_open()", MOVE_BASE_ABSTRACT_CALLER);
   return function(name, flags, mode);
 }
 
 int shmget(key_t key, size_t size, int flags) {
-  static auto* const function = shim::real<int(key_t, size_t, int)>("shmget");
+  static auto* const function = shim::real(&::shmget, "shmget");
   shim::tellShared("shmget()", MOVE_BASE_ABSTRACT_CALLER);
   return function(key, size, flags);
 }
 
 void* mmap(void* address, size_t length, int protection, int flags, int file, off_t offset) {
-  static auto* const function = shim::real<void*(void*, size_t, int, int, int, off_t)>("mmap");
+  static auto* const function = shim::real(&::mmap, "mmap");
   shim::tellMapped(flags, file, MOVE_BASE_ABSTRACT_CALLER);
   return function(address, length, protection, flags, file, offset);
 }
 
 void* mmap64(void* address, size_t length, int protection, int flags, int file, off64_t offset) {
-  static auto* const function = shim::real<void*(void*, size_t, int, int, int, off64_t)>("mmap64");
+  static auto* const function = shim::real(&::mmap64, "mmap64");
   shim::tellMapped(flags, file, MOVE_BASE_ABSTRACT_CALLER);
   return function(address, length, protection, flags, file, offset);
 }
@@ -144,7 +144,7 @@ void* mmap64(void* address, size_t length, int protection, int flags, int file, 
 // ---- queues of several processes -------------------------------------------------------------
 
 mqd_t mq_open(const char* name, int flags, ...) {
-  static auto* const function = shim::real<mqd_t(const char*, int, ...)>("mq_open");
+  static auto* const function = shim::real(&::mq_open, "mq_open");
   shim::tellQueue("mq_open()", MOVE_BASE_ABSTRACT_CALLER);
   if ((flags & O_CREAT) == 0) {
     return function(name, flags);
@@ -158,13 +158,13 @@ mqd_t mq_open(const char* name, int flags, ...) {
 }
 
 int msgget(key_t key, int flags) {
-  static auto* const function = shim::real<int(key_t, int)>("msgget");
+  static auto* const function = shim::real(&::msgget, "msgget");
   shim::tellQueue("msgget()", MOVE_BASE_ABSTRACT_CALLER);
   return function(key, flags);
 }
 
 int semget(key_t key, int count, int flags) {
-  static auto* const function = shim::real<int(key_t, int, int)>("semget");
+  static auto* const function = shim::real(&::semget, "semget");
   shim::tellQueue("semget()", MOVE_BASE_ABSTRACT_CALLER);
   return function(key, count, flags);
 }
@@ -172,25 +172,25 @@ int semget(key_t key, int count, int flags) {
 // ---- C11's threads ---------------------------------------------------------------------------
 
 int thrd_create(thrd_t* thread, thrd_start_t start, void* argument) {
-  static auto* const function = shim::real<int(thrd_t*, thrd_start_t, void*)>("thrd_create");
+  static auto* const function = shim::real(&::thrd_create, "thrd_create");
   shim::tellC11("thrd_create()", MOVE_BASE_ABSTRACT_CALLER);
   return function(thread, start, argument);
 }
 
 int thrd_sleep(const timespec* duration, timespec* rest) {
-  static auto* const function = shim::real<int(const timespec*, timespec*)>("thrd_sleep");
+  static auto* const function = shim::real(&::thrd_sleep, "thrd_sleep");
   shim::tellC11("thrd_sleep()", MOVE_BASE_ABSTRACT_CALLER);
   return function(duration, rest);
 }
 
 int cnd_timedwait(cnd_t* condition, mtx_t* mutex, const timespec* until) {
-  static auto* const function = shim::real<int(cnd_t*, mtx_t*, const timespec*)>("cnd_timedwait");
+  static auto* const function = shim::real(&::cnd_timedwait, "cnd_timedwait");
   shim::tellC11("cnd_timedwait()", MOVE_BASE_ABSTRACT_CALLER);
   return function(condition, mutex, until);
 }
 
 int mtx_timedlock(mtx_t* mutex, const timespec* until) {
-  static auto* const function = shim::real<int(mtx_t*, const timespec*)>("mtx_timedlock");
+  static auto* const function = shim::real(&::mtx_timedlock, "mtx_timedlock");
   shim::tellC11("mtx_timedlock()", MOVE_BASE_ABSTRACT_CALLER);
   return function(mutex, until);
 }

@@ -84,7 +84,7 @@ namespace shim = move_base_abstract::shim;
 extern "C" {
 
 int epoll_ctl(int set, int operation, int descriptor, epoll_event* event) noexcept {
-  static auto* const function = shim::real<int(int, int, int, epoll_event*)>("epoll_ctl");
+  static auto* const function = shim::real(&::epoll_ctl, "epoll_ctl");
   const int result = function(set, operation, descriptor, event);
   if (result != 0 || shim::Turn::startsInternal() || operation == EPOLL_CTL_MOD) {
     return result;
@@ -101,12 +101,12 @@ int epoll_ctl(int set, int operation, int descriptor, epoll_event* event) noexce
 }
 
 int epoll_create(int size) noexcept {
-  static auto* const function = shim::real<int(int)>("epoll_create");
+  static auto* const function = shim::real(&::epoll_create, "epoll_create");
   return shim::emptySet(function(size));
 }
 
 int epoll_create1(int flags) noexcept {
-  static auto* const function = shim::real<int(int)>("epoll_create1");
+  static auto* const function = shim::real(&::epoll_create1, "epoll_create1");
   return shim::emptySet(function(flags));
 }
 

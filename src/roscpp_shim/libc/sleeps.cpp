@@ -100,8 +100,7 @@ namespace policy = shim;
 extern "C" {
 
 int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespec* rest) {
-  using ClockNanosleep = int(clockid_t, int, const timespec*, timespec*);
-  static ClockNanosleep* const function = shim::real<ClockNanosleep>("clock_nanosleep");
+  static auto* const function = shim::real(&::clock_nanosleep, "clock_nanosleep");
   if (shim::sees() == shim::Sees::kMachine) {
     return function(clock, flags, request, rest);
   }
@@ -116,8 +115,7 @@ int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespe
 }
 
 int sched_yield() {
-  using Yield = int();
-  static Yield* const function = shim::real<Yield>("sched_yield");
+  static auto* const function = shim::real(&::sched_yield, "sched_yield");
   if (!shim::ordered()) {
     return function();
   }

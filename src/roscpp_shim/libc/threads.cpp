@@ -19,15 +19,6 @@ namespace {
 constexpr unsigned kVainWaits = 1000;
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
-using Lock = int(pthread_mutex_t*);
-using CondWait = int(pthread_cond_t*, pthread_mutex_t*);
-using CondTimedWait = int(pthread_cond_t*, pthread_mutex_t*, const timespec*);
-using CondClockWait = int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
-using CondSignal = int(pthread_cond_t*);
-using TimedLock = int(pthread_mutex_t*, const timespec*);
-using ClockLock = int(pthread_mutex_t*, clockid_t, const timespec*);
-using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
-
 /**
  * @brief Take a lock. If a waiting thread of the program has it, wait by giving the turn away.
  * @param lasts longest wait, simulated ns. @return the function's result; EBUSY: it is taken.
@@ -51,14 +42,14 @@ int takeByTurns(pthread_mutex_t* mutex, Nanoseconds lasts) {
   return EBUSY;
 }
 
-int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
-  const int result = takeByTurns(mutex, kNever);
-  return result == EBUSY ? lock(mutex) : result;
+int lockReally(pthread_mutex_t* mutex) {
+  static auto* const function = real(&::pthread_mutex_lock, "pthread_mutex_lock");
+  return function(mutex);
 }
 
-Lock* realLock() {
-  static Lock* const function = real<Lock>("pthread_mutex_lock");
-  return function;
+int lockMutex(pthread_mutex_t* mutex) {
+  const int result = takeByTurns(mutex, kNever);
+  return result == EBUSY ? lockReally(mutex) : result;
 }
 
 /** @return 0 or ETIMEDOUT. @param lasts simulated. */
@@ -75,7 +66,7 @@ int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts)
   wait.unlock = [mutex] { pthread_mutex_unlock(mutex); };
   const Woken woken = turn().wait(std::move(wait));
   me.empty_polls = lasts > 0 ? 0 : me.empty_polls;
-  lockMutex(mutex, realLock());
+  lockMutex(mutex);
   return woken == Woken::kTime ? ETIMEDOUT : 0;
 }
 
@@ -134,7 +125,7 @@ extern "C" {
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*main)(void*),
                    void* argument) {
-  static shim::Create* const function = shim::real<shim::Create>("pthread_create");
+  static auto* const function = shim::real(&::pthread_create, "pthread_create");
   const void* const caller = MOVE_BASE_ABSTRACT_CALLER;
   if (auto* const become = shim::kindOfNew(caller)) {
     return function(thread, attributes, &shim::runOther,
@@ -159,15 +150,13 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 }
 
 int pthread_join(pthread_t thread, void** result) {
-  using Join = int(pthread_t, void**);
-  static Join* const function = shim::real<Join>("pthread_join");
+  static auto* const function = shim::real(&::pthread_join, "pthread_join");
   shim::awaitEndOf(thread, move_base_abstract::kNever);
   return function(thread, result);
 }
 
 int pthread_timedjoin_np(pthread_t thread, void** result, const timespec* deadline) {
-  using TimedJoin = int(pthread_t, void**, const timespec*);
-  static TimedJoin* const function = shim::real<TimedJoin>("pthread_timedjoin_np");
+  static auto* const function = shim::real(&::pthread_timedjoin_np, "pthread_timedjoin_np");
   if (!shim::awaitEndOf(thread, shim::lasting(CLOCK_REALTIME, deadline))) {
     return ETIMEDOUT;
   }
@@ -178,29 +167,26 @@ int pthread_timedjoin_np(pthread_t thread, void** result, const timespec* deadli
 // ---- locks and conditions --------------------------------------------------------------------
 
 int pthread_mutex_lock(pthread_mutex_t* mutex) {
-  static shim::Lock* const function = shim::realLock();
-  if (shim::Turn::self() == nullptr || shim::Turn::isInside()) {
-    return function(mutex);
-  }
-  return shim::lockMutex(mutex, function);
+  return shim::Turn::self() == nullptr || shim::Turn::isInside() ? shim::lockReally(mutex)
+                                                                 : shim::lockMutex(mutex);
 }
 
 int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* deadline) {
-  static shim::TimedLock* const function = shim::real<shim::TimedLock>("pthread_mutex_timedlock");
+  static auto* const function = shim::real(&::pthread_mutex_timedlock, "pthread_mutex_timedlock");
   const int result = shim::takeByTurns(mutex, shim::lasting(CLOCK_REALTIME, deadline));
   const shim::MachineWait wait(CLOCK_REALTIME, deadline);
   return result == EBUSY ? function(mutex, wait.deadline()) : result;
 }
 
 int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const timespec* deadline) {
-  static shim::ClockLock* const function = shim::real<shim::ClockLock>("pthread_mutex_clocklock");
+  static auto* const function = shim::real(&::pthread_mutex_clocklock, "pthread_mutex_clocklock");
   const int result = shim::takeByTurns(mutex, shim::lasting(clock, deadline));
   const shim::MachineWait wait(clock, deadline);
   return result == EBUSY ? function(mutex, clock, wait.deadline()) : result;
 }
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
-  static shim::CondWait* const function = shim::real<shim::CondWait>("pthread_cond_wait");
+  static auto* const function = shim::real(&::pthread_cond_wait, "pthread_cond_wait");
   if (!shim::ordered()) {
     return function(condition, mutex);
   }
@@ -209,8 +195,7 @@ int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
 
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                            const timespec* deadline) {
-  static shim::CondTimedWait* const function =
-      shim::real<shim::CondTimedWait>("pthread_cond_timedwait");
+  static auto* const function = shim::real(&::pthread_cond_timedwait, "pthread_cond_timedwait");
   const clockid_t clock = shim::clockOf(*condition);
   if (shim::ordered()) {
     return shim::isRecordersLook(MOVE_BASE_ABSTRACT_CALLER)
@@ -227,8 +212,7 @@ int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
 
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                            const timespec* deadline) {
-  static shim::CondClockWait* const function =
-      shim::real<shim::CondClockWait>("pthread_cond_clockwait");
+  static auto* const function = shim::real(&::pthread_cond_clockwait, "pthread_cond_clockwait");
   if (shim::ordered()) {
     return shim::waitOnUntil(condition, mutex, clock, *deadline);
   }
@@ -241,13 +225,13 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
 }
 
 int pthread_cond_signal(pthread_cond_t* condition) {
-  static shim::CondSignal* const function = shim::real<shim::CondSignal>("pthread_cond_signal");
+  static auto* const function = shim::real(&::pthread_cond_signal, "pthread_cond_signal");
   shim::turn().signal(condition, false);
   return function(condition);
 }
 
 int pthread_cond_broadcast(pthread_cond_t* condition) {
-  static shim::CondSignal* const function = shim::real<shim::CondSignal>("pthread_cond_broadcast");
+  static auto* const function = shim::real(&::pthread_cond_broadcast, "pthread_cond_broadcast");
   shim::turn().signal(condition, true);
   return function(condition);
 }

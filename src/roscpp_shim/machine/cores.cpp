@@ -10,19 +10,16 @@
 namespace move_base_abstract::shim {
 namespace {
 
-using Get = int(pid_t, std::size_t, cpu_set_t*);
-using Set = int(pid_t, std::size_t, const cpu_set_t*);
-
 cpu_set_t own;
 std::atomic<bool> is_known{false};  // also false after the program has chosen cores itself
 
 int kernelGet(pid_t thread, std::size_t size, cpu_set_t* cores) {
-  static auto* const function = real<Get>("sched_getaffinity");
+  static auto* const function = real(&::sched_getaffinity, "sched_getaffinity");
   return function(thread, size, cores);
 }
 
 int kernelSet(pid_t thread, std::size_t size, const cpu_set_t* cores) {
-  static auto* const function = real<Set>("sched_setaffinity");
+  static auto* const function = real(&::sched_setaffinity, "sched_setaffinity");
   return function(thread, size, cores);
 }
 
@@ -74,8 +71,7 @@ int sched_getaffinity(pid_t thread, size_t size, cpu_set_t* cores) {
 }
 
 int pthread_getaffinity_np(pthread_t thread, size_t size, cpu_set_t* cores) {
-  static auto* const function =
-      shim::real<int(pthread_t, size_t, cpu_set_t*)>("pthread_getaffinity_np");
+  static auto* const function = shim::real(&::pthread_getaffinity_np, "pthread_getaffinity_np");
   const int result = function(thread, size, cores);
   if (result == 0) {
     shim::show(size, cores);
@@ -90,8 +86,7 @@ int sched_setaffinity(pid_t thread, size_t size, const cpu_set_t* cores) {
 }
 
 int pthread_setaffinity_np(pthread_t thread, size_t size, const cpu_set_t* cores) {
-  static auto* const function =
-      shim::real<int(pthread_t, size_t, const cpu_set_t*)>("pthread_setaffinity_np");
+  static auto* const function = shim::real(&::pthread_setaffinity_np, "pthread_setaffinity_np");
   shim::is_known = false;
   return function(thread, size, cores);
 }

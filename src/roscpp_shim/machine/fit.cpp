@@ -77,15 +77,6 @@ bool hasClocks() {
 
 }  // namespace
 
-const std::vector<Replaced>& replacedFunctions() {
-#define REPLACED(library, since, name, symbol, why) {#library, since, name, #symbol},
-  static const auto* const table = new std::vector<Replaced>{
-#include "replaced.def"
-  };
-#undef REPLACED
-  return *table;
-}
-
 std::string versionOf(const std::string& path, const std::string& package) {
   std::array<char, PATH_MAX> resolved{};
   const std::string file =
@@ -113,7 +104,7 @@ Surroundings lookAround() {
   if (!found.roscpp.empty()) {
     found.roscpp_version = versionOf(found.roscpp.front(), "roscpp");
   }
-  for (const Replaced& one : replacedFunctions()) {
+  for (const Replaced& one : kReplaced) {
     const std::string library = one.library;
     // These are not in every program.
     const bool is_optional = library == "libstdc++" || library == "tf2" || library == "libuuid";

@@ -7,17 +7,6 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief A row of replaced.def. */
-struct Replaced {
-  const char* library;  // "roscpp", "rostime", "libc", "libstdc++"
-  const char* since;    // its first version in which the function is as expected
-  const char* name;
-  const char* symbol;  // as the linker knows it
-};
-
-/** @return the table. */
-const std::vector<Replaced>& replacedFunctions();
-
 /** @brief The libraries that were found in the program. */
 struct Surroundings {
   std::string glibc;                 // version, such as "2.36"

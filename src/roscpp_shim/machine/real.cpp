@@ -12,12 +12,6 @@
 namespace move_base_abstract::shim {
 namespace {
 
-constexpr const char* kSymbols[] = {
-#define REPLACED(library, since, name, symbol, why) #symbol,
-#include "replaced.def"
-#undef REPLACED
-};
-
 /** @return the symbol in a library that a plug-in has loaded, which dlsym() alone does not find. */
 void* findLoaded(const char* symbol) {
   std::vector<std::string> paths;
@@ -49,8 +43,8 @@ void* findReal(const char* symbol) {
 
 void* realOrAbort(const char* symbol) {
   bool is_listed = false;
-  for (const char* one : kSymbols) {
-    is_listed = is_listed || std::strcmp(one, symbol) == 0;
+  for (const Replaced& one : kReplaced) {
+    is_listed = is_listed || std::strcmp(one.symbol, symbol) == 0;
   }
   void* const found = is_listed ? findReal(symbol) : nullptr;
   if (found == nullptr) {

@@ -12,8 +12,8 @@ namespace ros::console {
 
 ROSCONSOLE_DECL void initializeLogLocation(LogLocation* location, const std::string& name,
                                            Level level) {
-  using Initialize = void(LogLocation*, const std::string&, Level);
-  static Initialize* const function = shim::real<Initialize>(
+  static auto* const function = shim::real(
+      &initializeLogLocation,
       "_ZN3ros7console21initializeLogLocationEPNS0_11LogLocationERKNSt7__cxx1112basic_stringIcSt11"
       "char_traitsIcESaIcEEENS0_6levels5LevelE");
   const shim::Beside beside;
@@ -24,9 +24,8 @@ namespace impl {
 
 ROSCONSOLE_DECL void print(void* handle, Level level, const char* text, const char* file,
                            const char* caller, int line) {
-  using Print = void(void*, Level, const char*, const char*, const char*, int);
-  static Print* const function =
-      shim::real<Print>("_ZN3ros7console4impl5printEPvNS0_6levels5LevelEPKcS6_S6_i");
+  static auto* const function =
+      shim::real(&print, "_ZN3ros7console4impl5printEPvNS0_6levels5LevelEPKcS6_S6_i");
   const shim::Beside beside;
   function(handle, level, text, file, caller, line);
 }

@@ -134,9 +134,8 @@ namespace ros::master {
 
 bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
              XmlRpc::XmlRpcValue& response, XmlRpc::XmlRpcValue& payload, bool wait_for_master) {
-  using Execute = bool(const std::string&, const XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue&,
-                       XmlRpc::XmlRpcValue&, bool);
-  static Execute* const function = shim::real<Execute>(
+  static auto* const function = shim::real(
+      &execute,
       "_ZN3ros6master7executeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN6XmlRpc11"
       "XmlRpcValueERSA_SD_b");
   const bool is_question =
@@ -173,9 +172,8 @@ bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
 namespace XmlRpc {
 
 bool XmlRpcClient::execute(const char* method, const XmlRpcValue& parameters, XmlRpcValue& result) {
-  using Execute = bool(XmlRpcClient*, const char*, const XmlRpcValue&, XmlRpcValue&);
-  static Execute* const function =
-      shim::real<Execute>("_ZN6XmlRpc12XmlRpcClient7executeEPKcRKNS_11XmlRpcValueERS3_");
+  static auto* const function = shim::real(
+      &XmlRpcClient::execute, "_ZN6XmlRpc12XmlRpcClient7executeEPKcRKNS_11XmlRpcValueERS3_");
   const Standing standing;
   return function(this, method, parameters, result);
 }
@@ -186,15 +184,13 @@ bool XmlRpcClient::execute(const char* method, const XmlRpcValue& parameters, Xm
 extern "C" {
 
 int getaddrinfo(const char* node, const char* service, const addrinfo* hints, addrinfo** result) {
-  using GetAddresses = int(const char*, const char*, const addrinfo*, addrinfo**);
-  static GetAddresses* const function = shim::real<GetAddresses>("getaddrinfo");
+  static auto* const function = shim::real(&::getaddrinfo, "getaddrinfo");
   const Standing standing;
   return function(node, service, hints, result);
 }
 
 hostent* gethostbyname(const char* name) {
-  using GetHost = hostent*(const char*);
-  static GetHost* const function = shim::real<GetHost>("gethostbyname");
+  static auto* const function = shim::real(&::gethostbyname, "gethostbyname");
   const Standing standing;
   return function(name);
 }

@@ -37,10 +37,10 @@ namespace ros {
 
 bool TopicManager::advertise(const AdvertiseOptions& options,
                              const SubscriberCallbacksPtr& callbacks) {
-  using Advertise = bool(TopicManager*, const AdvertiseOptions&, const SubscriberCallbacksPtr&);
-  static Advertise* const function = shim::real<Advertise>(
-      "_ZN3ros12TopicManager9advertiseERKNS_16AdvertiseOptionsERKN5boost10shared_ptrINS_"
-      "19SubscriberCallbacksEEE");
+  static auto* const function =
+      shim::real(&TopicManager::advertise,
+                 "_ZN3ros12TopicManager9advertiseERKNS_16AdvertiseOptionsERKN5boost10shared_ptrINS_"
+                 "19SubscriberCallbacksEEE");
   const bool is_app = shim::turn().enter() && shim::isManaged(options.topic);
   const shim::Inside inside;
   const bool is_done = function(this, options, callbacks);
@@ -51,8 +51,8 @@ bool TopicManager::advertise(const AdvertiseOptions& options,
 }
 
 bool TopicManager::unadvertise(const std::string& name, const SubscriberCallbacksPtr& callbacks) {
-  using Unadvertise = bool(TopicManager*, const std::string&, const SubscriberCallbacksPtr&);
-  static Unadvertise* const function = shim::real<Unadvertise>(
+  static auto* const function = shim::real(
+      &TopicManager::unadvertise,
       "_ZN3ros12TopicManager11unadvertiseERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN"
       "5boost10shared_ptrINS_19SubscriberCallbacksEEE");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
@@ -68,11 +68,11 @@ bool TopicManager::unadvertise(const std::string& name, const SubscriberCallback
 void TopicManager::publish(const std::string& name,
                            const boost::function<SerializedMessage(void)>& serialize,
                            SerializedMessage& message) {
-  using Publish = void(TopicManager*, const std::string&,
-                       const boost::function<SerializedMessage(void)>&, SerializedMessage&);
-  static Publish* const function = shim::real<Publish>(
-      "_ZN3ros12TopicManager7publishERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN5"
-      "boost8functionIFNS_17SerializedMessageEvEEERSB_");
+  static auto* const function =
+      shim::real<void(TopicManager*, const std::string&,
+                      const boost::function<SerializedMessage(void)>&, SerializedMessage&)>(
+          "_ZN3ros12TopicManager7publishERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN5"
+          "boost8functionIFNS_17SerializedMessageEvEEERSB_");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   {
     const Publishing publishing(is_app);  // roscpp's thread need not be woken
@@ -95,8 +95,7 @@ void TopicManager::publish(const std::string& name,
 }
 
 void PollSet::signal() {
-  using Signal = void(PollSet*);
-  static Signal* const function = shim::real<Signal>("_ZN3ros7PollSet6signalEv");
+  static auto* const function = shim::real(&PollSet::signal, "_ZN3ros7PollSet6signalEv");
   if (!Publishing::is_under_way) {
     function(this);
   }
@@ -112,9 +111,8 @@ void TopicManager::processPublishQueues() {
 }
 
 bool TopicManager::subscribe(const SubscribeOptions& options) {
-  using Subscribe = bool(TopicManager*, const SubscribeOptions&);
-  static Subscribe* const function =
-      shim::real<Subscribe>("_ZN3ros12TopicManager9subscribeERKNS_16SubscribeOptionsE");
+  static auto* const function = shim::real(
+      &TopicManager::subscribe, "_ZN3ros12TopicManager9subscribeERKNS_16SubscribeOptionsE");
   if (shim::isStarting() && options.topic == names::resolve("/clock")) {
     return true;  // roscpp's own: grants set the time, and a message may be ahead of them
   }
@@ -131,8 +129,8 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
 
 bool TopicManager::unsubscribe(const std::string& name,
                                const SubscriptionCallbackHelperPtr& helper) {
-  using Unsubscribe = bool(TopicManager*, const std::string&, const SubscriptionCallbackHelperPtr&);
-  static Unsubscribe* const function = shim::real<Unsubscribe>(
+  static auto* const function = shim::real(
+      &TopicManager::unsubscribe,
       "_ZN3ros12TopicManager11unsubscribeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN"
       "5boost10shared_ptrINS_26SubscriptionCallbackHelperEEE");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
@@ -147,10 +145,10 @@ bool TopicManager::unsubscribe(const std::string& name,
 }
 
 size_t TopicManager::getNumSubscribers(const std::string& name) {
-  using GetNumber = size_t(TopicManager*, const std::string&);
-  static GetNumber* const function = shim::real<GetNumber>(
-      "_ZN3ros12TopicManager17getNumSubscribersERKNSt7__cxx1112basic_stringIcSt11char_"
-      "traitsIcESaIcEEE");
+  static auto* const function =
+      shim::real(&TopicManager::getNumSubscribers,
+                 "_ZN3ros12TopicManager17getNumSubscribersERKNSt7__cxx1112basic_stringIcSt11char_"
+                 "traitsIcESaIcEEE");
   if (shim::turn().enter() && shim::isManaged(name)) {
     return shim::topics().of(name).receivers.size();  // onlookers do not count
   }
@@ -183,8 +181,8 @@ uint32_t Subscription::handleMessage(const SerializedMessage& message, bool seri
 }
 
 void Subscription::addLocalConnection(const PublicationPtr& publication) {
-  using AddLocal = void(Subscription*, const PublicationPtr&);
-  static AddLocal* const function = shim::real<AddLocal>(
+  static auto* const function = shim::real(
+      &Subscription::addLocalConnection,
       "_ZN3ros12Subscription18addLocalConnectionERKN5boost10shared_ptrINS_11PublicationEEE");
   if (!shim::isManaged(name_)) {
     function(this, publication);
@@ -192,17 +190,17 @@ void Subscription::addLocalConnection(const PublicationPtr& publication) {
 }
 
 bool Subscription::negotiateConnection(const std::string& uri) {
-  using Negotiate = bool(Subscription*, const std::string&);
-  static Negotiate* const function = shim::real<Negotiate>(
-      "_ZN3ros12Subscription19negotiateConnectionERKNSt7__cxx1112basic_stringIcSt11char_"
-      "traitsIcESaIcEEE");
+  static auto* const function =
+      shim::real(&Subscription::negotiateConnection,
+                 "_ZN3ros12Subscription19negotiateConnectionERKNSt7__cxx1112basic_stringIcSt11char_"
+                 "traitsIcESaIcEEE");
   return (shim::isManaged(name_) && shim::node().membership().isMemberAt(uri)) ||
          function(this, uri);
 }
 
 void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
-  using Add = void(Publication*, const SubscriberLinkPtr&);
-  static Add* const function = shim::real<Add>(
+  static auto* const function = shim::real(
+      &Publication::addSubscriberLink,
       "_ZN3ros11Publication17addSubscriberLinkERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
   const bool is_ours = shim::isMemberLink(link);
   if (!is_ours && shim::isManaged(name_) &&
@@ -215,17 +213,17 @@ void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
 }
 
 void Publication::peerConnect(const SubscriberLinkPtr& link) {
-  using Connect = void(Publication*, const SubscriberLinkPtr&);
-  static Connect* const function = shim::real<Connect>(
-      "_ZN3ros11Publication11peerConnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  static auto* const function =
+      shim::real(&Publication::peerConnect,
+                 "_ZN3ros11Publication11peerConnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
   if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
     function(this, link);
   }
 }
 
 void Publication::peerDisconnect(const SubscriberLinkPtr& link) {
-  using Disconnect = void(Publication*, const SubscriberLinkPtr&);
-  static Disconnect* const function = shim::real<Disconnect>(
+  static auto* const function = shim::real(
+      &Publication::peerDisconnect,
       "_ZN3ros11Publication14peerDisconnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
   if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
     function(this, link);
@@ -233,8 +231,8 @@ void Publication::peerDisconnect(const SubscriberLinkPtr& link) {
 }
 
 void Publication::removeSubscriberLink(const SubscriberLinkPtr& link) {
-  using Remove = void(Publication*, const SubscriberLinkPtr&);
-  static Remove* const function = shim::real<Remove>(
+  static auto* const function = shim::real(
+      &Publication::removeSubscriberLink,
       "_ZN3ros11Publication20removeSubscriberLinkERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
   function(this, link);
   const std::lock_guard<shim::PlainMutex> lock(shim::topics().silent_mutex);

@@ -70,16 +70,14 @@ namespace ros {
 // The texts that ROS keeps of names, ports and process numbers have other lengths in other runs.
 
 void init(int& count, char** arguments, const std::string& name, uint32_t options) {
-  using Init = void(int&, char**, const std::string&, uint32_t);
-  static Init* const function =
-      shim::real<Init>("_ZN3ros4initERiPPcRKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEj");
+  static auto* const function = shim::real<void(int&, char**, const std::string&, uint32_t)>(
+      "_ZN3ros4initERiPPcRKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEj");
   const shim::Beside beside;
   function(count, arguments, name, options);
 }
 
 void init(const M_string& remappings, const std::string& name, uint32_t options) {
-  using Init = void(const M_string&, const std::string&, uint32_t);
-  static Init* const function = shim::real<Init>(
+  static auto* const function = shim::real<void(const M_string&, const std::string&, uint32_t)>(
       "_ZN3ros4initERKSt3mapINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES6_St4lessIS6_"
       "ESaISt4pairIKS6_S6_EEERSA_j");
   const shim::Beside beside;
@@ -87,8 +85,7 @@ void init(const M_string& remappings, const std::string& name, uint32_t options)
 }
 
 void init(const VP_string& remappings, const std::string& name, uint32_t options) {
-  using Init = void(const VP_string&, const std::string&, uint32_t);
-  static Init* const function = shim::real<Init>(
+  static auto* const function = shim::real<void(const VP_string&, const std::string&, uint32_t)>(
       "_ZN3ros4initERKSt6vectorISt4pairINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES7_E"
       "SaIS8_EERKS7_j");
   const shim::Beside beside;
@@ -96,23 +93,19 @@ void init(const VP_string& remappings, const std::string& name, uint32_t options
 }
 
 void start() {
-  using Start = void();
-  static Start* const function = shim::real<Start>("_ZN3ros5startEv");
+  static auto* const function = shim::real(&start, "_ZN3ros5startEv");
   shim::startRos(function);
 }
 
 void shutdown() {
-  using Shutdown = void();
-  static Shutdown* const function = shim::real<Shutdown>("_ZN3ros8shutdownEv");
+  static auto* const function = shim::real(&shutdown, "_ZN3ros8shutdownEv");
   shim::node().leave("ROS shuts down");
   const shim::Inside inside;
   function();
 }
 
 void waitForShutdown() {
-  using WaitForShutdown = void();
-  static WaitForShutdown* const function =
-      shim::real<WaitForShutdown>("_ZN3ros15waitForShutdownEv");
+  static auto* const function = shim::real(&waitForShutdown, "_ZN3ros15waitForShutdownEv");
   if (shim::turn().enter()) {
     shim::turn().wait(shim::Wait());
   }

@@ -137,8 +137,7 @@ namespace ros {
 
 template <>
 __attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEvent>::threadFunc() {
-  using ThreadFunction = void(TimerManager*);
-  static ThreadFunction* const function = shim::real<ThreadFunction>(
+  static auto* const function = shim::real<void(TimerManager*)>(
       "_ZN3ros12TimerManagerINS_4TimeENS_8DurationENS_10TimerEventEE10threadFuncEv");
   if (!shim::takesPart()) {
     function(this);
@@ -150,10 +149,10 @@ __attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEv
 template <>
 __attribute__((visibility("default"))) void
 TimerManager<SteadyTime, WallDuration, SteadyTimerEvent>::threadFunc() {
-  using ThreadFunction = void(TimerManager*);
-  static ThreadFunction* const function = shim::real<ThreadFunction>(
-      "_ZN3ros12TimerManagerINS_10SteadyTimeENS_12WallDurationENS_16SteadyTimerEventEE"
-      "10threadFuncEv");
+  static auto* const function =
+      shim::real(&TimerManager::threadFunc,
+                 "_ZN3ros12TimerManagerINS_10SteadyTimeENS_12WallDurationENS_16SteadyTimerEventEE"
+                 "10threadFuncEv");
   if (!shim::takesPart() || this == getInternalTimerManager().get()) {
     function(this);
     return;
@@ -164,8 +163,8 @@ TimerManager<SteadyTime, WallDuration, SteadyTimerEvent>::threadFunc() {
 template <>
 __attribute__((visibility("default"))) void
 TimerManager<WallTime, WallDuration, WallTimerEvent>::threadFunc() {
-  using ThreadFunction = void(TimerManager*);
-  static ThreadFunction* const function = shim::real<ThreadFunction>(
+  static auto* const function = shim::real(
+      &TimerManager::threadFunc,
       "_ZN3ros12TimerManagerINS_8WallTimeENS_12WallDurationENS_14WallTimerEventEE10threadFuncEv");
   if (!shim::takesPart()) {
     function(this);
@@ -175,19 +174,19 @@ TimerManager<WallTime, WallDuration, WallTimerEvent>::threadFunc() {
 }
 
 void Timer::Impl::start() {
-  static auto* const function = shim::real<void(Timer::Impl*)>("_ZN3ros5Timer4Impl5startEv");
+  static auto* const function = shim::real(&Timer::Impl::start, "_ZN3ros5Timer4Impl5startEv");
   shim::startTimer(function, this, shim::kRosTimers);
 }
 
 void WallTimer::Impl::start() {
   static auto* const function =
-      shim::real<void(WallTimer::Impl*)>("_ZN3ros9WallTimer4Impl5startEv");
+      shim::real(&WallTimer::Impl::start, "_ZN3ros9WallTimer4Impl5startEv");
   shim::startTimer(function, this, shim::kWallTimers);
 }
 
 void SteadyTimer::Impl::start() {
   static auto* const function =
-      shim::real<void(SteadyTimer::Impl*)>("_ZN3ros11SteadyTimer4Impl5startEv");
+      shim::real(&SteadyTimer::Impl::start, "_ZN3ros11SteadyTimer4Impl5startEv");
   shim::startTimer(function, this, shim::kSteadyTimers);
 }
 

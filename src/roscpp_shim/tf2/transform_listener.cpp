@@ -57,8 +57,8 @@ class BufferCore {
 };
 
 std::uint32_t BufferCore::addTransformableCallback(const TransformableCallback& callback) {
-  using Add = std::uint32_t(BufferCore*, const TransformableCallback&);
-  static Add* const function = shim::real<Add>(
+  static auto* const function = shim::real(
+      &BufferCore::addTransformableCallback,
       "_ZN3tf210BufferCore24addTransformableCallbackERKN5boost8functionIFvmRKNSt7__cxx1112basic_"
       "stringIcSt11char_traitsIcESaIcEEESA_N3ros4TimeENS_19TransformableResultEEEE");
   shim::storeNoMore();
@@ -67,9 +67,9 @@ std::uint32_t BufferCore::addTransformableCallback(const TransformableCallback& 
 
 boost::signals2::connection BufferCore::_addTransformsChangedListener(
     boost::function<void(void)> callback) {
-  using Add = boost::signals2::connection(BufferCore*, boost::function<void(void)>);
-  static Add* const function =
-      shim::real<Add>("_ZN3tf210BufferCore29_addTransformsChangedListenerEN5boost8functionIFvvEEE");
+  static auto* const function =
+      shim::real(&BufferCore::_addTransformsChangedListener,
+                 "_ZN3tf210BufferCore29_addTransformsChangedListenerEN5boost8functionIFvvEEE");
   shim::storeNoMore();
   return function(this, callback);
 }
