@@ -63,7 +63,7 @@ class Plan:
     baseline: Optional[Dict[str, Any]] = None
     at_limit: Optional[Dict[str, Any]] = None
     smallest_difference: Optional[Dict[str, Any]] = None
-    until: Any = None
+    until: Optional[Dict[str, Any]] = None
     replications: Any = None
     verify: Any = None
     report: Any = None

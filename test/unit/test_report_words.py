@@ -221,12 +221,6 @@ def test_what_the_limit_makes_of_a_value(tmp_path, about, open_goals, until, is_
     assert (told(found)[0][0] == 'cut') == is_cut
 
 
-def test_older_trials_that_lasted_to_the_limit_were_ended_by_it(tmp_path):
-    found = read(tmp_path, {}, 2, lambda c, k: {'status': 'complete', 'simulated_seconds': [3600.0, 12.0][k],
-                                                'metrics': {}}, until={'seconds': 3600, 'idle': True})
-    assert [trial.ended_by for trial in found.trials] == ['seconds', '']
-
-
 def test_sums_in_another_order_are_no_difference(tmp_path):
     def measure(configuration, replication):
         values = [noise(replication, place) + 0.6 for place in range(200)]
@@ -334,7 +328,7 @@ def test_trials_of_two_programs_are_never_a_pair_and_never_silently_in_one_table
     values = experiment.values(experiment.metrics[0])
     assert [sum(math.isfinite(value) for value in column) for column in values.T].count(2) == 3  # pairs
     said = page.render(page.analyse(experiment), ())
-    assert 'were kept from before: what they are made of has changed since' in said
+    assert 'Trials that were kept from before: 2: what they are made of has changed since' in said
     assert 'kept from before: a.py has changed since' in said
 
 
@@ -357,7 +351,8 @@ def test_in_all_pairs_is_said_of_all_pairs_only(tmp_path, changes, verdict, size
 
 
 @pytest.mark.parametrize('measured, says', [
-    (FAILED, '6 trials failed, 100 % of those that have run. So there are no figures.'), (None, '6 trials of the plan'),
+    (FAILED, 'Trials that failed: 6 (100 % of those that have run). So there are no figures.'),
+    (None, 'that have not run yet: 6.'),
     ({'makespan_s': None}, 'No complete trial has a value.')])
 def test_trials_without_values_are_not_called_too_few(tmp_path, measured, says):
     found = read(tmp_path, TWO, 3, lambda c, k: measured)

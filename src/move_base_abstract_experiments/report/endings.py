@@ -7,8 +7,7 @@ another word of its runner.
 from __future__ import annotations
 
 import math
-import sys
-from typing import TYPE_CHECKING, Mapping, Optional
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .design import Metric
@@ -19,29 +18,12 @@ LIMIT = 'seconds'
 LOWER_BOUND, VALUE, TO_LAST_GOAL = 'lower_bound', 'value', 'to_last_goal'
 BOUNDS = (LOWER_BOUND, TO_LAST_GOAL)  # with these, a value that was cut off is a lower bound
 _COMPLETE = 'complete'
-_NEARLY = 1.0 - 1e-9
-
-
-def ended_by(told: Optional[str], until: Optional[Mapping[str, int]], simulated_seconds: float) -> str:
-    """Return how a trial ended, '' if it is not known.
-
-    Its trial.json says it. If that does not, as with older files, a complete trial is compared with the limit of time.
-
-    :param told: what trial.json says. :param until: the plan's ``until``. :param simulated_seconds: how long it lasted.
-    """
-    if isinstance(told, str) and told.isprintable() and 0 < len(told) <= 300:
-        return sys.intern(told)
-    seconds = until.get('seconds') if isinstance(until, dict) else None
-    if isinstance(seconds, (int, float)) and not math.isnan(simulated_seconds):
-        return LIMIT if simulated_seconds >= seconds * _NEARLY else ''
-    return ''
 
 
 def is_span(experiment: Experiment) -> bool:
     """Return whether trials last as long as they do by design: the limit is their only end, and all reached it."""
     if 'is_span' not in experiment.known:
-        until = experiment.plan.get('until')
-        has_others = isinstance(until, dict) and any(until.get(key) for key in ('topic', 'idle'))
+        has_others = any((experiment.plan['until'] or {}).get(key) for key in ('topic', 'idle'))
         experiment.known['is_span'] = not has_others and all(
             trial.ended_by == LIMIT for trial in experiment.trials if trial.status == _COMPLETE)
     return experiment.known['is_span']

@@ -32,14 +32,16 @@ _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order
 Row = Tuple[Union[None, str, Cell], ...]
 
 
-def cut(rows: Sequence[Row], note: str, where: str) -> Tuple[Tuple[Row, ...], str]:
-    """Return the rows that the page shows, and the note; if rows are left out, it says that ``where`` has all."""
-    if len(rows) <= MOST_ROWS:
-        return tuple(rows), note
-    return tuple(rows[:MOST_ROWS]), f'The first {MOST_ROWS} of {whole(len(rows))}; all are in {where}. {note}'.strip()
+def listing(title: str, header: Sequence[str], rows: Sequence[Row], where: str, note: str = '',
+            is_open: bool = False) -> Optional[Table]:
+    """Return a Table, None if it has no rows; if it has too many, its note says that the file ``where`` has all."""
+    if len(rows) > MOST_ROWS:
+        note = f'The first {MOST_ROWS} of {whole(len(rows))}; all are in {where}. {note}'.strip()
+    return Table(title, tuple(header), tuple(rows[:MOST_ROWS]), note, is_open) if rows else None
 
 
-def means(experiment: Experiment, metric: Metric, scale: Scale, estimates: Sequence[Estimate]) -> Table:
+def means(experiment: Experiment, metric: Metric, scale: Scale,
+          estimates: Sequence[Estimate]) -> Optional[Table]:
     """Return the table of a metric's means."""
     values = experiment.values(metric) * scale.factor
     rows, skewed = [], False
@@ -61,8 +63,7 @@ def means(experiment: Experiment, metric: Metric, scale: Scale, estimates: Seque
         note += ' Cut off: the limit of time ended trials, so there is no mean of what they would have measured.'
     if skewed:
         note += ' *: the values are skewed, so the interval of the mean is in doubt; use the median.'
-    shown_rows, note = cut(rows, note, 'tables/means.csv')
-    return Table(f'Means{_in(scale)}', header, shown_rows, note)
+    return listing(f'Means{_in(scale)}', header, rows, 'tables/means.csv', note)
 
 
 def _of_values(seen: np.ndarray) -> Tuple[str, str, str, str]:
@@ -99,8 +100,7 @@ def differences(experiment: Experiment, title: str, found: Sequence[Difference],
     header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict', *columns)
     smallest = found[0].metric.smallest
     note = f'The smallest difference that counts: {digits(smallest * scale.factor)}{scale.suffix}.' if smallest else ''
-    shown_rows, note = cut(rows, note, where)
-    return Table(f'{title}{_in(unit)}', header, shown_rows, note)
+    return listing(f'{title}{_in(unit)}', header, rows, where, note)
 
 
 def _probability(p: float) -> str:
@@ -120,17 +120,16 @@ def changes(experiment: Experiment, found: Sequence[Difference], scale: Scale) -
         rows.append((f'{second} − {first}', f'{places[1]} − {places[0]}', whole(each.estimate.n), value,
                      f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
                      comparisons.VERDICTS[_of_change(comparisons.verdict_of(each))][0]))
-    shown_rows, note = cut(rows, '', 'tables/interactions.csv')
-    return Table(f'How differences depend on other factors{_in(unit)}',
-                 ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'),
-                 shown_rows, note)
+    return listing(f'How differences depend on other factors{_in(unit)}', (
+        'difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'), rows,
+        'tables/interactions.csv')
 
 
 def _of_change(verdict: str) -> str:
     return 'differs' if verdict in ('better', 'worse') else verdict
 
 
-def configurations(experiment: Experiment) -> Table:
+def configurations(experiment: Experiment) -> Optional[Table]:
     """Return the table of the configurations: the numbers of trials, their length and their speed."""
     rows: List[Row] = []
     for configuration in experiment.configurations:
@@ -140,20 +139,17 @@ def configurations(experiment: Experiment) -> Table:
         speed = intervals.median_estimate([trial.times_real_time for trial in complete])
         span = intervals.mean_estimate([trial.simulated_seconds for trial in complete])
         rows.append((configuration.label, *map(whole, counts), digits(span.value), digits(speed.value, 2)))
-    shown_rows, note = cut(rows, '', 'trials.csv')
-    return Table('Configurations', ('configuration', 'complete', 'failed', 'not run', 'simulated s per trial',
-                                    'times real time (median)'), shown_rows, note)
+    return listing('Configurations', ('configuration', 'complete', 'failed', 'not run', 'simulated s per trial',
+                                      'times real time (median)'), rows, 'trials.csv')
 
 
 def factors(experiment: Experiment) -> Optional[Table]:
     """Return the table of the factors, or None if there are none."""
-    if not experiment.factors:
-        return None
-    return Table('Factors and levels', ('factor', 'levels'),
-                 tuple((factor.title, ', '.join(factor.levels)) for factor in experiment.factors))
+    return listing('Factors and levels', ('factor', 'levels'), [
+        (factor.title, ', '.join(factor.levels)) for factor in experiment.factors], 'plan.json')
 
 
-def worth_a_look(experiment: Experiment, metric: Metric, scale: Scale, found: Sequence[Pick]) -> Table:
+def worth_a_look(experiment: Experiment, metric: Metric, scale: Scale, found: Sequence[Pick]) -> Optional[Table]:
     """Return the table of the worst and the median trial of each configuration."""
     rows: List[Row] = []
     for pick in found:
@@ -161,9 +157,9 @@ def worth_a_look(experiment: Experiment, metric: Metric, scale: Scale, found: Se
                      digits(pick.value * scale.factor) + scale.suffix + _bound(experiment, metric, pick.trial),
                      str(pick.trial.replication),
                      str(pick.trial.seed), Cell(pick.trial.id, notable_trials.link(experiment, pick.trial))))
-    shown_rows, note = cut(rows, '', 'trials.csv')
-    return Table('Worst and median trials', ('configuration', 'which', metric.title, 'replication', 'seed', 'trial'),
-                 shown_rows, note, is_open=len(rows) <= 24)
+    return listing('Worst and median trials', (
+        'configuration', 'which', metric.title, 'replication', 'seed', 'trial'), rows, 'trials.csv',
+        is_open=len(rows) <= 24)
 
 
 def _bound(experiment: Experiment, metric: Metric, trial: Trial) -> str:
@@ -179,8 +175,6 @@ def failures(experiment: Experiment) -> Optional[Table]:
     for trial in experiment.trials:
         if trial.error:
             groups.setdefault((trial.error, trial.status), []).append(trial)
-    if not groups:
-        return None
     rows: List[Row] = []
     for (error, status), trials in sorted(groups.items(), key=lambda item: -len(item[1])):
         first = trials[0]
@@ -188,9 +182,8 @@ def failures(experiment: Experiment) -> Optional[Table]:
         labels = list(dict.fromkeys(experiment.configurations[trial.configuration].label for trial in trials))
         rows.append((error, status, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
                      Cell(first.id, where), whole(max(trial.attempts for trial in trials))))
-    shown_rows, note = cut(rows, '', 'trials.csv')
     header = ('error', 'status', 'trials', 'configurations', 'first of them', 'attempts')
-    return Table('Trials by the first line of their error', header, shown_rows, note, is_open=True)
+    return listing('Trials by the first line of their error', header, rows, 'trials.csv', is_open=True)
 
 
 def labels(experiment: Experiment) -> Optional[Table]:
@@ -199,11 +192,8 @@ def labels(experiment: Experiment) -> Optional[Table]:
     for trial in experiment.complete:
         for label in dict.fromkeys(trial.labels):
             counts[label] = counts.get(label, 0) + 1
-    if not counts:
-        return None
-    rows, note = cut([(label, whole(count)) for label, count in sorted(counts.items(), key=lambda item: -item[1])], '',
-                     'trials.csv')
-    return Table('Why trials may not be repeatable, or are of another program', ('label', 'trials'), rows, note)
+    return listing('Why trials may not be repeatable, or are of another program', ('label', 'trials'), [
+        (label, whole(count)) for label, count in sorted(counts.items(), key=lambda item: -item[1])], 'trials.csv')
 
 
 def not_identical(experiment: Experiment) -> Optional[Table]:
@@ -212,17 +202,12 @@ def not_identical(experiment: Experiment) -> Optional[Table]:
                         Cell(trial.id, notable_trials.event_log(experiment, trial)),
                         trial.difference or 'not recorded')
                        for trial in experiment.complete if trial.verified == 'different']
-    if not rows:
-        return None
-    shown_rows, note = cut(rows, '', 'trials.csv')
-    return Table('Trials that were different when run again', ('configuration', 'trial', 'first difference'),
-                 shown_rows, note, is_open=True)
+    return listing('Trials that were different when run again', ('configuration', 'trial', 'first difference'), rows,
+                   'trials.csv', is_open=True)
 
 
 def robots(frame: pd.DataFrame) -> Optional[Table]:
     """Return the table of a frame of frames.robots, or None if it is empty."""
-    if frame.empty:
-        return None
     names = {'distance_m': 'distance [m]', **{state.key: f'{state.name} [s]' for state in STATES},
              'goals_begun': 'goals begun', 'goals_beyond': 'goals outside of what was recorded'}
     columns = [name for name in dict.fromkeys(frame['quantity']) if not name.startswith('goals_beyond_')]
@@ -234,20 +219,18 @@ def robots(frame: pd.DataFrame) -> Optional[Table]:
     cells: List[Row] = [
         (', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
         for (levels, robot), values in rows.items()]
-    shown_rows, note = cut(
-        cells, 'Means over the complete trials; a trial that the limit of time ended counts until then.',
-        'tables/robots.csv')
     header = ('configuration', 'robot', *(names.get(name, name) for name in columns))
-    return Table('Each robot', header, shown_rows, note)
+    return listing('Each robot', header, cells, 'tables/robots.csv',
+                   'Means over the complete trials; a trial that the limit of time ended counts until then.')
 
 
-def provenance(experiment: Experiment) -> Table:
+def provenance(experiment: Experiment) -> Optional[Table]:
     """Return the table of versions, machine and seeds with which the trials were run."""
     rows = list(_flat('', experiment.plan.get('provenance') or {}))
     seeds = list(dict.fromkeys(str(trial.seed) for trial in experiment.trials))
     shown = ', '.join(seeds[:12]) + (f', ... ({counted(len(seeds), "seeds")})' if len(seeds) > 12 else '')
     rows.append(('seeds', shown or 'none'))
-    return Table('Versions, machine, seeds', ('what', 'value'), tuple(rows[:MOST_ROWS]), is_open=True)
+    return listing('Versions, machine, seeds', ('what', 'value'), rows, 'plan.json', is_open=True)
 
 
 def _flat(name: str, value: Mapping[str, Union[Dict[str, str], int]]) -> Iterator[Tuple[str, str]]:

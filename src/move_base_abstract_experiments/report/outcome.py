@@ -189,27 +189,27 @@ def _trial(folder: Path, plan: records.Plan, planned: records.Planned, configura
         told = rows.get(planned.id) or records.read_planned(str(folder), planned)
     except ConfigurationError as error:
         return Trial(**base, status=FAILED, error=str(error))
-    return _told(base, told, plan.until) if told else Trial(**base, status=MISSING)
+    return _told(base, told) if told else Trial(**base, status=MISSING)
 
 
-def _told(base: Mapping[str, Any], told: records.Result, until: Optional[Mapping[str, int]]) -> Trial:
+def _told(base: Dict[str, Any], told: records.Result) -> Trial:
     """Return the Trial of a Result."""
+    base.update(attempts=told.attempts, properties=told.properties)
+    base['ended_by'] = sys.intern(shown_text(told.ended_by or ''))
     error = next(iter((told.error or '').strip().splitlines()), '')[:1000]
     if not told.is_complete:
         error = error or ('no reason was recorded' if told.status == FAILED else f'its status is {shown(told.status)}')
-        return Trial(**base, status=FAILED, error=error, attempts=told.attempts,
-                     ended_by=endings.ended_by(told.ended_by, None, math.nan), properties=told.properties)
-    seconds = {name: _number(getattr(told, name)) for name in _SECONDS}
+        return Trial(**base, status=FAILED, error=error)
     return Trial(
-        **base, **seconds, status=COMPLETE, error=error, repeatable=told.repeatable, attempts=told.attempts,  # type: ignore[arg-type]
+        **base, status=COMPLETE, error=error, repeatable=told.repeatable,
+        **{name: _number(getattr(told, name)) for name in _SECONDS},  # type: ignore[arg-type]
         metrics={name: _number(value) for name, value in told.metrics.items()},
         labels=tuple(sys.intern(label) for label in told.labels), open_goals=told.open_goals,
         verified=told.verified if told.verified in (records.IDENTICAL, records.DIFFERENT) else None,
-        difference=shown_text(told.difference or ''), properties=told.properties,
+        difference=shown_text(told.difference or ''),
         robots={name: {key: _number(value) for key, value in each.items()}
                 for name, each in told.robots.items() if isinstance(each, dict)},
-        waits={where: _number(value) for where, value in told.waits.items() if _number(value) >= 0.0},
-        ended_by=endings.ended_by(told.ended_by, until, seconds['simulated_seconds']))
+        waits={where: _number(value) for where, value in told.waits.items() if _number(value) >= 0.0})
 
 
 def _number(value: Any) -> float:

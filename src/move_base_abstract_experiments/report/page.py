@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 import re
 from pathlib import Path
@@ -120,14 +119,14 @@ def _page(analysis: Analysis, added: Sequence[Section],
     return dict(
         title=experiment.name, lede=_lede(experiment), warnings=_warnings(experiment), most_rows=MOST_ROWS,
         ended=_by_metric(how_ended.findings(experiment, *analysis.endings)),
-        ended_tables=list(filter(None, (
+        ended_tables=there((
             how_ended.table(experiment), *how_ended.tables(experiment, *analysis.endings),
-            listings.failures(experiment)))),
+            listings.failures(experiment))),
         results=_by_metric(each for each in told if each.is_result or each.metric not in with_result),
         no_results=_by_metric(each for each in told if not each.is_result and each.metric in with_result),
         other_results=_by_metric(others),
         findings_notes=_findings_notes(analysis), facts=_facts(experiment),
-        run_tables=list(filter(None, (listings.factors(experiment), listings.configurations(experiment)))),
+        run_tables=there((listings.factors(experiment), listings.configurations(experiment))),
         metrics_notes=_metrics_notes(experiment),
         metrics=[_metric(analysis, metric) for metric in experiment.metrics],
         sections=there((
@@ -153,39 +152,29 @@ def _lede(experiment: Experiment) -> str:
 
 def _warnings(experiment: Experiment) -> List[str]:
     """Return the warnings that a reader must see before the findings."""
-    texts = []
-    failed = sum(trial.status == FAILED for trial in experiment.trials)
-    missing = sum(trial.status == MISSING for trial in experiment.trials)
-    if failed:
-        share = 100.0 * failed / (len(experiment.trials) - missing)
-        rest = 'So there are no figures.' if not experiment.complete else \
-            'The figures of all metrics are of the other trials only: if it is the hard trials that failed, the ' \
+    complete = experiment.complete
+    failed, missing = (sum(trial.status == status for trial in experiment.trials) for status in (FAILED, MISSING))
+    share = 100.0 * failed / max(1, len(experiment.trials) - missing)
+    found = (
+        ('Trials that failed', failed, f' ({digits(share, 2)} % of those that have run). ' + (
+            'The figures of all metrics are of the other trials only: if it is the hard trials that failed, the '
             'figures look too good. A pair counts in a comparison only if both of its trials are complete.'
-        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. {rest}')
-    kept = sum(bool(trial.kept) for trial in experiment.complete)
-    if kept:
-        texts.append(f'{counted(kept, "trials")} {"was" if kept == 1 else "were"} kept from before: what '
-                     f'{"it is" if kept == 1 else "they are"} made of has changed since (see Repeatability). Means are '
-                     'over the trials of all programs; the two trials of a pair are always of the same program.')
-    incomplete = sum(bool(trial.error) for trial in experiment.complete)
-    if incomplete:
-        texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '
-                     f'{"has" if incomplete == 1 else "have"} an error, for example in the metrics: see How trials '
-                     'ended.')
-    limited = sum(trial.ended_by == endings.LIMIT for trial in experiment.complete)
-    if endings.has_limited(experiment):
-        texts.append(f'{counted(limited, "trials")} of {whole(len(experiment.complete))} complete ones '
-                     f'{"was" if limited == 1 else "were"} ended by the limit of time. Their values are cut off: '
-                     'they have no mean and are compared by order at most, except for metrics whose at_limit says that '
-                     'the value is complete.')
-    texts += filter(None, (properties.warning(experiment), validity.warning(experiment)))
-    if missing:
-        texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
-    different = sum(trial.verified == 'different' for trial in experiment.complete)
-    if different:
-        texts.append(f'{counted(different, "trials")} that {"was" if different == 1 else "were"} run again gave '
-                     'a different run: see Repeatability.')
-    return texts + design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)
+            if complete else 'So there are no figures.')),
+        ('Trials that were kept from before', sum(bool(trial.kept) for trial in complete),
+         ': what they are made of has changed since (see Repeatability). Means are over the trials of all programs; '
+         'the two trials of a pair are always of the same program.'),
+        ('Complete trials with an error', sum(bool(trial.error) for trial in complete),
+         ', for example in the metrics: see How trials ended.'),
+        ('Complete trials that the limit of time ended',
+         endings.has_limited(experiment) and sum(trial.ended_by == endings.LIMIT for trial in complete),
+         '. Their values are cut off: they have no mean and are compared by order at most, except for metrics whose '
+         'at_limit says that the value is complete.'),
+        ('Trials of the plan that have not run yet', missing, '.'),
+        ('Trials that were different when run again', sum(trial.verified == 'different' for trial in complete),
+         ': see Repeatability.'))
+    return [*(f'{what}: {whole(count)}{says}' for what, count, says in found if count),
+            *there((properties.warning(experiment), validity.warning(experiment))),
+            *design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)]
 
 
 def _findings_notes(analysis: Analysis) -> List[str]:
@@ -234,28 +223,18 @@ def _facts(experiment: Experiment) -> List[Tuple[str, str, str]]:
         slow, fast = (digits(each, 2) for each in (min(speeds), max(speeds)))
         facts.append(('Speed', f'{digits(median, 2)} times real time',
                       f'median; {slow} to {fast}' if slow != fast else ''))
-    facts += filter(None, (validity.fact(experiment),))
+    facts += there([validity.fact(experiment)])
     if len(wall):
         facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'all complete trials, one after the other'))
     return facts
 
 
-def until_text(until: Any) -> str:
+def until_text(until: Optional[Dict[str, Any]]) -> str:
     """Return in words when a trial ends, from the ``until`` of the plan."""
-    if not isinstance(until, dict) or not until:
-        return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
-    words = []
-    for key, value in until.items():
-        if value is None or value is False:
-            continue
-        if key == 'seconds' and isinstance(value, (int, float)):
-            words.append(f'{digits(float(value), 6)} s simulated')
-        elif key == 'topic':
-            words.append(f'until a message on {value if isinstance(value, str) else json.dumps(value)}')
-        elif key == 'idle':
-            words.append('until all are idle')
-        else:
-            words.append(f'{key} {value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)}')
+    forms = {'seconds': '{} s simulated', 'topic': 'until a message on {}', 'idle': 'until all are idle'}
+    words = [forms.get(key, f'{key} {{}}').format(digits(value, 6) if isinstance(value, (int, float))
+                                                  else design.level_text(value))
+             for key, value in (until or {}).items() if value not in (None, False)]
     return ', or '.join(words) or 'until it ends'
 
 
@@ -277,8 +256,8 @@ def _metric(analysis: Analysis, metric: Metric) -> Dict[str, Any]:
         return dict(about, strips=None, problem=findings.constant_text(experiment, metric, scale))
     lacking = sum(math.isnan(trial.metrics.get(metric.name, math.nan)) for trial in experiment.complete)
     if lacking:
-        about['problem'] = f'{counted(lacking, "trials")} of {whole(len(experiment.complete))} that are complete ' \
-                           f'{"has" if lacking == 1 else "have"} no value of this metric; such trials do not count.'
+        about['problem'] = f'Complete trials without a value: {whole(lacking)} of {whole(len(experiment.complete))}; ' \
+                           'they do not count.'
     cut = int(experiment.cut(metric).sum())
     if cut:
         about['problem'] += f' The limit of time ended {counted(cut, "trials")} of those that have a value: their ' \
@@ -288,12 +267,12 @@ def _metric(analysis: Analysis, metric: Metric) -> Dict[str, Any]:
     own = [[each for each in found if each.metric is metric]
            for found in (analysis.mains, analysis.singles, analysis.changes)]
     is_one = len([factor for factor in experiment.factors if len(factor.levels) > 1]) < 2
-    about['tables'] = list(filter(None, (
+    about['tables'] = there((
         listings.means(experiment, metric, scale, estimates),
         listings.differences(experiment, 'Differences between levels', own[0], scale, 'tables/main_effects.csv'),
         None if is_one and own[0] else listings.differences(
             experiment, 'Differences between configurations', own[1], scale, 'tables/differences.csv'),
-        listings.changes(experiment, own[2], scale))))
+        listings.changes(experiment, own[2], scale)))
     return about
 
 
@@ -368,26 +347,20 @@ def _repeatable(experiment: Experiment) -> Optional[Section]:
 def _method(analysis: Analysis) -> Optional[Section]:
     """Return the section that explains the intervals and tests."""
     parts = [
-        "Means of configurations have Student's 95 % interval. Shares of yes and no have Wilson's. Medians have the "
-        'interval between two order statistics, which assumes nothing about the distribution.',
-        'Comparisons are of pairs: replication k has the same seed in every configuration, so the difference within '
-        "each replication is taken first. The mean of these differences has Student's interval and test. If a mean is "
-        'over several combinations of other factors, each combination has the same weight, however many pairs it has, '
-        'and the test has the degrees of freedom of the combination with the fewest pairs. A combination with fewer '
-        'than two pairs, or with trials that the limit of time ended, is left out, and the table says so. Shares '
-        "are compared by Newcombe's interval and an exact test (McNemar's). If all differences are the same, the test "
-        'is the test of signs.',
+        "Means of configurations have Student's 95 % interval, shares of yes and no Wilson's, and medians that between "
+        'two order statistics. Comparisons are of pairs: replication k has the same seed in every configuration, so '
+        "the difference within each replication is taken first. The mean of these differences has Student's interval "
+        "and test; shares have Newcombe's interval and an exact test (McNemar's). If all differences are the same, the "
+        'test is the test of signs.',
+        'In a mean over several combinations of other factors each combination has the same weight, and the test has '
+        'the degrees of freedom of the combination with the fewest pairs. A combination with fewer than two pairs, or '
+        'with trials that the limit of time ended, is left out, and the table says so.',
         'p is the probability of a difference at least as large if nothing differed, for one comparison by itself. '
-        'Holm p takes all comparisons of the same kind on this page into account: if nothing differed, at least one of '
-        'them would be below 5 % in at most 5 % of experiments. These kinds are counted separately: between levels; '
+        'Holm p takes all comparisons of the same kind on this page into account. These kinds are: between levels; '
         'between configurations; how a difference depends on another factor; the primary metric, if one is named; '
         'each way in which trials ended.',
-        'Values that are not whole numbers and differ by less than 1e-11 of their size count as the same: sums in '
-        'another order differ by as much.',
-        'Values or differences are called skewed if there are fewer of them than 25 times their squared skewness '
-        '(Cochran), and the skewness is not by chance (p < 1 %). Then their median is given, too.',
-        'Figures are rounded to one or two digits of the half width of their interval; figures without an interval '
-        "usually have four digits. The files in tables/ have ten digits, in the metrics' own units."]
+        'Values that are not whole numbers and differ by less than 1e-11 of their size count as the same. Figures are '
+        'rounded to one or two digits of the half width of their interval; the files in tables/ have ten digits.']
     return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Optional
 
 from .. import frames
-from ..listings import cut
-from ..parts import Section, Table
+from ..listings import listing
+from ..parts import Section
 from ..wording import UNKNOWN, Scale, estimate_texts, whole
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ def section(experiment: Experiment) -> Optional[Section]:
         levels = ', '.join(str(record[name]) for name in factors if record[name] != '')
         rows.append((levels or UNKNOWN, record['where'], whole(record['n']), value,
                      f'{low} to {high}' if low else UNKNOWN))
-    rows, note = cut(rows, 'Means over the complete trials; a trial in which no robot waited there counts as 0 s. '
-                     'A robot that waits for two areas at once counts at each of them.', 'tables/waits.csv')
-    table = Table('Waiting by place, zone and lane', ('configuration', 'where', 'trials', 'mean per trial',
-                                                      '95 % interval'), rows, note, is_open=len(rows) <= 24)
+    table = listing('Waiting by place, zone and lane', (
+        'configuration', 'where', 'trials', 'mean per trial', '95 % interval'), rows, 'tables/waits.csv',
+        'Means over the complete trials; a trial in which no robot waited there counts as 0 s. '
+        'A robot that waits for two areas at once counts at each of them.', is_open=len(rows) <= 24)
     return Section(HEADING, ('The time for which robots stood and waited for room, summed over all robots.', table))

@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING, Dict, List, Optional, Sequence
 from .. import effects, endings, listings
 from ..findings import of_differences
 from ..outcome import COMPLETE, FAILED
-from ..parts import Table
 from ..wording import UNKNOWN, Scale, whole, with_interval
 
 if TYPE_CHECKING:
     from ..effects import Difference
     from ..findings import Finding
     from ..outcome import Experiment, Trial
+    from ..parts import Table
 
-MOST_ROWS = 200
 MOST_OPEN = 16  # a table with more rows is folded
 SCALE = Scale(100.0, '%')
 _HEADERS = {'failed': 'share that failed', 'limit': 'share ended by the limit of time'}
@@ -49,11 +48,9 @@ def _compared(experiment: Experiment, mains: Sequence[Difference],
 def table(experiment: Experiment) -> Optional[Table]:
     """Return the table of how the trials of each configuration ended, or None if experiment.outcomes is empty."""
     outcomes = experiment.outcomes
-    if not outcomes:
-        return None
     shares = [effects.summary(experiment, metric) for metric in outcomes]
-    rows = []
-    for configuration in experiment.configurations:
+    rows: List[listings.Row] = []
+    for configuration in experiment.configurations if outcomes else ():
         own = experiment.trials_of(configuration)
         counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED)]
         cells = [with_interval(each[configuration.place], SCALE) if each[configuration.place].n else UNKNOWN
@@ -61,8 +58,8 @@ def table(experiment: Experiment) -> Optional[Table]:
         rows.append((configuration.label, whole(sum(counts)), whole(counts[1]), *cells, _ends_text(own)))
     header = ('configuration', 'run', 'failed', *(f'{_HEADERS[metric.outcome]} (95 % interval)' for metric in outcomes),
               'ended by')
-    return Table('How trials ended, by configuration', header, tuple(rows[:MOST_ROWS]), _NOTE,
-                 is_open=len(rows) <= MOST_OPEN)
+    return listings.listing('How trials ended, by configuration', header, rows, 'trials.csv', _NOTE,
+                            len(rows) <= MOST_OPEN)
 
 
 def _ends_text(trials: Sequence[Trial]) -> str:

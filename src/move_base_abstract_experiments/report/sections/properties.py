@@ -7,8 +7,8 @@ from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
 from move_base_abstract.runs.built_in import ALL, BUILT_IN, SOMETIMES
 
 from .. import notable_trials
-from ..listings import cut
-from ..parts import Cell, Section, Table
+from ..listings import listing
+from ..parts import Cell, Section, there
 from ..wording import UNKNOWN, counted, listed, whole
 
 if TYPE_CHECKING:
@@ -131,21 +131,14 @@ def section(experiment: Experiment) -> Optional[Section]:
     rows: Any = [_row(experiment, each) for each in found if each.key[0] != SOMETIMES]
     seen: Any = [(_title(each.key), whole(each.held), whole(_stated(experiment, each.key) - each.held))
             for each in found if each.key[0] == SOMETIMES]
-    parts: List[Any] = []
-    if rows:
-        rows, note = cut(rows, _NOTE, 'properties.csv')
-        parts.append(Table('What must hold', (
-            'property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'details'), rows,
-            note, is_open=True))
-    never = [each for each in seen if each[1] == whole(0)]
-    if never:
-        parts.append(f'Came true in no trial: {listed([each[0] for each in never[:MOST_TOLD]])}'
-                     f'{" and others" if len(never) > MOST_TOLD else ""}. No trial tests what depends on it.')
-    if seen:
-        seen, note = cut(seen, 'Only trials in which the statement was made count.', 'properties.csv')
-        header = ('statement', 'came true in', 'did not come true in')
-        parts.append(Table('What should come true now and then', header, seen, note, is_open=True))
-    return Section(HEADING, tuple(parts))
+    never = [each[0] for each in seen if each[1] == whole(0)]
+    return Section(HEADING, tuple(there((
+        listing('What must hold', ('property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed',
+                                   'at [s]', 'details'), rows, 'properties.csv', _NOTE, is_open=True),
+        f'Came true in no trial: {listed(never[:MOST_TOLD])}{" and others" if len(never) > MOST_TOLD else ""}. '
+        'No trial tests what depends on it.' if never else '',
+        listing('What should come true now and then', ('statement', 'came true in', 'did not come true in'), seen,
+                'properties.csv', 'Only trials in which the statement was made count.', is_open=True)))))
 
 
 def _row(experiment: Experiment, count: Count) -> Tuple[Union[str, Cell], ...]:
