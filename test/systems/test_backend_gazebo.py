@@ -8,6 +8,7 @@ import unittest
 import rospy
 import warm
 from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from robot_harness import GUARD, Record, go, pose_stamped, simple_client
 from rosgraph_msgs.msg import Log
@@ -35,6 +36,8 @@ LAUNCH_FILE = """
         gazebo_model: husky
         gazebo_reference_frame: field
         gazebo_z: 0.25
+        buggify: {jump: 1.0}
+        buggify_seed: 1
       </rosparam>
     </node>
   </group>
@@ -112,6 +115,8 @@ class GazeboBackend(unittest.TestCase):
 
     def test_4_poses_come_on_the_way_and_the_pose_topics_tell_the_same(self):
         truth = Record('/robot_1/base_pose_ground_truth', Odometry)
+        amcl = Record('/robot_1/amcl_pose', PoseWithCovarianceStamped)
+        amcl.wait_for()
         truth.wait_for(lambda message: message.pose.pose.position.x == 0.0)  # latched; after it, all messages are heard
         self.assertEqual(go(self.robots[1], pose_stamped(20.0)), REACHED)
         self.gazebo.wait_for('husky', 20.0, 0.0)
@@ -120,6 +125,7 @@ class GazeboBackend(unittest.TestCase):
         shown = {state.pose.position.x for state in self.gazebo.states if state.model_name == 'husky'}
         self.assertTrue([x for x in shown if 0.0 < x < 20.0])
         self.assertEqual(shown - told - {0.0}, set())
+        self.assertTrue([one for one in amcl.messages if one.pose.pose.position.y != 0.0], 'no jump is told')
 
     def test_5_a_slow_gazebo_holds_no_robot_up(self):
         self.gazebo.answers.clear()

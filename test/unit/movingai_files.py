@@ -1,55 +1,23 @@
-"""Maps and scenarios in the format of the MovingAI benchmarks, and an own reckoning of their optimum.
+"""Maps and problems in the format of the MovingAI benchmarks (move_base_abstract_mapf.movingai), and their optima.
 
-A .map file: ``type octile``, ``height``, ``width``, ``map``, then rows from the north, '.' being free. A .scen file: a
-version, then lines of bucket, map, width, height, start x, start y, goal x, goal y, optimum; y counts from the north.
 Steps are straight (1) or diagonal (square root of 2); a diagonal one needs both cells beside it to be free.
 """
 import heapq
 import math
 from pathlib import Path
-from typing import NamedTuple, Tuple
 
-import numpy as np
+from move_base_abstract_mapf.movingai import is_free, read_map
 
 FOLDER = Path(__file__).parent / 'movingai'
 
 
-class Problem(NamedTuple):
-    """Start and goal (column, row from the north) and the length of the shortest way over the cells [cells]."""
-
-    start: Tuple[int, int]
-    goal: Tuple[int, int]
-    optimum: float
-
-
-def read_map(path):
-    """Return which cells of a .map file are blocked, [row from the north, column]."""
-    lines = path.read_text(encoding='ascii').split('\n')
-    head = dict(line.split() for line in lines[:3])
-    assert head['type'] == 'octile' and lines[3] == 'map'
-    blocked = np.array([[letter not in '.G' for letter in line] for line in lines[4:4 + int(head['height'])]])
-    assert blocked.shape == (int(head['height']), int(head['width']))
-    return blocked
-
-
-def read_problems(path):
-    """Return the [Problem] of a .scen file."""
-    lines = path.read_text(encoding='ascii').strip().split('\n')
-    assert lines[0] == 'version 1'
-    problems = []
-    for line in lines[1:]:
-        words = line.split('\t')
-        x, y, goal_x, goal_y = map(int, words[4:8])
-        problems.append(Problem((x, y), (goal_x, goal_y), float(words[8])))
-    return problems
+def optima(path):
+    """Return the lengths of the shortest ways over the cells [cells] that a .scen file names, in its order."""
+    return [float(line.split('\t')[8]) for line in path.read_text(encoding='ascii').split('\n')[1:-1]]
 
 
 def optimum(blocked, start, goal):
     """Return the (straight, diagonal) steps of the shortest way [column, row], or None: Dijkstra by floats."""
-    rows, columns = blocked.shape
-
-    def is_free(x, y):
-        return 0 <= x < columns and 0 <= y < rows and not blocked[y, x]
     best = {start: (0, 0)}
     queue = [(0.0, start)]
     done = set()
@@ -63,7 +31,7 @@ def optimum(blocked, start, goal):
         straight, diagonal = best[x, y]
         for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)):
             cell = x + dx, y + dy
-            if is_free(*cell) and is_free(x + dx, y) and is_free(x, y + dy):
+            if all(is_free(blocked, one) for one in (cell, (x + dx, y), (x, y + dy))):
                 steps = straight + (0 in (dx, dy)), diagonal + (0 not in (dx, dy))
                 if cell not in best or _length_of(steps) < _length_of(best[cell]) - 1e-9:
                     best[cell] = steps

@@ -14,7 +14,8 @@ from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.maps.planning_grid import PARTS, PlanningGrid
 from move_base_abstract.maps.tightening import is_taut, tightened
 from move_base_abstract.motion.geometry import Pose2D
-from movingai_files import FOLDER, read_map
+from move_base_abstract_mapf.movingai import read_map
+from movingai_files import FOLDER
 
 #: by map: how much longer than the shortest ways may be on average, and how many of 20 have to be the shortest. A way
 #: may pass an obstacle on the side that is not the shorter one; a bend adds nothing

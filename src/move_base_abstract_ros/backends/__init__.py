@@ -29,19 +29,14 @@ if TYPE_CHECKING:
     from ..clocks.timing import Timing
     from ..robot.names import RobotNames
 
-Backend = Union[BuiltinBackend, GazeboBackend, StageBackend]
-
-
-def _gazebo(names: RobotNames, settings: RobotSettings) -> GazeboBackend:
-    return GazeboBackend(names, settings, BuiltinBackend)
-
+Backend = Union[BuiltinBackend, StageBackend]
 
 BUILTIN = ('builtin', 'virtual_robots')
 STAGE = ('stage_ros', 'stage')
 BACKENDS: Dict[str, Callable[[RobotNames, RobotSettings], Backend]] = {
     **dict.fromkeys(BUILTIN, BuiltinBackend),
     **dict.fromkeys(STAGE, StageBackend),
-    'gazebo': _gazebo,
+    'gazebo': GazeboBackend,
 }
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple, Type
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Tuple, Type
 
 import rospy
 
@@ -12,65 +12,44 @@ from move_base_abstract.common.errors import ConfigurationError
 from ..clocks.throttle import WallThrottle
 from ..messages import conversions
 from . import clock_check
+from .builtin import BuiltinBackend
 
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
     from move_base_abstract.config.settings import RobotSettings
 
     from ..robot.names import RobotNames
-    from .builtin import BuiltinBackend
 
 SERVICE = '/gazebo/set_model_state'
 _RETRY_SECONDS = 1.0
 _WARNINGS_RATE = 0.2  # Hz, wall
 
 
-class GazeboBackend:
-    """Calls ``/gazebo/set_model_state``. ``display(names, settings)`` makes the backend for tf and the pose topics.
+class GazeboBackend(BuiltinBackend):
+    """Calls ``/gazebo/set_model_state``, and publishes tf and the pose topics as the built-in backend does.
 
     :raises ConfigurationError: if the package gazebo_msgs is not installed.
     """
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, display: Type[BuiltinBackend]) -> None:
+    def __init__(self, names: RobotNames, settings: RobotSettings) -> None:
         self._types = _import_types(names.private)
         self._model = settings.values['gazebo_model'] or names.robot
         self._reference_frame = settings.values['gazebo_reference_frame']
         self._z = settings.values['gazebo_z']
-        self._display = display(names, settings)
-        self.frames = self._display.frames
+        super().__init__(names, settings)
         clock_check.warn_of_machine_clock('Gazebo')
 
     def place(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> None:
         """Publish the pose, and make the worker send it to Gazebo."""
-        self._display.place(pose, velocity, stamp_ns)
+        super().place(pose, velocity, stamp_ns)
         message = conversions.to_pose(pose)
         message.position.z = self._z
         state = self._types.ModelState(model_name=self._model, pose=message, reference_frame=self._reference_frame)
         _worker(self._types.SetModelState).put(self._model, state)
 
-    def rests(self, pose: Pose2D, stamp_ns: int) -> None:
-        """Publish that the robot stands."""
-        self._display.rests(pose, stamp_ns)
-
-    def is_odometry_heard(self) -> int:
-        """Return which nodes listen to odometry or ground truth: NOBODY (0), ONLOOKERS or PARTICIPANTS."""
-        return self._display.is_odometry_heard()
-
-    def looks(self, pose: Pose2D, stamp_ns: int) -> None:
-        """Publish tf at the instant of a scan."""
-        self._display.looks(pose, stamp_ns)
-
-    def heartbeat(self, pose: Pose2D, stamp_ns: int) -> None:
-        """Publish tf."""
-        self._display.heartbeat(pose, stamp_ns)
-
-    def restart(self) -> None:
-        """Allow earlier stamps, because time has started anew."""
-        self._display.restart()
-
     def close(self) -> None:
         """Unregister the topics. The model stays where it is."""
-        self._display.close()
+        super().close()
         _worker(self._types.SetModelState).forget(self._model)
 
 
@@ -139,23 +118,23 @@ class _Caller:
         return '' if answer.success else 'Gazebo says: {}'.format(answer.status_message)
 
 
-class _Types:
+class _Types(NamedTuple):
     """The two types of gazebo_msgs that this module uses."""
 
-    def __init__(self) -> None:
-        from gazebo_msgs.msg import ModelState
-        from gazebo_msgs.srv import SetModelState
-        self.ModelState, self.SetModelState = ModelState, SetModelState
+    ModelState: Any
+    SetModelState: Any
 
 
 def _import_types(where: str) -> _Types:
     try:
-        return _Types()
+        from gazebo_msgs.msg import ModelState
+        from gazebo_msgs.srv import SetModelState
     except ImportError as error:
         raise ConfigurationError(
             "parameter {}/backend: got 'gazebo', which needs the ROS package gazebo_msgs ({}); install it (ROS Noetic: "
             'apt install ros-noetic-gazebo-msgs; Debian has none, build it from gazebo_ros_pkgs 2.9) or choose '
             'another backend'.format(where, error)) from None
+    return _Types(ModelState, SetModelState)
 
 
 _lock = threading.Lock()

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Mapping, Optional, Tuple
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -15,7 +15,6 @@ from move_base_abstract.maps.lane_map import LaneMap
 from . import robot_markers
 
 if TYPE_CHECKING:
-    from move_base_abstract.maps.lane_map import Edge
     from move_base_abstract.scenario import Scenario
     from move_base_abstract.tasks.places import Place
     from move_base_abstract.tasks.room import Room
@@ -63,14 +62,17 @@ class Use:
 
 
 class AreaMarkers:
-    """One zone, place or lane on the board of its process.
+    """One zone, place or lane, or all nodes, on the board of its process.
 
-    ``use()`` returns its :class:`Use`; it is called with the clock's lock held.
+    ``use()`` returns its :class:`Use`; it is called with the clock's lock held. ``markers(look, use)``: those that show
+    it.
     """
 
-    def __init__(self, board: Any, look: AreaLook, use: Callable[[], Use]) -> None:
+    def __init__(self, board: Any, look: AreaLook, use: Callable[[], Use],
+                 markers: Optional[Callable[[AreaLook, Use], List[Any]]] = None) -> None:
         self.look = look
         self._use = use
+        self._markers = markers or draw
         self._drawn = None
         self._board = board
         board.add(self)
@@ -84,7 +86,7 @@ class AreaMarkers:
         if view == self._drawn:
             return []
         self._drawn = view
-        return draw(self.look, view)
+        return self._markers(self.look, view)
 
     def forget_drawn(self) -> None:
         """Draw the area next time, since a new subscriber has seen nothing yet."""
@@ -95,10 +97,11 @@ class AreaMarkers:
         return self._use()
 
 
-def add(clock: Clock, scenario: Scenario, traffic: Traffic,
-        rooms: Any) -> None:
+def add(clock: Clock, scenario: Scenario, traffic: Traffic, rooms: Any) -> None:
     """Draw the zones, places and lanes of a ``scenario`` from now on; ``rooms`` is Rooms, or None without places."""
-    edges = _edges(scenario)
+    nets = list({spec.settings.network.source: spec.settings.network for spec in scenario.robots
+                 if isinstance(spec.settings.network, LaneMap)}.values())
+    edges = [edge for net in nets for edge in net.edges]
     if not scenario.zones and not edges and not (rooms is not None and rooms.places):
         return
     defaults = scenario.defaults
@@ -106,7 +109,9 @@ def add(clock: Clock, scenario: Scenario, traffic: Traffic,
     frame, size = str(defaults.get('global_frame', 'map')), float(defaults.get('marker_size', 1.0))
     told = _Traffic(traffic, board)
     if edges:
-        _Nodes(board, AreaLook(_NODES, frame, (), size), _nodes(scenario))
+        nodes = {name: (pose.x, pose.y) for net in nets for name, pose in net.nodes.items()}
+        AreaMarkers(board, AreaLook(_NODES, frame, (), size), partial(Use, _NODES),
+                    lambda look, _use: draw_nodes(look, nodes))
     for kind, name, points, capacity, one_way in [
             *(('zone', zone.name, zone.outline.points, zone.capacity, False) for zone in scenario.zones),
             *(('lane', '{} - {}'.format(edge.begin, edge.end), edge.points, edge.capacity, edge.one_way)
@@ -119,45 +124,6 @@ def add(clock: Clock, scenario: Scenario, traffic: Traffic,
                            partial(_use_of_place, place, room))
         if room is not None:
             room.follow(area.changed)
-
-
-def _nets(scenario: Scenario) -> List[LaneMap]:
-    """Return the nets of lanes of a scenario: [LaneMap]."""
-    return list({spec.settings.network.source: spec.settings.network for spec in scenario.robots
-                 if isinstance(spec.settings.network, LaneMap)}.values())
-
-
-def _edges(scenario: Scenario) -> List[Edge]:
-    """Return all lanes of a scenario, also those without a capacity: [Edge]."""
-    return [edge for net in _nets(scenario) for edge in net.edges]
-
-
-def _nodes(scenario: Scenario) -> Dict[str, Tuple[float, float]]:
-    """Return the nodes of the lanes of a scenario: {name: (x, y) [m]}."""
-    return {name: (pose.x, pose.y) for net in _nets(scenario) for name, pose in net.nodes.items()}
-
-
-class _Nodes:
-    """The nodes of nets of lanes, which never change, on the board of their process."""
-
-    def __init__(self, board: Any, look: AreaLook, nodes: Mapping[str, Tuple[float, float]]) -> None:
-        self.look = look
-        self._markers = draw_nodes(look, nodes)
-        self._is_drawn = False
-        board.add(self)
-
-    def draw(self, _view: Use) -> List[Any]:
-        """Return the markers; [] if they have been drawn."""
-        markers, self._is_drawn = [] if self._is_drawn else self._markers, True
-        return markers
-
-    def forget_drawn(self) -> None:
-        """Draw the nodes next time, since a new subscriber has seen nothing yet."""
-        self._is_drawn = False
-
-    def view(self, _now_ns: int) -> Use:
-        """Return a Use that is always the same."""
-        return Use(_NODES)
 
 
 class _Traffic:
