@@ -7,7 +7,7 @@ import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from robot_harness import GUARD, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped, simple_client
 
 from move_base_abstract.srv import SetPose
 
@@ -183,17 +183,6 @@ class BuiltinBackend(unittest.TestCase):
         self.assertEqual([(message.pose.position.x, message.pose.position.y) for message in records.messages[-2:]],
                          [(7.0, 7.0), (7.0, 8.0)])
 
-    def test_a_robot_that_is_teleported_on_its_way_goes_on_to_its_goal(self):
-        self.put()
-        goal_id = self.client.send(pose_stamped(1000.0))
-        self.client.wait_for_state(goal_id, GoalStatus.ACTIVE)
-        odom = Record('/robot_0/odom', Odometry)
-        self.put(980.0)
-        jump_ns = odom.wait_for(lambda message: message.pose.pose.position.x == 980.0).header.stamp.to_nsec()
-        ended = self.client.ending(goal_id)
-        self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
-        self.assertEqual(ended.header.stamp.to_nsec() - jump_ns, 10_000_000_000)
-
     def test_latest_tf_is_the_robots_pose_after_a_cancel(self):
         self.put()
         goal_id = self.client.send(pose_stamped(1000.0))
@@ -205,9 +194,3 @@ class BuiltinBackend(unittest.TestCase):
         later = self.buffer.lookup_transform('map', 'robot_0/base_link', stamp + rospy.Duration(0.5),
                                              rospy.Duration(100.0)).transform.translation.x
         self.assertAlmostEqual(later, stop, places=9)
-
-    def test_go_and_teleport_end_where_they_should(self):
-        self.put()
-        self.assertEqual(go(self.simple, pose_stamped(2.0, 2.0, -1.0)), REACHED)
-        Record('/robot_0/robot_pose', PoseStamped).wait_for(
-            lambda message: (message.pose.position.x, message.pose.position.y) == (2.0, 2.0))

@@ -125,12 +125,6 @@ class ContractInterface(unittest.TestCase):
         first = plan.poses[0].pose.position
         self.assertEqual((first.x, first.y), (5.0, 6.0))
 
-    def test_make_plan_to_a_place_out_of_reach_is_empty_or_ends_near_it_within_the_tolerance(self):
-        name = '/robot_0/move_base/make_plan'
-        self.assertEqual(call(name, GetPlan, PoseStamped(), pose_stamped(OUTSIDE), 5.0).plan.poses, [])
-        near = call(name, GetPlan, PoseStamped(), pose_stamped(OUTSIDE), 15.0).plan.poses
-        self.assertEqual([pose.pose.position.x for pose in near[-2:]], [1000.0, OUTSIDE])
-
     def test_make_plan_is_refused_while_a_goal_is_active_but_not_the_planners_own(self):
         goal_id = self.client.send(pose_stamped(900.0))
         self.client.wait_for_state(goal_id, GoalStatus.ACTIVE)
@@ -173,24 +167,6 @@ class ContractInterface(unittest.TestCase):
         self.assertEqual((answer['max_vel_theta'], answer['max_vel_x']), (1.5, 2.0))
         dwa = Client('/robot_0/move_base/DWAPlannerROS', timeout=GUARD)
         self.assertEqual(dwa.update_configuration({'max_vel_theta': 0.9, 'vx_samples': 5})['vx_samples'], 5)
-
-    def test_a_goal_in_base_link_is_relative_to_the_robot_at_its_stamp(self):
-        self.home()
-        self.assertEqual(go(self.simple, pose_stamped(10.0, 0.0, math.pi / 2)), REACHED)
-        odom = Record('/robot_0/odom', Odometry)
-        self.assertEqual(go(self.simple, pose_stamped(3.0, frame='robot_0/base_link')), REACHED)
-        # Not the present time: the result may have overtaken /clock, and at that time the robot was not there yet.
-        arrived = odom.wait_for(lambda message: abs(message.pose.pose.position.y - 3.0) < 1e-9).header.stamp
-        self.assertEqual(go(self.simple, pose_stamped(1.0, frame='robot_0/base_link', stamp=arrived)), REACHED)
-        odom.wait_for(lambda message: abs(message.pose.pose.position.y - 4.0) < 1e-9)
-
-    def test_a_goal_stamped_in_the_future_of_a_moving_frame_starts_then(self):
-        self.home()
-        stamp = rospy.Time.now() + rospy.Duration(100.0)
-        goal_id = self.client.send(pose_stamped(20.0, frame='robot_0/base_link', stamp=stamp))
-        ended = self.client.ending(goal_id)
-        self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
-        self.assertEqual(ended.header.stamp - stamp, rospy.Duration(10.0))
 
     def test_a_goal_in_a_frame_of_tf_is_transformed(self):
         self.home()
@@ -236,23 +212,6 @@ class ContractInterface(unittest.TestCase):
             self.assertEqual(state, GoalStatus.ABORTED)
             self.assertIn("Failed to transform the goal pose from '{}' into the 'map' frame".format(frame), text)
             self.assertIn(hint, text)
-
-    def test_unknown_frames_wait_until_cancelled_where_that_is_configured(self):
-        for frame in ('/map', ''):
-            goal_id = self.upstream.send(pose_stamped(1.0, frame=frame))
-            start_ns = active_since_ns(self.upstream, goal_id)
-            self.upstream.status.wait_for(
-                lambda array, start_ns=start_ns: array.header.stamp.to_nsec() > start_ns + 60_000_000_000)
-            self.assertEqual(self.upstream.endings(goal_id), [])
-            self.upstream.cancel(goal_id)
-            self.assertEqual(self.upstream.ending(goal_id).status.status, GoalStatus.PREEMPTED)
-
-    def test_a_goal_out_of_reach_aborts_at_once_with_upstreams_text(self):
-        goal_id = self.client.send(pose_stamped(OUTSIDE))
-        start_ns = active_since_ns(self.client, goal_id)
-        ended = self.client.ending(goal_id)
-        self.assertEqual((ended.status.status, ended.status.text), (GoalStatus.ABORTED, NO_PLAN))
-        self.assertEqual(ended.header.stamp.to_nsec(), start_ns)
 
     def test_a_goal_out_of_reach_takes_upstreams_time_where_that_is_configured(self):
         recoveries = Record.fresh('/robot_1/move_base/recovery_status', RecoveryStatus)

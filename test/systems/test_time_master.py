@@ -142,12 +142,6 @@ class TimeMasterTest(unittest.TestCase):
         self.assertEqual((state.mode, state.effective_factor, state.busy_factor), ('scaled', 50.0, BUSY_FACTOR))
         self.state.wait('achieved 50', lambda state: abs(state.achieved_factor - 50.0) < 0.5, mark)
 
-    def test_bad_factors_are_refused_by_the_service_with_what_is_allowed(self):
-        for bad in BAD_FACTORS:
-            answer = self.call('set_factor', SetFactor, bad)
-            self.assertFalse(answer.success)
-            self.assertIn('from 0.01 to 1000000', answer.message)
-
     def test_bad_factors_on_the_topic_are_refused_with_the_sender_named(self):
         publisher = rospy.Publisher('/sim_time_factor', Float64, queue_size=20)
         wait_for('a connection', publisher.get_num_connections)
@@ -179,14 +173,6 @@ class TimeMasterTest(unittest.TestCase):
             self.assertEqual(answer.target, before + rospy.Duration(0, 123456789))
             self.assertEqual(self.end_of(answer.target), answer.target)
 
-    def test_steps_called_in_a_row_add_up(self):
-        self.client.set_factor(10.0)
-        self.client.pause()
-        before = self.clock.wait_for_count(3, self.clock.mark())[-1].clock
-        targets = [self.client.step(0.25) for _ in range(4)]
-        self.assertEqual(targets[-1], before + rospy.Duration(1))
-        self.assertEqual(self.end_of(targets[-1]), targets[-1])
-
     def test_run_until_ends_exactly_and_tells_its_target(self):
         self.client.set_factor(10.0)
         target = self.clock.wait_for_count(1, self.clock.mark())[-1].clock + rospy.Duration(5, 1)
@@ -195,16 +181,6 @@ class TimeMasterTest(unittest.TestCase):
         self.state.wait('the target', lambda state: state.run_until == target, mark)
         self.client.wait_until(target, GUARD)
         self.assertEqual(self.end_of(target), target)
-
-    def test_bad_steps_and_targets_are_refused(self):
-        for bad in (rospy.Duration(0), rospy.Duration(-1, 5), rospy.Duration(2 ** 31 - 1, 0)):
-            answer = self.call('step', Step, bad)
-            self.assertFalse(answer.success)
-            self.assertIn('more than 0', answer.message)
-        for bad in (rospy.Time(0), rospy.Time(0, 5), rospy.Time(2 ** 32 - 1)):
-            answer = self.call('run_until', RunUntil, bad)
-            self.assertFalse(answer.success)
-            self.assertIn('from the present', answer.message)
 
     # ---- holds ----
 
@@ -224,13 +200,6 @@ class TimeMasterTest(unittest.TestCase):
         self.assertIn('holders are: a', again.message)
         self.assertTrue(self.call('release', ReleaseHold, 'a').success)
         self.state.wait('factor 10', lambda state: state.effective_factor == 10.0, self.state.mark())
-
-    def test_bad_holds_are_refused(self):
-        self.assertIn('empty', self.call('hold', AcquireHold, '', 1.0).message)
-        for bad in (0.0, -1.0, math.nan, math.inf, 1e6):
-            answer = self.call('hold', AcquireHold, 'a', bad)
-            self.assertFalse(answer.success)
-            self.assertIn("hold by 'a': timeout must be more than 0 and at most 86400 s", answer.message)
 
     def test_a_holder_that_dies_is_released_and_named_in_the_log(self):
         mark = self.log.mark()

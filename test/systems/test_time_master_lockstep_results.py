@@ -94,19 +94,6 @@ class LockstepResultsTest(LockstepCase):
         done = self.run_script('compare', whole, self.path('early.jsonl'))
         self.assertIn('early.jsonl has no end record', done.stdout)
 
-    def test_messages_between_participants_are_logged_where_that_is_wished(self):
-        self.start(participants=['/a', '/b'], event_log=self.path('run.jsonl'), log_messages=True)
-        first, second = self.join('/a'), self.join('/b')
-        first.turn(items=raw.subscribe(1, '/topic'))
-        second.turn(items=raw.advertise(1, '/topic'))
-        first.turn()
-        second.turn(items=raw.send(1, 'hello'))
-        self.assertEqual(first.turn().items, [('deliver', 1, second.own_id, b'hello')])
-        self.end()
-        events, _ = self.events(self.path('run.jsonl'))
-        self.assertEqual([event[1:3] for event in events], [('/topic', 'message')])
-        self.assertEqual(json.loads(events[0][3])[:3], ['/b', '/a', 5])
-
     # ---- why ----
 
     def why(self, *arguments):
@@ -168,27 +155,6 @@ class LockstepResultsTest(LockstepCase):
         self.assertIn('do not take part): ' + ', '.join(state.bystanders), self.why())
 
     # ---- the end ----
-
-    def test_the_run_ends_when_idle_where_that_is_wished(self):
-        self.start(participants=['/a'], end_when_idle=True, event_log=self.path('run.csv'))
-        client = self.join('/a')
-        client.turn(next_ns=START + 5)
-        client.turn(items=raw.log('robot', 'done', '[]'))
-        self.assertIn('idle', client.end())
-        self.assertEqual(self.process.wait(GUARD), 0, self.output())
-        events, end = self.events(self.path('run.csv'))
-        self.assertEqual([event[:3] for event in events], [(START + 5, 'robot', 'done')])
-        self.assertIn('idle', end['reason'])
-        self.assertFalse(self.master.hasParam('/time_master/lockstep_address'))
-
-    def test_the_run_ends_at_its_end_or_with_who_leaves(self):
-        self.start(participants=['/a'], end_at=2.5)
-        self.join('/a').turn(next_ns=3 * START)
-        self.assertEqual(self.process.wait(GUARD), 0, self.output())
-        self.launch(mode='lockstep', participants=['/a'], end_with=['a'])
-        self.address = self.address_now()
-        self.join('/a').turn(leaving=True)
-        self.assertEqual(self.process.wait(GUARD), 0, self.output())
 
     def test_a_deadlock_is_no_good_end(self):
         self.start(participants=['/a'], end_when_idle=True)
