@@ -18,6 +18,8 @@ import threading
 import time
 from types import SimpleNamespace
 
+import in_lockstep
+from in_lockstep import printed
 from scenarios import Condition, repeated
 from waiting import GUARD, read
 from warm import Loopback
@@ -26,7 +28,6 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(HERE, 'unmodified')
-_ROS_LOG = re.compile(r'^(\x1b\[[0-9;]*m)?\[ ?(DEBUG|INFO|WARN|ERROR|FATAL)\]')
 _COLOURS = re.compile(r'\x1b\[[0-9;]*m')
 
 
@@ -41,8 +42,7 @@ class Run:
 
     def printed(self, name):
         """Return the lines that a program printed, without ROS's log, which has wall times."""
-        return [line for line in self.outputs[name].splitlines() if line.strip() and not _ROS_LOG.match(line)
-                and line != '\x1b[0m']
+        return printed(self.outputs[name])
 
     def logged(self, name, level):
         """Return ROS's log lines of a level, such as WARN."""
@@ -167,9 +167,7 @@ def assert_same(case, runs, labelled=()):
     """
     first = runs[0]
     for run in runs:
-        for number, (line, its) in enumerate(zip(first.log.split(b'\n'), run.log.split(b'\n')), 1):
-            case.assertEqual(line, its, 'line {} of the event log'.format(number))
-        case.assertEqual(first.log, run.log)
+        in_lockstep.assert_same(case, first.log.split(b'\n'), run.log.split(b'\n'), 'line of the event log')
         for name in first.outputs:
             case.assertEqual(first.printed(name), run.printed(name), name)
         labels = list(run.state.not_repeatable_because) + list(run.state.degraded_because)

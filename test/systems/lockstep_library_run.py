@@ -10,7 +10,7 @@ import shutil
 import sys
 from functools import cached_property
 
-from logged import Logged
+from in_lockstep import Logged
 from scenarios import Condition
 from waiting import read, wait_for_end
 from warm import Loopback

@@ -8,8 +8,8 @@ import os
 import signal
 
 import rosgraph
+from in_lockstep import Logged
 from lockstep_library_run import assert_heard, look_on
-from logged import Logged
 from scenarios import Condition, repeated
 from waiting import GUARD, read, wait_for_end
 from warm import Loopback

@@ -1,8 +1,14 @@
-"""A temporary folder for each test, and files in it; or a package of others that nobody has built."""
+"""A temporary folder for each test, files in it or a package of others that nobody built, and programs run there."""
 import os
 import shutil
 import tempfile
 
+import warm
+
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 300.0  # s, wall; only ends a run that would never end
 _MANIFEST = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
@@ -12,6 +18,7 @@ class OwnFolder:
 
     def setUp(self):
         """Make the folder."""
+        self.environment = dict(os.environ)  # of the programs that the test runs
         self.folder = tempfile.mkdtemp(prefix='own_folder_')
         self.addCleanup(shutil.rmtree, self.folder)
 
@@ -25,6 +32,17 @@ class OwnFolder:
             stream.write(text)
         os.chmod(self.path(name), mode)
         return self.path(name)
+
+    def run_it(self, program, *words, cwd=None):
+        """Run a program of this package to its end, in the folder or in ``cwd``; return (exit code, output)."""
+        done = warm.run([find_executable(program), *words], self.environment, cwd or self.folder, GUARD)
+        return done.returncode, done.stdout
+
+    def launch(self, log, *words, code=0):
+        """Run a launch file with an event log of this name in the folder; return (output, EventLog, events)."""
+        ended, said = self.run_it('lockstep_launch', '--event-log', self.path(log), *words)
+        self.assertEqual(ended, code, said)
+        return (said, *events_of(self.path(log)))
 
 
 class OwnPackage(OwnFolder):
@@ -42,5 +60,11 @@ class OwnPackage(OwnFolder):
             os.chmod(self.path(name), 0o755)
         for name, text in self.FILES.items():
             self.write(name, text, 0o755)
-        self.environment = dict(os.environ, ROS_PACKAGE_PATH=os.pathsep.join(
-            [self.folder, os.environ['ROS_PACKAGE_PATH']]))
+        self.environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
+
+
+def events_of(path):
+    """Return (EventLog, [event.compared, ...]) of an event log that is whole."""
+    with open(path, encoding='utf-8') as stream:
+        log = EventLog(stream.readlines(), path)
+    return log, [event.compared for event in log]

@@ -1,15 +1,11 @@
 """Other people's launch file runs as it is, and the command line that adopt prints for it gives the same event log."""
+import filecmp
 import os
 import shlex
 import unittest
 
-import warm
 from own_folder import OwnFolder
 
-from move_base_abstract.runs.event_log import EventLog
-from move_base_abstract_ros.loopback import find_executable
-
-GUARD = 80.0  # s, wall; only ends a run that would never end
 TOLD = 'lockstep_launch: the same by options: rosrun move_base_abstract lockstep_launch '
 FILES = {
     'package.xml': '<package><name>of_a_stranger</name></package>',
@@ -56,28 +52,17 @@ for robot in 'ab':
 
 class AdoptTest(OwnFolder, unittest.TestCase):
 
-    def launch(self, *words):
-        """Return the output of lockstep_launch, in an environment in which ROS does not find the package."""
-        done = warm.run([find_executable('lockstep_launch'), *words], timeout=GUARD)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        return done.stdout
-
-    def bytes_of(self, name):
-        with open(self.path(name), 'rb') as stream:
-            return stream.read()
-
     def test_an_adopted_launch_file_runs_and_its_command_line_gives_the_same_bytes(self):
         for name, text in FILES.items():
             os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
             self.write(name, text, 0o755)
-        path, first, second = map(self.path, ('launch/two.launch', 'first.jsonl', 'second.jsonl'))
-        told = self.launch('--adopt', '--event-log', first, '--log-messages', path, 'far:=3')
-        with open(first) as stream:
-            log = EventLog(stream.readlines(), first)
-        ended = [(event.robot, event.time_ns) for event in log if event.kind == 'ended']
+        first, second = map(self.path, ('first.jsonl', 'second.jsonl'))
+        told, log, events = self.launch('first.jsonl', '--adopt', '--log-messages', self.path('launch/two.launch'),
+                                        'far:=3')
+        ended = [(robot, time_ns) for time_ns, robot, kind, _ in events if kind == 'ended']
         self.assertEqual(ended, [('a', 1000000000 + 3500000000), ('b', 4500000000 + 1750000000)], told)
         self.assertTrue(log.end['repeatable'], log.end)
         words = shlex.split(next(line[len(TOLD):] for line in told.splitlines() if line.startswith(TOLD)))
         words[words.index(first)] = second
-        self.launch(*words)
-        self.assertEqual(self.bytes_of('first.jsonl'), self.bytes_of('second.jsonl'))
+        self.assertEqual(self.run_it('lockstep_launch', *words)[0], 0)
+        self.assertTrue(filecmp.cmp(first, second, shallow=False))

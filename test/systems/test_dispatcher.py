@@ -3,17 +3,13 @@ import json
 import os
 import unittest
 
-import warm
 from own_folder import OwnFolder
 
 from move_base_abstract.fleet import Dispatch
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LAUNCH = os.path.join(HERE, '..', '..', 'launch', 'orders.launch')
-GUARD = 240.0
 SCENARIO = """
 seed: 3
 defaults: {max_speed: 1.0, acceleration: 0.5, battery_capacity: 0.4, charging_current: 3.0, failure_kind: KIND,
@@ -68,33 +64,31 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
     def setUp(self):
         super().setUp()
         self.write('own_policies.py', POLICY)
+        self.environment['PYTHONPATH'] = os.pathsep.join([self.folder, os.environ['PYTHONPATH']])
 
     def scenario(self, text=SCENARIO, kind='abort'):
         return self.write('scenario.yaml', text.replace('KIND', kind))
 
-    def run_it(self, scenario, *words):
-        environment = dict(os.environ, PYTHONPATH=os.pathsep.join([self.folder, os.environ['PYTHONPATH']]))
-        return warm.run([find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.path('run.jsonl'),
-                         LAUNCH, 'scenario:=' + scenario, *words], environment, timeout=GUARD)
-
-    def events(self):
-        with open(self.path('run.jsonl')) as stream:
-            log = EventLog(stream, 'run.jsonl')
-            events = [event.compared for event in log]
+    def orders(self, scenario, *words):
+        """Run the orders of a scenario; return (output, events)."""
+        said, log, events = self.launch('run.jsonl', '--end-when-idle', LAUNCH, 'scenario:=' + scenario, *words)
         self.assertEqual(log.remarks(), [])
-        return events
+        return said, events
 
-    def check_same(self, policy, kind):
-        scenario = self.scenario(kind=kind)
-        done = self.run_it(scenario, 'policy:=' + policy)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        dispatch = Dispatch(read_scenario(scenario), policy=policy)
+    def check_rows(self, scenario, kinds, *words, **plainly):
+        """Check that the rows are those of a Dispatch, and that there are these kinds; return the rows."""
+        dispatch = Dispatch(read_scenario(scenario), **plainly)
         dispatch.run()
         plain = [(entry.time_ns, entry.robot, entry.kind, json.dumps(list(entry.values)))
                  for entry in dispatch.fleet.trace]
-        self.assertEqual(self.events(), plain)
-        kinds = {kind for _, _, kind, _ in plain}
-        self.assertLessEqual({'order_returned', 'charge_assigned', 'failed', 'waiting_began', 'order_done'}, kinds)
+        self.assertEqual(self.orders(scenario, *words)[1], plain)
+        self.assertLessEqual(kinds, {row[2] for row in plain})
+        return plain
+
+    def check_same(self, policy, kind):
+        self.check_rows(self.scenario(kind=kind), {
+            'order_returned', 'charge_assigned', 'failed', 'waiting_began', 'order_done'},
+            'policy:=' + policy, policy=policy)
 
     def test_the_rows_of_a_run_are_those_of_plain_python(self):
         self.check_same('nearest', 'abort')
@@ -103,32 +97,22 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
         self.check_same('auction', 'stall')
 
     def test_they_are_also_where_robots_give_way_to_one_another_have_priorities_and_drive_slowly(self):
-        with open(self.path('net.yaml'), 'w') as stream:
-            stream.write(NET)
-        scenario = self.scenario(NARROW)
-        done = self.run_it(scenario)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        dispatch = Dispatch(read_scenario(scenario))
-        dispatch.run()
-        plain = [(entry.time_ns, entry.robot, entry.kind, json.dumps(list(entry.values)))
-                 for entry in dispatch.fleet.trace]
-        self.assertEqual(self.events(), plain)
-        self.assertLessEqual({'gave_way', 'priority', 'entered', 'held', 'order_done'}, {row[2] for row in plain})
+        self.write('net.yaml', NET)
+        plain = self.check_rows(self.scenario(NARROW), {'gave_way', 'priority', 'entered', 'held', 'order_done'})
         self.assertEqual(sum(row[2] == 'order_done' for row in plain), 50)
 
     def test_a_users_policy_is_taken_by_its_name_and_a_wrong_one_moves_nobody(self):
         scenario = self.scenario(kind='abort')
-        self.assertEqual(self.run_it(scenario, 'policy:=own_policies:Last').returncode, 0)
-        events = self.events()
+        _, events = self.orders(scenario, 'policy:=own_policies:Last')
         self.assertEqual(next(event[1] for event in events if event[2] == 'order_assigned'), 'robot_3')
         self.assertGreaterEqual(sum(event[2] == 'order_done' for event in events), 50)
-        done = self.run_it(scenario, 'policy:=own_policies:Wrong')
-        self.assertIn("the policy Wrong chose 'nothing' for 'nobody'; allowed: a robot of question.robots", done.stdout)
-        kinds = {kind for _, _, kind, _ in self.events()}
+        said, events = self.orders(scenario, 'policy:=own_policies:Wrong')
+        self.assertIn("the policy Wrong chose 'nothing' for 'nobody'; allowed: a robot of question.robots", said)
+        kinds = {kind for _, _, kind, _ in events}
         self.assertLessEqual({'order_arrived', 'policy_failed'}, kinds)
         self.assertNotIn('order_assigned', kinds)
 
     def test_parameters_that_cannot_be_used_end_the_node_with_the_reason(self):
-        done = self.run_it(self.scenario(), 'policy:=best')
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn("/dispatcher/policy: got 'best'; allowed: nearest, ", done.stdout)
+        code, said = self.run_it('lockstep_launch', LAUNCH, 'scenario:=' + self.scenario(), 'policy:=best')
+        self.assertNotEqual(code, 0)
+        self.assertIn("/dispatcher/policy: got 'best'; allowed: nearest, ", said)

@@ -17,6 +17,7 @@ import roslaunch.config
 import roslaunch.xmlloader
 import rospkg
 import rospy
+import yaml
 from actionlib import GoalStatus, SimpleActionClient
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
@@ -24,6 +25,7 @@ from own_sockets import listening_addresses, pid_of
 from roslib.packages import find_node
 from warm import Loopback
 
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract_mapf.layout import Grid, write_folder
 from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_ros.launching import plan
@@ -230,6 +232,58 @@ class LaunchFiles(unittest.TestCase):
             self.assertAlmostEqual(here.x, 20.0, delta=TOLERANCE + 1e-6)
             self.assertAlmostEqual(here.y, y, delta=TOLERANCE + 1e-6)
         self.assertGreaterEqual((rospy.Time.now() - start).to_sec(), (20.0 - TOLERANCE) / SPEED)
+
+
+def find(config, name):
+    return [node for node in config.nodes if node.name == name]
+
+
+class RvizLaunch(unittest.TestCase):
+    """RViz's launch file and configuration fit each other and the robots' topics. RViz itself is not started."""
+
+    @classmethod
+    def setUpClass(cls):
+        with open(os.path.join(LAUNCH, '..', 'rviz', 'simulator.rviz')) as stream:
+            cls.manager = yaml.safe_load(stream)['Visualization Manager']
+        cls.displays = {display['Class']: display for display in cls.manager['Displays']}
+
+    def remaps(self, *arguments):
+        return sorted(map(tuple, find(load(*arguments), 'rviz')[0].remap_args))
+
+    def test_the_mouse_drives_the_chosen_robot(self):
+        self.assertEqual(self.remaps('rviz.launch', 'robot:=tractor'), [
+            ('/initialpose', '/tractor/initialpose'), ('/move_base_simple/goal', '/tractor/move_base_simple/goal'),
+            ('/scan', '/tractor/scan')])
+        self.assertEqual(self.displays['rviz/LaserScan']['Topic'], '/scan')
+
+    def test_a_robot_without_a_namespace_can_be_chosen(self):
+        self.assertEqual(self.remaps('rviz.launch', 'robot:=/'), [
+            ('/initialpose', '/initialpose'), ('/move_base_simple/goal', '/move_base_simple/goal'), ('/scan', '/scan')])
+
+    def test_the_simulator_shows_rviz_when_asked_to_with_its_first_robot(self):
+        self.assertEqual(find(load('simulator.launch'), 'rviz'), [])
+        remaps = self.remaps('simulator.launch', 'rviz:=true', 'robots:=a 0 0 0; b 1 1 1')
+        self.assertIn(('/initialpose', '/a/initialpose'), remaps)
+        remaps = self.remaps('simulator.launch', 'rviz:=true', 'robots:=a 0 0 0; b 1 1 1', 'rviz_robot:=b')
+        self.assertIn(('/initialpose', '/b/initialpose'), remaps)
+
+    def test_the_simulator_leaves_the_clock_to_another_simulator_when_asked_to(self):
+        self.assertEqual(len(find(load('simulator.launch'), 'time_master')), 1)
+        config = load('simulator.launch', 'time_master:=false')
+        self.assertEqual(find(config, 'time_master'), [])
+        self.assertIs(config.params['/use_sim_time'].value, True)
+
+    def test_the_tools_use_the_topics_that_the_launch_file_remaps(self):
+        topics = {tool['Class']: tool['Topic'] for tool in self.manager['Tools'] if 'Topic' in tool}
+        self.assertEqual(topics, {'rviz/SetGoal': '/move_base_simple/goal', 'rviz/SetInitialPose': '/initialpose'})
+
+    def test_map_robots_and_tf_are_shown_from_above_in_the_map_frame(self):
+        self.assertEqual(self.displays['rviz/Map']['Topic'], '/map')
+        topic = read_settings({}, '/robot').values['marker_topic']
+        self.assertEqual(self.displays['rviz/MarkerArray']['Marker Topic'], '/' + topic)
+        self.assertIn('rviz/TF', self.displays)
+        self.assertEqual(self.manager['Global Options']['Fixed Frame'], 'map')
+        self.assertEqual(self.manager['Views']['Current']['Class'], 'rviz/TopDownOrtho')
 
 
 def goal_at(x, y):

@@ -1,17 +1,12 @@
 """Bags of runs: recorders take part however they are started, write equal bytes, and are in the log or labelled."""
 import itertools
 import os
-import subprocess
 import unittest
 
 import rosbag
 from own_folder import OwnPackage
 from scenarios import Condition, repeated
 
-from move_base_abstract.runs.event_log import EventLog
-from move_base_abstract_ros.loopback import find_executable
-
-GUARD = 200.0  # s, wall; only ends a run that would never end
 COUNTS = '<node pkg="study_of_others" type="counts.py" name="counts"/>'
 SPLIT = '<node pkg="rosbag" type="record" name="split" args="-O split --split --duration=10 /ticks"/>'
 RECORDERS = """
@@ -48,24 +43,13 @@ SECOND = 10 ** 9
 class BagsTest(OwnPackage, unittest.TestCase):
     FILES = FILES
 
-    def run_it(self, name, *words, nodes, condition=Condition(), may_fail=False):
+    def record(self, name, *words, nodes, condition=Condition(), code=0):
         """Run nodes in a folder of this name, which gets their bags; return (output, the EventLog)."""
-        folder = self.path(name)
-        os.mkdir(folder)
-        environment = dict(self.environment, ROS_HOME=folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
-        log = os.path.join(folder, 'events.jsonl')
-        command = [find_executable('lockstep_launch'), '--event-log', log, *words, *condition.options,
-                   self.write('system.launch', '<launch>{}</launch>'.format(COUNTS + nodes))]
+        os.mkdir(self.path(name))
+        self.environment.update(ROS_HOME=self.path(name), ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
+        file = self.write('system.launch', '<launch>{}</launch>'.format(COUNTS + nodes))
         with condition.around():
-            process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                       text=True)
-            said, _ = process.communicate(timeout=GUARD)
-        if not may_fail:
-            self.assertEqual(process.returncode, 0, said)
-        with open(log) as stream:
-            read = EventLog(stream.readlines(), log)
-        list(read)
-        return said, read
+            return self.launch(os.path.join(name, 'events.jsonl'), *words, *condition.options, file, code=code)[:2]
 
     def stamps(self, *path):
         with rosbag.Bag(self.path(os.path.join(*path))) as bag:
@@ -79,7 +63,7 @@ class BagsTest(OwnPackage, unittest.TestCase):
 
         def run(condition):
             name = 'run_{}'.format(next(names))
-            said, log = self.run_it(name, '--until', '45', nodes=RECORDERS + SPLIT, condition=condition)
+            said, log = self.record(name, '--until', '45', nodes=RECORDERS + SPLIT, condition=condition)
             self.assertIn('6 of 6 nodes take part', said)
             self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [], said)
             found = {node: [(bag['name'], bag['sha256']) for bag in bags] for node, bags in log.bags.items()}
@@ -97,13 +81,11 @@ class BagsTest(OwnPackage, unittest.TestCase):
         every = self.stamps('run_0', 'script.bag')
         self.assertEqual(sorted(every), ['/late', '/other', '/ticks'])  # topics that go past lockstep are left out
         self.assertEqual(every['/ticks'], ticks)
-        done = subprocess.run([find_executable('compare'), *(self.path(os.path.join(name, 'events.jsonl'))
-                                                             for name in ('run_0', 'run_1'))],
-                              stdout=subprocess.PIPE, text=True, check=False)
-        self.assertEqual((done.returncode, done.stdout), (0, 'identical\n0 events each, 9 bags each\n'))
+        logs = (self.path(os.path.join(name, 'events.jsonl')) for name in ('run_0', 'run_1'))
+        self.assertEqual(self.run_it('compare', *logs), (0, 'identical\n0 events each, 9 bags each\n'))
 
     def test_recorders_alone_are_nothing_to_do(self):
-        _, log = self.run_it('a', '--end-when-idle', nodes=RECORDERS)
+        _, log = self.record('a', '--end-when-idle', nodes=RECORDERS)
         self.assertIn('idle', log.end['reason'])
         self.assertEqual(self.stamps('a', 'some.bag')['/ticks'][-1], 41 * SECOND)
 
@@ -112,7 +94,7 @@ class BagsTest(OwnPackage, unittest.TestCase):
         for name, words, args, why in (
                 ('a', ('--onlooker', '/recorder'), '/ticks', 'it looks on: as it was asked for'),
                 ('b', (), '/ticks /rosout', 'it records /rosout, which goes past lockstep')):
-            said, log = self.run_it(name, '--until', '5', *words, nodes=recorder.format(args))
+            said, log = self.record(name, '--until', '5', *words, nodes=recorder.format(args))
             self.assertIn("lockstep_launch: the bag of '/recorder' is not covered: " + why, said)
             self.assertIn("the bag of '/recorder' is not covered: " + why, log.end['not_repeatable_because'])
             self.assertFalse(log.end['repeatable'])
@@ -132,7 +114,7 @@ os.kill(xmlrpc.client.ServerProxy(uri).getPid('/kills')[2], signal.SIGKILL)
 rospy.spin()
 """, 0o755)
         recorder = '<node pkg="rosbag" type="record" name="recorder" args="-O x /ticks"/>'
-        said, log = self.run_it('a', '--until', '8', nodes=killer + recorder, may_fail=True)
+        said, log = self.record('a', '--until', '8', nodes=killer + recorder, code=3)
         self.assertIn('  not covered: it was not closed', said)
         self.assertIn("the bag of '/recorder' is not covered: it was not closed", log.end['not_repeatable_because'])
         self.assertEqual(log.bags, {})

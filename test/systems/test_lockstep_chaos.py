@@ -2,12 +2,8 @@
 import json
 import unittest
 
-import warm
 from own_folder import OwnPackage
 
-from move_base_abstract_ros.loopback import find_executable
-
-GUARD = 200.0  # s, wall; only ends a run that would never end
 FILES = {'worker.py': """#!/usr/bin/env python3
 import rospy
 from std_msgs.msg import Int32
@@ -88,11 +84,6 @@ SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worke
 
 class ChaosTest(OwnPackage, unittest.TestCase):
     FILES = FILES
-
-    def run_it(self, program, *words):
-        """Run a program; return (exit code, output)."""
-        done = warm.run([find_executable(program), *words], self.environment, self.folder, GUARD)
-        return done.returncode, done.stdout
 
     def test_a_bug_is_found_shrunk_and_replayed(self):
         for package, kind, crash in (('study_of_others', 'coordinator.py', 'RuntimeError'),

@@ -6,23 +6,15 @@ import json
 import os
 import unittest
 
-import warm
 from own_folder import OwnFolder
 from own_nodes import NODES
 
-from move_base_abstract_ros.loopback import find_executable
-
 FOLDER = os.path.join(NODES, 'coordinators')
 LAUNCH = os.path.join(FOLDER, 'coordinators.launch')
-GUARD = 300.0  # s, wall; only ends a run that would never end
 MOST_DECISIONS = 3
 
 
 class CoordinatorsTest(OwnFolder, unittest.TestCase):
-
-    def chaos(self, *words):
-        done = warm.run([find_executable('chaos'), *words], cwd=self.folder, timeout=GUARD)
-        return done.returncode, done.stdout
 
     def check(self, name):
         """Replay the failure of a coordinator; run it without its bug in the stated order and with the same seed."""
@@ -32,21 +24,17 @@ class CoordinatorsTest(OwnFolder, unittest.TestCase):
         file = self.write('found.json', json.dumps({
             'chaos': 1, 'launch': [LAUNCH, 'coordinator:=' + name], 'document': {'until': 300.0}, 'text': '',
             'sha256': '', **found}))
-        code, said = self.chaos('--replay', file)
+        code, said = self.run_it('chaos', '--replay', file)
         self.assertEqual(code, 1, said)
         for line in found['happened']:
             self.assertIn(line, said)
         self.assertIn('chaos: failed: {} crashed at '.format(found['failure'].split()[1]), said)
         seeds = '{0}:{0}'.format(found['seed'])
-        code, said = self.chaos('--delay', str(found['delay']), '--until', '300', '--workers', '1', '--seeds', seeds,
-                                LAUNCH, 'coordinator:=' + name, 'correct:=true')
+        code, said = self.run_it('chaos', '--delay', str(found['delay']), '--until', '300', '--workers', '1', '--seeds',
+                                 seeds, LAUNCH, 'coordinator:=' + name, 'correct:=true')
         self.assertEqual(code, 0, said)
-
-
-def add(name):
-    setattr(CoordinatorsTest, 'test_' + name, lambda self: self.check(name))
 
 
 for each in ('lost_result', 'two_goals', 'cancel_race', 'early_close', 'stale_pose', 'late_listener',
              'double_assignment', 'missing_lock', 'status_order', 'timeout_answer'):
-    add(each)
+    setattr(CoordinatorsTest, 'test_' + each, lambda self, name=each: self.check(name))

@@ -10,6 +10,7 @@ import threading
 import unittest
 
 import rosgraph
+from in_lockstep import InLockstep
 from lockstep_launcher_run import run_programs
 from lockstep_raw_client import GUARD, RawClient
 from waiting import wait_for
@@ -171,7 +172,7 @@ class CoresTest(unittest.TestCase):
         for lookahead in (0.0, 0.05):
             with self.subTest(lookahead):
                 logs = [self.log(cores, lookahead) for cores in ('one', 'all', 'auto')]
-                self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
+                self.assertGreater(logs[0].count('"ended"'), GOALS - 1)
                 self.assertEqual(set(logs), {logs[0]})
 
     def test_a_program_in_cpp_sees_its_own_cores_and_what_it_starts_has_them(self):
@@ -182,21 +183,15 @@ class CoresTest(unittest.TestCase):
             'has' + alone, 'chose' + many, 'chose' + alone])
 
     def log(self, cores, lookahead):
-        """Return the event log of a run of a fleet and a coordinator [bytes]."""
-        with Loopback() as ros:
-            path = os.path.join(ros.log_dir, 'events.jsonl')
-            clock = ros.run('time_master', 'time_master', parameters={
-                'mode': 'lockstep', 'participants': ['/fleet', '/coordinator'], 'event_log': path,
-                'end_with': ['/coordinator'], 'cores': cores, 'lookahead': lookahead})
-            ros.run('fleet', 'fleet', parameters={
+        """Return the event log of a run of a fleet and a coordinator."""
+        with InLockstep(['/fleet', '/coordinator'], cores=cores, lookahead=lookahead) as run:
+            run.ros.run('fleet', 'fleet', parameters={
                 'defaults': {'max_speed': 10.0}, 'robots': [{'name': f'robot_{i}'} for i in range(ROBOTS)]})
-            ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})
-            ros.spawn('/coordinator', ['/usr/bin/python3', COORDINATOR, '__name:=coordinator'])
-            self.assertEqual(clock.process.wait(GUARD), 0)
-            with open(os.path.join(ros.log_dir, '01-time_master.out'), encoding='utf-8') as stream:
+            run.ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})
+            run.end_of(run.ros.spawn('/coordinator', ['/usr/bin/python3', COORDINATOR, '__name:=coordinator']))
+            with open(os.path.join(run.ros.log_dir, '01-time_master.out'), encoding='utf-8') as stream:
                 self.assertEqual('cores: auto measures no more and means one' in stream.read(), cores == 'auto')
-            with open(path, 'rb') as stream:
-                return stream.read()
+        return run.text
 
     @staticmethod
     def why(ros):

@@ -1,18 +1,15 @@
 """Robots in lockstep: the event log is the plain fleet's trace, with one process, three, or a node for each robot."""
 import itertools
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
-import time
 import unittest
 
 import rosgraph
+from in_lockstep import InLockstep
 from lockstep_fleet_client import NS_PER_S, YARD, plan_of
-from logged import Logged
 from roslib import packages
-from waiting import wait_for, wait_for_end
+from waiting import GUARD, wait_for
 from warm import Loopback
 
 from move_base_abstract.fleet import Fleet
@@ -20,7 +17,6 @@ from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 60.0  # s, wall; only ends a test that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
 BLOCKS = os.path.join(HERE, '..', 'data', 'blocks.yaml')
 YARD_MAP = os.path.join(HERE, '..', '..', 'maps', 'farm_yard.yaml')
@@ -42,43 +38,33 @@ rospy.spin()
 """
 
 
-class Run(Logged):
-    """One run of a plan on a ROS master of its own, to its end."""
+class Run(InLockstep):
+    """One run of a plan to its end."""
 
     def __init__(self, plan, names, hosts, outside=(), awaited=None, of_all=None):
         """Run a plan to its end.
 
         hosts: {node: (executable, namespace, parameters)}; outside: commands of nodes that do not take part; awaited: a
-        topic that they must publish before anything else starts; of_all: parameters below /.
+        topic that they must publish before the robots start; of_all: parameters below /.
         """
-        self._folder = tempfile.mkdtemp(prefix='lockstep_fleet_')
-        log = os.path.join(self._folder, 'run.jsonl')
-        try:
-            with Loopback() as ros:
-                for name, value in {'time_master/mode': 'lockstep', **(of_all or {})}.items():
-                    ros.set_param('/' + name, value)
-                for name, command in enumerate(outside):
-                    ros.spawn('/outside_{}'.format(name), command)
-                while awaited and awaited not in dict(rosgraph.Master('/test', ros.uri).getSystemState()[0]):
-                    ros.check()
-                    time.sleep(0.05)
-                master = ros.run('time_master', 'time_master', parameters={
-                    'event_log': log, 'participants': [*hosts, '/client']})
-                for node, (executable, namespace, parameters) in hosts.items():
-                    ros.run(executable, node.rsplit('/', 1)[-1], namespace, parameters)
-                client = ros.spawn('/client', [sys.executable, os.path.join(HERE, 'lockstep_fleet_client.py'), plan,
-                                               *names])
-                if wait_for_end(client) != 0:
-                    ros.check()
-                    raise AssertionError('the client failed: {}'.format(client.last_lines()))
-                ros.end(master)
-            self.read_log(log)
-        finally:
-            shutil.rmtree(self._folder)
+        super().__init__([*hosts, '/client'])
+        with self as run:
+            for name, value in (of_all or {}).items():
+                run.ros.set_param('/' + name, value)
+            for name, command in enumerate(outside):
+                run.ros.spawn('/outside_{}'.format(name), command)
+            if awaited:
+                master = rosgraph.Master('/test', run.ros.uri)
+                wait_for(awaited, lambda: awaited in dict(master.getSystemState()[0]))
+            for node, (executable, namespace, parameters) in hosts.items():
+                run.ros.run(executable, node.rsplit('/', 1)[-1], namespace, parameters)
+            run.end_of(run.ros.spawn('/client', [
+                sys.executable, os.path.join(HERE, 'lockstep_fleet_client.py'), plan, *names]))
 
     def of(self, robot):
         """Return the events of one robot, or of the client, as (kind, values)."""
         return [event[2:] for event in self.events if event[1] == robot]
+
 
 BATTERY = {'battery_capacity': 0.2, 'charging_current': 9.0, 'battery_start': 0.8,
            'battery_thresholds': [0.75, 0.7, 0.65, 0.6, 0.5, 0.4]}
@@ -106,43 +92,41 @@ def nodes(names):
 
 def oracle(names, own=None, scenario=None):
     """Return the trace of the plain fleet for the client's plan ``goals``; ``own`` as in fleet(), or a scenario."""
-    goals, counts = plan_of(names), {name: itertools.count(1) for name in names}
-
-    def send(fleet, name, *place):
-        fleet.robot(name).send(*place, goal_id='{}-{}'.format(name, next(counts[name])))
-
-    def on_end(name, *_details):
-        if goals[name]:
-            send(plain, name, *goals[name].pop(0))
-
     robots = next(iter(globals()['fleet'](names, own=own).values()))[2]
     scenario = scenario or {key: robots[key] for key in ('defaults', 'robots')}
-    plain = Fleet(make_scenario(scenario), on_end=on_end)
-    for name in names:
-        plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name, *goals[name].pop(0)))
-    plain.at(3 * NS_PER_S, lambda fleet: fleet.robot(names[0]).cancel())
-    plain.at(3 * NS_PER_S, lambda fleet: send(fleet, names[1], 30.0, 0.0))
-    plain.run()
-    return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
+    return plain(scenario, plan_of(names), lambda at, send: (
+        at(3, lambda fleet: fleet.robot(names[0]).cancel()), at(3, lambda fleet: send(names[1], 30.0, 0.0))))
 
 
 def yard_oracle(scenario):
     """Return the trace of the plain Python fleet for the client's plan ``yard``."""
-    goals, counts = {name: list(places) for name, places in YARD.items()}, {name: itertools.count(1) for name in YARD}
+    goals = {name: list(places) for name, places in YARD.items()}
+    return plain(scenario, goals, lambda at, _send: at(9, lambda fleet: fleet.robot('robot_1').cancel()),
+                 occupancy=load_map(read_description(YARD_MAP)))
 
-    def send(fleet, name):
-        fleet.robot(name).send(*goals[name].pop(0), goal_id='{}-{}'.format(name, next(counts[name])))
 
-    def on_end(name, *_details):
+def plain(scenario, goals, meanwhile, **options):
+    """Return the trace of the plain fleet: each robot goes to its ``goals`` from 2 s on.
+
+    meanwhile(at, send) has more done: at(s, function of the fleet), send(name, *place).
+    """
+    counts = {name: itertools.count(1) for name in goals}
+
+    def send(name, *place):
+        fleet.robot(name).send(*place, goal_id='{}-{}'.format(name, next(counts[name])))
+
+    def next_goal(name, *_details):
         if goals[name]:
-            send(plain, name)
+            send(name, *goals[name].pop(0))
 
-    plain = Fleet(make_scenario(scenario), on_end=on_end, occupancy=load_map(read_description(YARD_MAP)))
-    for name in YARD:
-        plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name))
-    plain.at(9 * NS_PER_S, lambda fleet: fleet.robot('robot_1').cancel())
-    plain.run()
-    return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
+    def at(seconds, action):
+        fleet.at(seconds * NS_PER_S, action)
+    fleet = Fleet(make_scenario(scenario), on_end=next_goal, **options)
+    for name in goals:
+        at(2, lambda _fleet, name=name: next_goal(name))
+    meanwhile(at, send)
+    fleet.run()
+    return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in fleet.trace]
 
 
 class LockstepFleet(unittest.TestCase):

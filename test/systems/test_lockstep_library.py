@@ -1,10 +1,12 @@
-"""Python nodes in lockstep: time, topics, services, actions and threads are exact, and the same in every run."""
+"""Python nodes in lockstep: time, topics and services are exact, and the same in every run."""
 
 import os
 import sys
 import unittest
 
+from in_lockstep import assert_same
 from lockstep_library_run import FOLDER, Runs, read, wait_for_end
+from scenarios import Condition, repeated
 
 RUNS = Runs()
 STOCK_SERVER = os.path.join(FOLDER, 'library_services.py')
@@ -86,12 +88,6 @@ class TopicsTest(unittest.TestCase):
                                               (4.0, 'peer comes', '/chatter'), (5.0, 'peer goes', '/chatter', 0)])
         self.assertEqual(run.of('guest'), [(time_s, 'hears', text) for time_s in (2.0, 4.0)
                                            for text in ('to all', 'to you')])
-
-    def test_wait_for_message_gets_each_next_one(self):
-        run = RUNS.run('topics', 'counter', 'poller')
-        self.assertEqual(run.of('poller'), [(1.8, 'message', 0), (2.1, 'message', 1), (2.4, 'message', 2),
-                                            (2.7, 'message', 3), (3.45, 'error', 'timeout exceeded while waiting for '
-                                                                  'message on topic nothing')])
 
     def test_a_node_hears_itself_and_errors_in_callbacks_are_only_shown(self):
         run = RUNS.run('topics', 'itself')
@@ -202,14 +198,22 @@ class ServicesTest(unittest.TestCase):
         run = RUNS.run('services', 'server', 'timer_caller')
         self.assertEqual(run.of('timer_caller'), [(2.5, 'timer', 'slept'), (4.0, 'main', 'slept')])
 
-    def test_dynamic_reconfigure(self):
-        run = RUNS.run('services', 'configured', 'configurer')
-        self.assertEqual(run.of('configured'), [(1.0, 'config', 1), (1.0, 'config', 7)])
-        self.assertEqual(run.of('configurer'), [(1.0, 'connected'), (1.0, 'set', 7), (2.0, 'has', 7)])
-        self.assertTrue(run.end['repeatable'], run.end)
-
     def test_a_call_from_outside_is_answered_and_the_run_is_labelled(self):
         run = RUNS.run('services', 'asked_from_outside', outsiders=['outside_caller'])
         self.assertEqual([event[1] for event in run.of('asked_from_outside')], ['asked', 'over'])
         self.assertFalse(run.end['repeatable'])
         self.assertIn('/ask', ' '.join(run.end['not_repeatable_because']))
+
+
+class SamenessTest(unittest.TestCase):
+    """Some of everything, with random delays, gives the same log."""
+
+    def test_each_run_gives_the_log_of_the_first_whatever_else_happens(self):
+        def run(condition, adverse=0.005):
+            return RUNS.run('mixed', 'mixed_1', 'mixed_2', 'mixed_3', adverse=adverse, log_messages=True,
+                            condition=condition)
+        runs = [run(Condition(), 0.0), *repeated('some of everything', run, lambda one: one.text.encode())]
+        self.assertGreater(len(runs[0].all), 300)
+        self.assertTrue(runs[0].end['repeatable'], runs[0].end)
+        for number, run in enumerate(runs):
+            assert_same(self, runs[0].text.splitlines(), run.text.splitlines(), f'run {number}, line')

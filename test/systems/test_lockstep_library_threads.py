@@ -19,12 +19,6 @@ WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call'
 class ThreadsTest(unittest.TestCase):
     """Threads take turns, and their waits are in simulated time."""
 
-    def test_executor(self):
-        run = RUNS.run('threads', 'pool')
-        self.assertEqual(run.of('pool'), [
-            (4.0, 'done', 1, 0, 2), (7.0, 'mapped', 0, 1, 2), (8.5, 'error', 'TimeoutError'), (8.5, 'main ends')])
-        self.assertTrue(run.end['repeatable'], run.end)
-
     def test_times_out_are_simulated(self):
         run = RUNS.run('threads', 'waits')
         self.assertEqual(run.of('waits'), [
@@ -42,12 +36,6 @@ class ThreadsTest(unittest.TestCase):
             (1.0, 'main ends'), (1.75, 'timer'), (2.0, 'thread'), (2.5, 'timer'), (3.0, 'thread'), (3.25, 'timer'),
             (4.0, 'thread')])
         self.assertEqual(run.exit_codes, {'main_ends_first': 0})
-
-    def test_contention_is_the_same_in_every_run(self):
-        runs = [RUNS.run('threads', 'counter_with_lock', adverse=0.005, log_messages=True) for _ in range(3)]
-        self.assertEqual(runs[0].of('counter_with_lock')[-1], (3.8, 'main ends'))
-        for run in runs[1:]:
-            self.assertEqual(run.text, runs[0].text)
 
 
 class ConnectionTest(unittest.TestCase):

@@ -3,13 +3,10 @@ import os
 import unittest
 
 import rospkg
-import warm
 from own_folder import OwnFolder
 
-from move_base_abstract.runs.event_log import EventLog, labels_of
-from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract.runs.event_log import labels_of
 
-GUARD = 100.0  # s, wall; only ends a run that would never end
 MANIFEST = """<package format="2">
   <name>shim_nodelets</name><version>0.0.1</version><description>Nodelets of a test</description>
   <maintainer email="nobody@localhost">nobody</maintainer><license>BSD</license>
@@ -51,23 +48,18 @@ class LockstepNodeletsTest(OwnFolder, unittest.TestCase):
         super().setUp()
         for name, text in (('package.xml', MANIFEST), ('nodelets.xml', PLUGINS), ('nodelets.launch', LAUNCH)):
             self.write(name, text)
+        self.environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
 
-    def run_it(self, log):
-        environment = dict(os.environ, ROS_PACKAGE_PATH=self.folder + os.pathsep + os.environ['ROS_PACKAGE_PATH'])
-        done = warm.run([find_executable('lockstep_launch'), '--until', '6', '--log-messages', '--event-log',
-                         self.path(log), self.path('nodelets.launch')], environment, timeout=GUARD)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertIn('4 of 4 nodes take part', done.stdout)
-        with open(self.path(log), encoding='utf-8') as stream:
-            read = EventLog(stream.readlines(), log)
-        events = list(read)
+    def run_once(self, log):
+        said, read, events = self.launch(log, '--until', '6', '--log-messages', self.path('nodelets.launch'))
+        self.assertIn('4 of 4 nodes take part', said)
         self.assertEqual(labels_of(read.end), [])
         return events
 
     def test_nodelets_work_at_their_instants_and_twice_the_same_with_the_bonds_to_their_manager(self):
-        first, second = (self.run_it(name) for name in ('a.jsonl', 'b.jsonl'))
-        self.assertEqual([event.compared for event in first], [event.compared for event in second])
-        at = {topic: [event.time_ns for event in first if event.robot == topic and event.kind == 'message']
+        first, second = (self.run_once(name) for name in ('a.jsonl', 'b.jsonl'))
+        self.assertEqual(first, second)
+        at = {topic: [time_ns for time_ns, robot, kind, _ in first if (robot, kind) == (topic, 'message')]
               for topic in ('/counter/out', '/plus/out', '/manager/bond')}
         self.assertEqual(at['/counter/out'][:3], [1100000000, 1200000000, 1300000000])
         self.assertEqual(at['/plus/out'], at['/counter/out'])

@@ -1,17 +1,12 @@
 """In lockstep robots publish what upstream's would, at its rates; a message without subscribers is no event."""
 import os
-import shutil
-import subprocess
 import sys
-import tempfile
-import threading
 import types
 import unittest
 
 import tf2_ros
-from logged import ComparedRun
+from in_lockstep import InLockstep, assert_same
 from waiting import read, wait_for_words
-from warm import Loopback
 
 from move_base_abstract.lockstep.wire import Delivery
 from move_base_abstract_ros.lockstep.exchange.delivery import Deliveries
@@ -19,7 +14,6 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LISTENER = os.path.join(HERE, 'unmodified', 'late_listener.py')
-GUARD = 120.0  # s, wall; only ends a run that would never end
 #: a node that takes no part, and listens to all topics of the robots
 ONLOOKER = """
 import sys
@@ -58,60 +52,40 @@ rospy.spin()
 """
 
 
-class Run(ComparedRun):
-    """A run of the listener and its fleet, with all messages in its log; ``said`` is the output of the listener."""
+def run_once(onlooker=False, **parameters):
+    """Return a run of the listener and its fleet, with all messages in its log, what it ``said``, and ``watched``."""
+    with InLockstep(['/fleet', '/listener'], log_messages=True, start_paused=onlooker) as run:
+        run.ros.run('fleet', 'fleet', parameters=dict(
+            {'defaults': {'max_speed': 1.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}, **parameters))
+        watching = run.ros.spawn('/onlooker', [sys.executable, '-u', '-c', ONLOOKER]) if onlooker else None
+        run.said, = run.end_of(run.ros.spawn('/listener', [find_executable('lockstep'), LISTENER, '__name:=listener']))
+        if watching:
+            wait_for_words(watching, 'idle at')
+            run.watched = read(watching)
+    return run
 
-    def __init__(self, onlooker=False, **parameters):
-        folder = tempfile.mkdtemp(prefix='lockstep_rates_')
-        try:
-            self._run(os.path.join(folder, 'events.jsonl'), onlooker, parameters)
-        finally:
-            shutil.rmtree(folder)
 
-    def _run(self, log, onlooker, parameters):
-        with Loopback() as ros:
-            ros.run('time_master', 'time_master', parameters={
-                'mode': 'lockstep', 'participants': ['/fleet', '/listener'], 'event_log': log, 'log_messages': True,
-                'start_paused': onlooker})
-            ros.run('fleet', 'fleet', parameters=dict(
-                {'defaults': {'max_speed': 1.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}, **parameters))
-            if onlooker:
-                watching = ros.spawn('/onlooker', [sys.executable, '-u', '-c', ONLOOKER])
-            child = subprocess.Popen([find_executable('lockstep'), LISTENER, '__name:=listener'],
-                                     env=ros.environment, stdout=subprocess.PIPE, universal_newlines=True)
-            guard = threading.Timer(GUARD, child.kill)
-            guard.start()
-            self.said = child.communicate()[0]
-            guard.cancel()
-            ros.check()
-            if onlooker:
-                wait_for_words(watching, 'idle at')
-                self.watched = read(watching)
-        if child.returncode:
-            raise AssertionError('the listener ended with {}'.format(child.returncode))
-        self.read_log(log)
-
-    def stamps(self, what):
-        """Return the stamps [ns] of the listener's lines about ``what``."""
-        return [int(words[2]) for words in map(str.split, self.said.splitlines()) if words[1] == what]
+def stamps(run, what):
+    """Return the stamps [ns] of the listener's lines about ``what``."""
+    return [int(words[2]) for words in map(str.split, run.said.splitlines()) if words[1] == what]
 
 
 class Rates(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.plain = Run()
+        cls.plain = run_once()
 
     def assert_same(self, run):
-        run.assert_same(self, self.plain)
+        self.assertEqual(run.said, self.plain.said)
+        assert_same(self, self.plain.events, run.events)
         self.assertEqual(run.end['not_repeatable_because'], [])
 
     def count(self, topic, run=None):
         return [robot for _, robot, kind, _ in (run or self.plain).events if kind == 'message'].count(topic)
 
     def test_poses_come_at_their_rate_from_the_moment_somebody_listens(self):
-        stamps = self.plain.stamps('/robot_1/odom')
-        first = [stamp for stamp in stamps if stamp < 3_900_000_000]
+        first = [stamp for stamp in stamps(self.plain, '/robot_1/odom') if stamp < 3_900_000_000]
         # robot_1 departs at 1 s or a little later, when its goal comes; its poses are on multiples from then on
         self.assertEqual({stamp - first[0] for stamp in first}, {k * 100_000_000 for k in range(len(first))})
         self.assertEqual(len(first), 6)  # the latched one before 3.35 s, and five in half a second
@@ -121,7 +95,7 @@ class Rates(unittest.TestCase):
 
     def test_tf_and_status_come_at_their_rates(self):
         self.assertGreater(self.plain.said.count('tf robot_1/base_link'), 15)
-        status = self.plain.stamps('status')
+        status = stamps(self.plain, 'status')
         self.assertIn(200_000_000, {later - stamp for stamp, later in zip(status, status[1:])})
 
     def test_feedback_comes_to_those_who_ask_for_it_and_to_nobody_else(self):
@@ -135,7 +109,7 @@ class Rates(unittest.TestCase):
         self.assertEqual(between, [])  # an action client gets changes, and no repeated status
 
     def test_an_onlooker_hears_all_and_changes_nothing(self):
-        run = Run(onlooker=True)
+        run = run_once(onlooker=True)
         self.assert_same(run)
         for topic in ('/robot_0/odom', '/robot_1/move_base/feedback'):
             self.assertGreater(run.watched.split().count(topic), 40, topic)
@@ -147,13 +121,13 @@ class Rates(unittest.TestCase):
         self.assertIn('idle at {}\n'.format(last_ns), run.watched)
 
     def test_without_foresight_all_is_the_same(self):
-        self.assert_same(Run(foresee=False))
+        self.assert_same(run_once(foresee=False))
 
     def test_one_word_leaves_events_only_and_names_who_listens_in_vain(self):
-        run = Run(events_only=True)
+        run = run_once(events_only=True)
         self.assertEqual(run.end['not_repeatable_because'], [])
         self.assertEqual(self.count('/robot_0/move_base/feedback', run), 0)
-        self.assertLessEqual(len(run.stamps('/robot_1/odom')), 4)
+        self.assertLessEqual(len(stamps(run, '/robot_1/odom')), 4)
         self.assertEqual(run.end['degraded_because'], [])
         told = [(robot, values) for _, robot, kind, values in run.events if kind == 'listens_in_vain']
         self.assertIn(('robot_0', ['/listener', '/robot_0/move_base/feedback', 'feedback_freq']), told)

@@ -12,6 +12,7 @@ import tempfile
 import time
 import unittest
 
+from in_lockstep import assert_same
 from own_nodes import NODES
 from scenarios import Condition, repeated
 
@@ -70,9 +71,7 @@ class StudyTest(unittest.TestCase):
         shutil.rmtree(cls.folder)
 
     def assert_same(self, run):
-        for mine, its in zip(self.first.events, run.events):
-            self.assertEqual(mine, its)
-        self.assertEqual(len(self.first.events), len(run.events), run.end)
+        assert_same(self, self.first.events, run.events)
         digests = [[bag['sha256'] for bag in one.bags['/recorder']] for one in (self.first, run)]
         self.assertEqual(len(digests[0]), 1)
         self.assertEqual(*digests)  # all topics (-a) that the recorder finds

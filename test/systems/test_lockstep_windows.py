@@ -1,19 +1,17 @@
 """Runs with a lookahead: the times that calls and messages take, and that each run is the same on any machine."""
 import itertools
 import os
-import subprocess
 import unittest
 
-from own_folder import OwnPackage
+import warm
+from own_folder import GUARD, OwnPackage, events_of
 from own_nodes import NODES
 from scenarios import Condition, repeated
 from warm import Loopback
 
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')
-GUARD = 240.0  # s, wall; only ends a run that would never end
 NS, AHEAD = 1000000000, 50000000
 # Programs as people write them. A C++ node repeats the messages of the first; the last asks for its parameters.
 SCRIPTS = {
@@ -67,17 +65,12 @@ LAUNCH = """<launch>
 class WindowsTest(OwnPackage, unittest.TestCase):
     FILES = {'all.launch': LAUNCH, **SCRIPTS}
 
-    def run_it(self, name, *words, prefix=()):
+    def run_ahead(self, name, *words, prefix=()):
         """Run a launch file with a lookahead; return (its events, the end of its log)."""
-        command = [*prefix, find_executable('lockstep_launch'), '--lookahead', '0.05', '--log-messages',
-                   '--event-log', self.path(name + '.jsonl'), *words]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              env=self.environment) as process:
-            output, _ = process.communicate(timeout=GUARD)
-        self.assertEqual(process.returncode, 0, output)
-        with open(self.path(name + '.jsonl')) as stream:
-            log = EventLog(stream.readlines(), name)
-        events = [event.compared for event in log]
+        done = warm.run([*prefix, find_executable('lockstep_launch'), '--lookahead', '0.05', '--log-messages',
+                         '--event-log', self.path(name + '.jsonl'), *words], self.environment, timeout=GUARD)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        log, events = events_of(self.path(name + '.jsonl'))
         self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
         return events, log.end
 
@@ -91,8 +84,8 @@ class WindowsTest(OwnPackage, unittest.TestCase):
         def run(condition, prefix=()):
             name = str(next(names))
             with condition.around():
-                events, end = self.run_it(name, *condition.options, self.path('all.launch'), 'path:=' + self.path(name),
-                                          prefix=prefix)
+                events, end = self.run_ahead(name, *condition.options, self.path('all.launch'),
+                                             'path:=' + self.path(name), prefix=prefix)
             self.assertEqual((end['ended_by'], end['node'], end['at_ns']), ('departure', '/hears', 9 * 10 ** 9))
             return events, end, self.lines(name + '.hears'), self.lines(name + '.asks')
         runs = repeated('with a lookahead', run, lambda one: repr(one).encode())
@@ -117,7 +110,7 @@ class WindowsTest(OwnPackage, unittest.TestCase):
             self.assertGreaterEqual(int(told), min((since - AHEAD) // (NS // 40), 99))
 
     def test_a_whole_system_with_actions_and_a_bag_is_the_same_on_one_core(self):
-        runs = [self.run_it(name, SYSTEM, 'bag:=' + self.path(name), 'tasks:=6', prefix=prefix)
+        runs = [self.run_ahead(name, SYSTEM, 'bag:=' + self.path(name), 'tasks:=6', prefix=prefix)
                 for name, prefix in (('a', ()), ('b', ('taskset', '-c', '0')))]
         self.assertGreater(len(runs[0][0]), 100)
         self.assertEqual(runs[0][0], runs[1][0])
@@ -125,16 +118,14 @@ class WindowsTest(OwnPackage, unittest.TestCase):
 
     def test_a_lookahead_is_refused_where_no_node_waits_for_another(self):
         with Loopback() as ros:
-            done = subprocess.run([find_executable('time_master'), '_mode:=scaled', '_lookahead:=0.05'],
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD,
-                                  env=dict(os.environ, ROS_MASTER_URI=ros.uri, ROS_IP='127.0.0.1'), check=False)
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertIn('lookahead must be 0 in mode scaled', done.stdout)
+            self.environment = ros.environment
+            code, said = self.run_it('time_master', '_mode:=scaled', '_lookahead:=0.05')
+        self.assertEqual(code, 1, said)
+        self.assertIn('lookahead must be 0 in mode scaled', said)
 
     def test_a_lookahead_that_cannot_be_is_refused_before_anything_starts(self):
         for value, got in (('-1', '-1.0'), ('nan', 'nan'), ('1e-9', '1e-09'), ('5000', '5000.0'), ('abc', "'abc'")):
-            told = subprocess.run([find_executable('lockstep_launch'), '--lookahead=' + value, 'any.launch'], text=True,
-                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=GUARD, check=False)
-            self.assertEqual(told.returncode, 2)
+            code, said = self.run_it('lockstep_launch', '--lookahead=' + value, 'any.launch')
+            self.assertEqual(code, 2)
             self.assertIn('--lookahead: got {}; allowed: a number in 1e-6..1000 [s, simulated], or 0, or network\n'
-                          .format(got), told.stderr)
+                          .format(got), said)

@@ -4,22 +4,18 @@ import os
 import unittest
 
 import numpy as np
-import warm
 import yaml
 from own_folder import OwnFolder
 from warm import Loopback
 
 from move_base_abstract.msg import RobotEvent
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_mapf.driving import drive
 from move_base_abstract_mapf.layout import Grid, read_folder, write_folder
 from move_base_abstract_mapf.movingai import Problem
 from move_base_abstract_mapf.plans import read_plan
-from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.nodes.orders_run.mapf_drive_node import PlanNode
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'launch', 'mapf.launch')
-GUARD = 120.0
 #: two agents that follow each other, one behind them, one that rests; (row, column), as EECBS writes them
 PLAN = """Agent 0: (0,0)->(0,1)->(0,2)->(1,2)->(2,2)->
 Agent 1: (0,1)->(0,2)->(0,3)->(0,3)->(0,4)->
@@ -32,7 +28,7 @@ class MapfDriveTest(OwnFolder, unittest.TestCase):
 
     def setUp(self):
         super().setUp()
-        self.plan, self.log = self.write('plan.txt', PLAN), self.path('run.jsonl')
+        self.plan = self.write('plan.txt', PLAN)
 
     def make_site(self, **defaults):
         grid, plan = Grid(np.zeros((5, 5), bool), 1.0), read_plan(self.plan)
@@ -45,17 +41,11 @@ class MapfDriveTest(OwnFolder, unittest.TestCase):
             yaml.safe_dump(raw, stream)
         return self.path('site')
 
-    def run_it(self, *words):
-        return warm.run([find_executable('lockstep_launch'), '--end-when-idle', '--event-log', self.log, LAUNCH,
-                         *words], timeout=GUARD)
-
     def check_same(self, policy, **defaults):
         folder = self.make_site(**defaults)
-        done = self.run_it('folder:=' + folder, 'plan:=' + self.plan, 'policy:=' + policy)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertIn('all robots have come to their goals', done.stdout)
-        with open(self.log) as stream:
-            events = [event.compared for event in EventLog(stream, self.log)]
+        said, _, events = self.launch('run.jsonl', '--end-when-idle', LAUNCH, 'folder:=' + folder, 'plan:=' + self.plan,
+                                      'policy:=' + policy)
+        self.assertIn('all robots have come to their goals', said)
         site = read_folder(folder)
         plain = drive(site, read_plan(self.plan, site.grid.blocked), policy)
         self.assertTrue(plain.execution.is_over)
@@ -75,17 +65,16 @@ class MapfDriveTest(OwnFolder, unittest.TestCase):
         folder = self.make_site()
         with open(self.plan, 'w') as stream:
             stream.write('Agent 0: (0,0)->(0,1)->\n')
-        done = self.run_it('folder:=' + folder, 'plan:=' + self.plan)
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn('the plan has 1 agents, but the scenario has 4 robots', done.stdout)
+        code, said = self.run_it('lockstep_launch', LAUNCH, 'folder:=' + folder, 'plan:=' + self.plan)
+        self.assertNotEqual(code, 0)
+        self.assertIn('the plan has 1 agents, but the scenario has 4 robots', said)
 
     def test_a_folder_that_is_not_given_is_named(self):
         with Loopback() as ros:
-            done = warm.run([find_executable('lockstep'), '--own', PlanNode.__module__, '__name:=drives'],
-                            ros.environment)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn('parameter /drives/folder: got none; allowed: the path of a folder that mapf import made',
-                      done.stdout)
+            self.environment = ros.environment
+            code, said = self.run_it('lockstep', '--own', PlanNode.__module__, '__name:=drives')
+        self.assertEqual(code, 1)
+        self.assertIn('parameter /drives/folder: got none; allowed: the path of a folder that mapf import made', said)
 
     def test_an_event_that_no_robot_tells_so_changes_nothing(self):
         node = PlanNode.__new__(PlanNode)

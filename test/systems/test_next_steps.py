@@ -5,13 +5,8 @@ import re
 import shlex
 import unittest
 
-import warm
 from own_folder import OwnPackage
 
-from move_base_abstract_ros.loopback import find_executable
-
-HERE = os.path.dirname(os.path.abspath(__file__))
-GUARD = 300.0  # s, wall; only ends a run that would never end
 HEARS = """#!/usr/bin/env python3
 import rospy
 from std_msgs.msg import Int32
@@ -45,29 +40,29 @@ class NextStepsTest(OwnPackage, unittest.TestCase):
         os.mkdir(self.path('a folder'))
         self.file = self.write(os.path.join('a folder', 'a system.launch'), SYSTEM)
 
-    def run_it(self, program, *words):
+    def next_of(self, program, *words):
         """Run a program; return what it says to type next, as (program, words)."""
-        done = warm.run([find_executable(program), *words], self.environment, self.path('a folder'), GUARD)
-        self.assertEqual(done.returncode, 0, done.stdout)
-        command = re.search(r'next: [^\n]*?: (rosrun move_base_abstract [^\n]*)', done.stdout)
-        self.assertIsNotNone(command, done.stdout)
+        code, said = self.run_it(program, *words, cwd=self.path('a folder'))
+        self.assertEqual(code, 0, said)
+        command = re.search(r'next: [^\n]*?: (rosrun move_base_abstract [^\n]*)', said)
+        self.assertIsNotNone(command, said)
         return shlex.split(command.group(1))[2:]
 
     def test_from_a_look_at_the_nodes_to_the_search_for_another_order(self):
-        program, *words = self.run_it('lockstep_launch', '--list', *OPTIONS, 'a system.launch', 'what:=hears.py')
+        program, *words = self.next_of('lockstep_launch', '--list', *OPTIONS, 'a system.launch', 'what:=hears.py')
         self.assertEqual(program, 'lockstep_launch')
-        program, *words = self.run_it(program, *words)
+        program, *words = self.next_of(program, *words)
         self.assertEqual(program, 'verify')
-        program, *words = self.run_it(program, '--conditions', 'plain,again', *words)
+        program, *words = self.next_of(program, '--conditions', 'plain,again', *words)
         self.assertEqual(program, 'chaos')
-        program, *words = self.run_it(program, '--seeds', '1:1', '--workers', '1', *words)
+        program, *words = self.next_of(program, '--seeds', '1:1', '--workers', '1', *words)
         self.assertEqual((program, words[:2]), ('chaos', ['--seeds', '2:2']))
-        self.run_it(program, *words)
+        self.next_of(program, *words)
 
     def test_from_a_script_to_its_runs_again(self):
         script = self.write(os.path.join('a folder', 'a script.py'), SCRIPT)
-        program, *words = self.run_it('lockstep_launch', '--script', '--logs', 'logs/', *OPTIONS, script)
+        program, *words = self.next_of('lockstep_launch', '--script', '--logs', 'logs/', *OPTIONS, script)
         self.assertEqual((program, words[:3]), ('lockstep_launch', ['--script', '--logs', 'logs_2']))
-        self.run_it(program, *words)
+        self.next_of(program, *words)
         logs = [self.path(os.path.join('a folder', one, 'run_001.jsonl')) for one in ('logs', 'logs_2')]
         self.assertTrue(filecmp.cmp(*logs, shallow=False))

@@ -7,13 +7,10 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 import psutil
-import warm
-from own_folder import OwnPackage
+from own_folder import GUARD, OwnPackage
 
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 120.0  # s, wall
 IN_PYTHON = """#!/usr/bin/env python3
 import rospy
 from move_base_abstract.properties import always, never_again, sometimes
@@ -62,21 +59,11 @@ ROWS = [
 class PropertiesTest(OwnPackage, unittest.TestCase):
     FILES = {'stater': IN_PYTHON, 'topic': BY_TOPIC, 'system.launch': LAUNCH}
 
-    def run_it(self, program, *words):
-        """Run a program; return (exit code, output)."""
-        done = warm.run([find_executable(program), *words], self.environment, timeout=GUARD)
-        return done.returncode, done.stdout
-
     def test_statements_are_the_same_rows_whoever_makes_them_and_breaks_are_told(self):
-        log = os.path.join(self.folder, 'events.jsonl')
-        code, said = self.run_it('lockstep_launch', '--check', '--event-log', log,
-                                 os.path.join(self.folder, 'system.launch'))
-        self.assertEqual(code, 4, said)
-        with open(log) as stream:
-            events = list(EventLog(stream, log))
+        said, _, events = self.launch('events.jsonl', '--check', self.path('system.launch'), code=4)
         for node in ('/stater', '/topic', '/shim'):
-            self.assertEqual([[one.time_ns // 10 ** 9, json.loads(one.values)] for one in events
-                              if one.kind == 'property' and one.robot == node], ROWS, node + said)
+            self.assertEqual([[time_ns // 10 ** 9, json.loads(values)] for time_ns, robot, kind, values in events
+                              if kind == 'property' and robot == node], ROWS, node + said)
             self.assertIn('broken: always: at 5.000000000 s, {}: k stays small (a "b"=0.5, k=3)'.format(node), said)
         self.assertRegex(said, 'a message of /topic on /properties is not a statement: got .*; allowed: an object with')
 

@@ -2,16 +2,12 @@
 import os
 import unittest
 
-import warm
 from night import times
 from own_folder import OwnPackage
 from own_nodes import NODES
 
-from move_base_abstract_ros.loopback import find_executable
-
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')
-GUARD = 300.0  # s, wall; only ends a run that would never end
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'
 CHANCE = """#!/usr/bin/env python3
 import os
@@ -68,14 +64,13 @@ class VerifyTest(OwnPackage, unittest.TestCase):
     def setUp(self):
         super().setUp()
         os.mkdir(self.path('tmp'))
+        self.environment['TMPDIR'] = self.path('tmp')
 
     def launch_file(self, *nodes):
         return self.write('system.launch', '<launch>{}</launch>'.format(''.join(nodes)))
 
-    def verify(self, *words, cwd=None, **environment):
-        environment = dict(self.environment, TMPDIR=self.path('tmp'), **environment)
-        done = warm.run([find_executable('verify'), *words], environment, cwd, GUARD)
-        return done.returncode, done.stdout
+    def verify(self, *words):
+        return self.run_it('verify', *words)
 
     def test_a_whole_system_is_identical_and_nothing_stays(self):
         conditions = times('plain, order, delays', 'plain, order, busy, limited, delays')
@@ -170,13 +165,13 @@ class VerifyTest(OwnPackage, unittest.TestCase):
 
     def test_the_folder_may_be_named_from_where_one_is(self):
         code, said = self.verify('--runs', '2', '--until', '5', '--output', 'mine', self.launch_file(
-            NODE.format('ticks'), NODE.format('quiet')), cwd=self.folder)
+            NODE.format('ticks'), NODE.format('quiet')))
         self.assertEqual(code, 0, said)
         self.assertLessEqual({'1_plain', '2_again'}, set(os.listdir(self.path('mine'))))
 
     def test_delays_are_asked_for_by_a_variable_that_python_and_cpp_check(self):
+        self.environment['MOVE_BASE_ABSTRACT_REPORT_DELAY'] = 'often'
         for node in (NODE.format('ticks'), '<node pkg="move_base_abstract" type="shim_listener" name="listener"/>'):
-            code, said = self.verify('--time-limit', '60', self.launch_file(node),
-                                     MOVE_BASE_ABSTRACT_REPORT_DELAY='often')
+            code, said = self.verify('--time-limit', '60', self.launch_file(node))
             self.assertIn(code, (1, 3), said)
             self.assertIn('MOVE_BASE_ABSTRACT_REPORT_DELAY must be SEED:MILLISECONDS', said)

@@ -31,9 +31,9 @@ def wait_for_words(child, words):
     wait_for(lambda: f"'{words}' in: {read(child)}", lambda: words in read(child))
 
 
-def wait_for_end(child, others=()):
+def wait_for_end(child, others=(), guard=GUARD):
     """Wait until a process has ended, and return its exit code; otherwise fail with the output of {name: process}."""
     wait_for(lambda: f'the end of {child.name}. What was printed:\n' + '\n'.join(
         f'{name}:\n{read(other)}' for name, other in (dict(others) or {child.name: child}).items()),
-        lambda: child.process.poll() is not None)
+        lambda: child.process.poll() is not None, guard)
     return child.process.returncode

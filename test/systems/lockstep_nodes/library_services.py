@@ -4,8 +4,6 @@
 import sys
 
 import rospy
-from dynamic_reconfigure.client import Client
-from dynamic_reconfigure.server import Server
 from library_node import play
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
@@ -132,36 +130,6 @@ def timer_caller(say):
     rospy.Timer(rospy.Duration(1), lambda event: say('timer', proxy(False).message), oneshot=True)
     rospy.sleep(1)
     say('main', proxy(True).message)
-
-
-class _Config:
-    """The class that the generator of dynamic_reconfigure writes for one parameter."""
-
-    defaults = {'speed': 1}
-    min, max, type, level = {'speed': 0}, {'speed': 10}, {'speed': 'int'}, {'speed': 0}
-    all_level = 0
-    config_description = {
-        'name': 'Default', 'type': '', 'state': True, 'id': 0, 'parent': 0, 'cstate': 'true', 'groups': [],
-        'parentname': 'Default', 'parentclass': '', 'field': 'default', 'class': 'DEFAULT', 'upper': 'DEFAULT',
-        'lower': 'groups', 'parameters': [
-            {'name': 'speed', 'type': 'int', 'default': 1, 'level': 0, 'description': 'a speed', 'min': 0, 'max': 10,
-             'ctype': 'int', 'cconsttype': 'const int', 'srcline': 1, 'srcfile': '', 'edit_method': ''}]}
-
-
-def configured(say):
-    def on_config(config, _level):
-        say('config', config['speed'])
-        return config
-    Server(_Config, on_config)
-    rospy.sleep(5)
-
-
-def configurer(say):
-    client = Client('configured', timeout=3)
-    say('connected')
-    say('set', client.update_configuration({'speed': 7})['speed'])
-    rospy.sleep(1)
-    say('has', client.get_configuration(timeout=2)['speed'])
 
 
 def asked_from_outside(say):

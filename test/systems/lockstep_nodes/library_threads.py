@@ -5,27 +5,11 @@ import queue
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
 
 import rospy
 from library_node import play
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
-
-
-def pool(say):
-    def work(index):
-        rospy.sleep(3 - index)
-        return index
-    executor = pool.kept = ThreadPoolExecutor(2)  # kept until the end
-    futures = [executor.submit(work, index) for index in range(3)]
-    say('done', *[future.result() for future in as_completed(futures)])
-    say('mapped', *executor.map(work, range(3)))
-    try:
-        executor.submit(rospy.sleep, 5).result(timeout=1.5)
-    except Exception as error:
-        say('error', type(error).__name__)
-    say('main ends')  # without a shutdown of the executor
 
 
 def waits(say):
@@ -88,31 +72,6 @@ def main_ends_first(say):
             say('thread')
     threading.Thread(target=live).start()
     rospy.Timer(rospy.Duration(0.75), lambda event: say('timer'))
-    say('main ends')
-
-
-def counter_with_lock(say):
-    """Threads and callbacks of messages compete for one lock."""
-    lock = threading.RLock()
-    publisher = rospy.Publisher('chat', String, queue_size=1)
-
-    def on_message(message):
-        with lock:
-            say('message', message.data)
-    rospy.Subscriber('chat', String, on_message)
-
-    def work(name):
-        for turn in range(3):
-            with lock:
-                rospy.sleep(0.3)
-                publisher.publish('{}{}'.format(name, turn))
-                say(name, turn)
-            rospy.sleep(0.1)
-    threads = [threading.Thread(target=work, args=(name,)) for name in 'abc']
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
     say('main ends')
 
 

@@ -69,10 +69,6 @@ def order(say):
     rospy.sleep(0.5)
 
 
-def long_sleeper(_say):
-    rospy.sleep(1e6)
-
-
 def now_before_joining(say):
     say('now', rospy.Time.now().to_nsec(), rospy.get_param('/use_sim_time'))
     sys.exit(3)

@@ -104,16 +104,6 @@ def guest(say):
     rospy.sleep(1)
 
 
-def poller(say):
-    for _ in range(4):
-        message = rospy.wait_for_message('numbers', Int32)
-        say('message', message.data)
-    try:
-        rospy.wait_for_message('nothing', Int32, timeout=0.75)
-    except rospy.ROSException as error:
-        say('error', str(error))
-
-
 def itself(say):
     """Publish to itself, also from the callback."""
     publisher = rospy.Publisher('numbers', Int32, queue_size=1)
