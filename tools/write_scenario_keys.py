@@ -43,8 +43,6 @@ TEXTS = {
     'footprint': ('none', 'a list of 3 to 1000 points [x, y] [m, base frame]'),
     'robot_radius': ('0.46', 'a finite number >= 0 [m]'),
     'step_x': ('0', scenario._STEP.allowed), 'step_y': ('0', scenario._STEP.allowed),
-    'rectangle': ('', '[x_min, y_min, x_max, y_max] [m, global frame]'),
-    'polygon': ('', '3 to 200 points [x, y] [m, global frame]'),
 }
 
 
@@ -85,9 +83,7 @@ def sections():
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
         ('Settings: of `defaults` or of a robot', as_parameters(robot_table.OWN_NAMES, of_robot),
          ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'nodes/move_base.md')),
-        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER, zones.GROUP,
-                                           zones.MAX_SPEED]),
-         ('zones.md',)),
+        ('A zone', list(zones.TABLE), ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
         ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
         ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, 
 from .common.arguments import check_kind
 from .common.bounded_yaml import load_yaml_file
 from .common.errors import ConfigurationError
-from .common.kinds import check_keys, integer, number, one_of
-from .common.parameter_table import Parameter, checked
+from .common.kinds import check_keys, error, integer, number, one_of
+from .common.parameter_table import Parameter, checked, place_of
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
-from .common.shown import shown, shown_text
+from .common.shown import shown_text
 from .config.node_tables import MAX_ROBOTS
 from .config.robot_table import OWN_NAMES
 from .config.settings import RobotSettings, read_settings
@@ -144,16 +144,16 @@ def make_scenario(raw: Mapping[str, Any], where: str = 'scenario', overrides: Op
     check_kind(where, str, 'where')
     base, overrides = _given(base, 'base'), _given(overrides, 'overrides')
     raw = _with_files(raw, '')
-    _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
+    check_kind(raw, dict, where, 'a mapping with {}'.format(', '.join(_TOP_KEYS)))
     check_keys(raw, _TOP_KEYS, where, '')
     defaults = {} if raw.get('defaults') is None else raw['defaults']  # 0 and false are not allowed
-    _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
+    check_kind(defaults, dict, where + ': defaults', 'a mapping of settings')
     check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
     of_all = {**({'seed': seed} if seed else {}), **{key: raw[key] for key in _NETWORKS if key in raw}}
     defaults = {**of_all, **base, **defaults, **overrides}
     groups = [] if raw.get('robots') is None else raw['robots']
-    _check_type(groups, list, 'a list of robots', where + ': robots')
+    check_kind(groups, list, where + ': robots', 'a list of robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{0}: robots: got more than {1} robots; allowed: at most {1}'.format(
             where, MAX_ROBOTS))
@@ -175,7 +175,7 @@ def make_scenario(raw: Mapping[str, Any], where: str = 'scenario', overrides: Op
 def _given(settings: Optional[Mapping[str, Any]], name: str) -> Mapping[str, Any]:
     if settings is None:
         return {}
-    _check_type(settings, dict, 'None, or a mapping of settings', name)
+    check_kind(settings, dict, name, 'None, or a mapping of settings')
     return settings
 
 
@@ -188,10 +188,10 @@ def _read_encounters(raw: Mapping[str, Any], settings: Sequence[Any], where: str
         return None
     laws = [one.encounters for one in settings]
     if None in laws or any(law != laws[0] for law in laws):
-        raise ConfigurationError(
-            "parameter {}/encounters: got 'calibrated' with robots whose {}; allowed: if all robots have a calibration "
-            'with the same section encounters'.format(where, (
-                'calibration has no section encounters' if None in laws else 'calibrations have different laws')))
+        raise error(place_of(where, 'encounters'), 'calibrated',
+                    'if all robots have a calibration with the same section encounters',
+                    ' with robots whose calibration' + (
+                        ' has no section encounters' if None in laws else 's have different laws'))
     law: EncounterLaw = laws[0]
     return law
 
@@ -204,9 +204,8 @@ def check_one_process(scenario: Scenario, parts: int, where: str) -> None:
     """
     what = counted_places(scenario)
     if parts > 1 and what:
-        raise ConfigurationError(
-            'parameter {}/parts: got {} with {}; allowed: 1, because one process must count the robots in them'.format(
-                where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
+        raise error(place_of(where, 'parts'), parts, '1, because one process must count the robots in them',
+                    f' with {what}' + (' that have a capacity' if what in ('lanes', 'places') else ''))
 
 
 def counted_places(scenario: Scenario) -> Optional[str]:
@@ -229,7 +228,7 @@ def make_robot(name: Any, parameters: Mapping[str, Any], where: str = 'robot') -
     :raises ConfigurationError: if the name is not a ROS name, a key is unknown, or a value is not allowed.
     """
     if not is_robot_name(name):
-        raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
+        raise error(f'{where}: name', name, ROBOT_NAME_RULE)
     check_keys(parameters, OWN_NAMES, where, '')
     settings: Any = read_settings(parameters, where)
     return RobotSpec(name, dict(parameters), settings)
@@ -239,7 +238,7 @@ def _expand(group: Mapping[str, Any], index: int, defaults: Mapping[str, Any],
             levels: Tuple[float, ...], where: str) -> List[RobotSpec]:
     """Return the robots of one entry of the list; ``levels``: states of charge whose crossing they must report."""
     place = 'robots[{}]'.format(index)
-    _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
+    check_kind(group, dict, '{}: {}'.format(where, place), 'a mapping with at least a name')
     check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
     where = '{}: {}'.format(where, place)
     parameters = with_levels(dict(defaults, **{key: value for key, value in group.items() if key not in _GROUP_KEYS}),
@@ -291,8 +290,3 @@ def check_frame(spec: RobotSpec, frames: Dict[str, str], where: str) -> None:
         raise ConfigurationError(
             "{}: '{}' and '{}' would both publish the tf frame '{}'; each robot needs a tf_prefix, or a "
             'robot_base_frame, of its own'.format(where, other, spec.name, shown_text(frame)))
-
-
-def _check_type(value: object, kind: type, allowed: str, where: str) -> None:
-    if not isinstance(value, kind):
-        raise ConfigurationError('{}: got {}; allowed: {}'.format(where, shown(value), allowed))

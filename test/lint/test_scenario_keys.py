@@ -20,7 +20,7 @@ def test_every_key_that_a_scenario_may_have_is_on_it():
     from move_base_abstract.tasks import arrivals, places
     from move_base_abstract.traffic import zones
     page = write_scenario_keys.make_page()
-    named = [*scenario._TOP_KEYS, *scenario._GROUP_KEYS, *robot_table.OWN_NAMES, *zones.KEYS,
+    named = [*scenario._TOP_KEYS, *scenario._GROUP_KEYS, *robot_table.OWN_NAMES, *(one.name for one in zones.TABLE),
              *(parameter.name for parameter in places.PLACE_TABLE + arrivals.ARRIVAL_TABLE)]
     assert [name for name in named if f'| `{name}` |' not in page] == []
 

@@ -111,7 +111,7 @@ def test_what_cannot_be_used_is_said(raw, words):
 
 
 @pytest.mark.parametrize(('changes', 'words'), [
-    ({'format': 2}, ('format: 1',)), ({'speed': 2.0}, ('unknown', "'speed'")), ({'spread': None}, ('spread', 'None')),
+    ({'format': 2}, ('format: 1',)), ({'speed': 2.0}, ('speed: unknown key',)), ({'spread': None}, ('spread', 'None')),
     ({'braking_gain': 0.0}, ('braking_gain', '0.001..1000 [1/s]')), ({'max_speed': math.inf}, ('max_speed', 'inf')),
     ({'tail_chance_by_turn': []}, ('tail_chance_by_turn',)), ({'failure_by_length': [[0.0, 2.0]]}, ('chance in 0..1',)),
 ])
@@ -123,5 +123,5 @@ def test_a_file_that_is_no_calibration_is_named(changes, words):
 
 @pytest.mark.parametrize('name', ['source', 'spread', 'bow_length'])
 def test_a_value_that_is_missing_is_named(name):
-    with pytest.raises(ConfigurationError, match="missing: '{}'".format(name)):
+    with pytest.raises(ConfigurationError, match='{} is missing'.format(name)):
         make_calibration({key: value for key, value in RAW.items() if key != name}, 'mine.yaml')

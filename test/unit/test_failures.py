@@ -273,10 +273,10 @@ def test_repairs_are_drawn_by_the_number_of_the_failure():
 # ---- settings
 
 @pytest.mark.parametrize('wrong, text', [
-    ({'failures_per_hour': 1.0}, "failure_kind: got none with failures_per_hour; allowed then: 'abort'"),
-    ({'failure_times': [1.0]}, 'failure_kind: got none with failure_times'),
+    ({'failures_per_hour': 1.0}, "failure_kind: got 'none' with failures_per_hour; allowed: 'abort'"),
+    ({'failure_times': [1.0]}, "failure_kind: got 'none' with failure_times"),
     ({'failure_kind': 'stall', 'repair_cv': 0.5}, 'repair_cv: got 0.5 with repair_distribution: fixed; allowed: > 0 '),
-    ({'failure_kind': 'stall', 'repair_distribution': 'lognormal'}, 'repair_cv: got 0 with'),
+    ({'failure_kind': 'stall', 'repair_distribution': 'lognormal'}, 'repair_cv: got 0.0 with'),
     ({'failure_kind': 'sleep'}, "failure_kind: got 'sleep'; allowed: 'none', 'abort', 'stall', 'silent' or 'stuck'"),
     ({'failure_kind': 'stall', 'failure_times': [{'when': 1.0}]}, 'failure_times: got '),
     ({'failure_kind': 'stall', 'failure_times': [-1.0]}, 'allowed: a list of seconds'),

@@ -92,7 +92,7 @@ LEGS = ('start_x,start_y,start_yaw,goal_x,goal_y,goal_yaw,duration_s,state\n', '
     (lambda path: read_travel_matrix(path, 'x'), '', 'line 1: got no columns'),
     (lambda path: read_travel_matrix(path, 'x'), MATRIX + 'b,5,0,a,0,0,10,11\n', 'line 3: got 8 cells; allowed: 7'),
     (lambda path: read_travel_matrix(path, 'x'), MATRIX.replace('seconds', 'to'), "the column 'to' is there 2 times"),
-    (lambda path: read_travel_matrix(path, 'x'), MATRIX.replace('seconds', 'minutes'), 'got the columns'),
+    (lambda path: read_travel_matrix(path, 'x'), MATRIX.replace('seconds', 'minutes'), 'columns: got'),
     (read_legs, '', 'line 1: got no columns'),
     (read_legs, LEGS[0], 'got no rows; allowed: a table with start_x'),
     (read_legs, '# a comment\n' + ''.join(LEGS) + '0,0,0\n', 'line 4: got 3 cells; allowed: 8'),

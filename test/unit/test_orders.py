@@ -97,7 +97,7 @@ def test_files_are_tables_and_yaml_and_say_the_same(tmp_path):
     ({'stops': ['dock']}, "stops[0]: got 'dock'; allowed: a mapping"),
     ({'priority': 1.5}, 'priority: got 1.5; allowed: a whole number of 32 bits'),
     ({'deadline': -1.0}, 'deadline: got -1.0; allowed: a number in 0..'),
-    ({'name': None}, 'name: '),
+    ({'name': None}, 'name is missing'),
 ])
 def test_what_is_wrong_is_named_with_its_place(change, text):
     with pytest.raises(ConfigurationError) as error:
@@ -113,7 +113,7 @@ def test_two_entries_of_one_name_are_refused():
 
 @pytest.mark.parametrize('text, said', [
     ('time,stops\n1,moon\n', "place: got 'moon'; allowed: dock"),
-    ('time,stops\n,dock\n', 'the time, a number in 0..2147483647 [s, simulated], is not given'),
+    ('time,stops\n,dock\n', 'time is missing; allowed: a number in 0..2147483647 [s, simulated]'),
     ('time,stops\n1,\n', 'stops: got'),
     ('time,stops\n-1,dock\n', 'time: got -1.0; allowed'),
     ('time,stops\n', 'got no orders; allowed: at least one'),

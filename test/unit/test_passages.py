@@ -11,7 +11,7 @@ from move_base_abstract.motion.pace import Pace, PacedLeg, TimedLeg
 from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.traffic.outline import rectangle
-from move_base_abstract.traffic.passages import Passage, instant_at, passages
+from move_base_abstract.traffic.zones import Passage, passages
 
 S = 1_000_000_000
 AREA = rectangle(4.0, -2.0, 6.0, 2.0)
@@ -49,7 +49,7 @@ def test_before_the_instant_the_border_is_not_reached_and_at_it_it_is(leg):
 def test_the_reverse_of_the_law_is_off_by_little(leg):
     for share in (0.0, 0.01, 0.2, 0.5, 0.77, 0.99, 1.0):
         distance = share * leg.distance
-        instant_ns = instant_at(leg, distance)
+        instant_ns = leg.covers_ns(distance)
         assert instant_ns == first_ns(
             leg.depart_ns, leg.arrive_ns, lambda at_ns, far=distance: leg.distance_at(at_ns) >= far)
         if share not in (0.0, 1.0):  # there it may turn, or wait
@@ -95,13 +95,13 @@ def test_who_only_waits_and_who_misses_the_area_pass_nothing():
 
 def test_a_route_that_is_driven_again_comes_to_the_same_places_after_the_same_times():
     first = Route(Pose2D(), FAR, CORNERS, REAL, depart_ns=3)
-    early = instant_at(first, 4.0)
+    early = first.covers_ns(4.0)
     again = first.again(first.start, first.end, 8 * S)
-    assert instant_at(again, 4.0) == early + 8 * S - 3
-    assert again.distance_at(instant_at(again, 6.0) - 1) < 6.0 <= again.distance_at(instant_at(again, 6.0))
-    assert instant_at(first, 4.0) == early
+    assert again.covers_ns(4.0) == early + 8 * S - 3
+    assert again.distance_at(again.covers_ns(6.0) - 1) < 6.0 <= again.distance_at(again.covers_ns(6.0))
+    assert first.covers_ns(4.0) == early
 
 
 def test_the_instant_of_a_distance_that_is_not_covered_before_the_arrival_is_the_arrival():
     leg = Leg(Pose2D(), FAR, LIMITS, depart_ns=S)
-    assert (instant_at(leg, 0.0), instant_at(leg, 10.0), instant_at(leg, 11.0)) == (S, 6 * S, 6 * S)
+    assert (leg.covers_ns(0.0), leg.covers_ns(10.0), leg.covers_ns(11.0)) == (S, 6 * S, 6 * S)

@@ -122,7 +122,8 @@ def test_how_often_it_comes_is_the_chance_of_the_clearance():
 @pytest.mark.parametrize('settings, words', [
     ({'stuck_by_clearance': [[0.4, 1.0]]}, 'use_map: false'),
     ({'stuck_by_clearance': [[0.4, 1.0]], 'failure_kind': 'stall', 'use_map': True}, 'failure_kind: stall'),
-    ({'stuck_by_clearance': [[0.4, 1.0]], 'failure_kind': 'none', 'use_map': True}, 'got none with stuck_by_clearance'),
+    ({'stuck_by_clearance': [[0.4, 1.0]], 'failure_kind': 'none', 'use_map': True},
+     "got 'none' with stuck_by_clearance"),
     ({'stuck_by_clearance': [[0.4, 1.1]], 'use_map': True}, 'chance in 0..1'), ({'stuck_patience': -1.0}, 'patience')])
 def test_what_does_not_fit_together_is_refused(settings, words):
     with pytest.raises(ConfigurationError, match=words):

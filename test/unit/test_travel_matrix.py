@@ -96,7 +96,7 @@ def test_a_table_that_cannot_be_is_refused_in_words(tmp_path, text, words):
     ({'places': [*PLACES, PLACES[0]], 'times': []}, 'places[3]'),
     ({'places': [*PLACES, {'name': 'd', 'x': 10.0, 'y': 0.1}], 'times': []}, "'b' and 'd' are 0.1 m apart"),
     ({'places': PLACES, 'times': [{'from': 'a', 'to': 'x', 'seconds': 1}]}, "to: got 'x'"),
-    ({'places': PLACES, 'times': [{'from': 'a', 'to': 'b'}]}, 'from, to, seconds'),
+    ({'places': PLACES, 'times': [{'from': 'a', 'to': 'b'}]}, 'seconds is missing; allowed: a number in 0'),
     ({'places': PLACES, 'times': [{'from': 'a', 'to': 'b', 'seconds': -1}]}, 'seconds: got -1')])
 def test_a_matrix_that_cannot_be_is_refused_in_words(raw, words):
     with pytest.raises(ConfigurationError) as error:

@@ -26,7 +26,7 @@ def test_zones_keep_their_order_names_outlines_and_capacities():
     (dict(GATE, capacity=1.5), ['capacity', '1.5']),
     (dict(GATE, capacity=True), ['capacity', 'True']),
     (dict(GATE, name='a gate'), ['name', 'a gate', 'letters']),
-    ({'rectangle': [0, 0, 1, 1]}, ['name', 'None']),
+    ({'rectangle': [0, 0, 1, 1]}, ['name', 'is missing']),
     ({'name': 'gate'}, ['neither rectangle and polygon']),
     (dict(GATE, polygon=[[0, 0], [1, 0], [0, 1]]), ['both rectangle and polygon']),
     (dict(GATE, rectangle=[6, -1, 4, 1]), ['rectangle', 'x_min < x_max']),

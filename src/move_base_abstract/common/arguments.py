@@ -6,8 +6,8 @@ import operator
 import os
 from typing import Dict, Optional
 
-from .errors import ConfigurationError, TimeError
-from .shown import shown
+from .errors import TimeError
+from .kinds import error
 from .units import check_reachable
 
 
@@ -23,7 +23,7 @@ def as_float(value: object, name: str) -> float:
             return float(value)
     except OverflowError:
         pass
-    raise ConfigurationError('{}: got {}; allowed: a number'.format(name, shown(value)))
+    raise error(name, value, 'a number')
 
 
 def as_ns(value: object, name: str) -> int:
@@ -36,7 +36,7 @@ def as_ns(value: object, name: str) -> int:
             return operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         pass
-    raise ConfigurationError('{}: got {}; allowed: a whole number [ns]'.format(name, shown(value)))
+    raise error(name, value, 'a whole number [ns]')
 
 
 def as_instant(value: object, name: str) -> int:
@@ -48,8 +48,8 @@ def as_instant(value: object, name: str) -> int:
     time_ns = as_ns(value, name)
     try:
         check_reachable(time_ns, name)
-    except ValueError as error:
-        raise TimeError(str(error)) from None
+    except ValueError as fault:
+        raise TimeError(str(fault)) from None
     return time_ns
 
 
@@ -59,8 +59,7 @@ def check_kind(value: object, kind: type, name: str, allowed: Optional[str] = No
     :raises ConfigurationError: if it is not; the text begins with ``name``.
     """
     if not isinstance(value, kind):
-        raise ConfigurationError('{}: got {}; allowed: {}'.format(
-            name, shown(value), allowed or _KINDS.get(kind, kind.__name__)))
+        raise error(name, value, allowed or _KINDS.get(kind, kind.__name__))
 
 
 _KINDS: Dict[type, str] = {str: 'a text', bool: 'True or False'}
@@ -69,7 +68,7 @@ _KINDS: Dict[type, str] = {str: 'a text', bool: 'True or False'}
 def check_path(value: object, name: str) -> None:
     """Check that ``value`` is the path of a file. :raises ConfigurationError: if not; the text begins with ``name``."""
     if not isinstance(value, (str, os.PathLike)):
-        raise ConfigurationError('{}: got {}; allowed: the path of a file'.format(name, shown(value)))
+        raise error(name, value, 'the path of a file')
 
 
 def check_function(value: object, call: str) -> None:
@@ -78,8 +77,7 @@ def check_function(value: object, call: str) -> None:
     :raises ConfigurationError: if it cannot be called.
     """
     if not callable(value):
-        raise ConfigurationError('{}: got {}; allowed: a function that is called as {}'.format(
-            call.partition('(')[0], shown(value), call))
+        raise error(call.partition('(')[0], value, f'a function that is called as {call}')
 
 
 def check_method(value: object, method: str, name: str, allowed: str) -> None:
@@ -88,4 +86,4 @@ def check_method(value: object, method: str, name: str, allowed: str) -> None:
     :raises ConfigurationError: if it is not; the text begins with ``name``.
     """
     if isinstance(value, type) or not callable(getattr(value, method, None)):
-        raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), allowed))
+        raise error(name, value, allowed)

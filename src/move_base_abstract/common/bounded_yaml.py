@@ -7,7 +7,6 @@ where. Maps, scenarios, missions and services use this module, so that all of th
 from __future__ import annotations
 
 import math
-import os
 from typing import TYPE_CHECKING, Any, Dict, Hashable, NamedTuple, Optional, Tuple, Union
 
 import yaml
@@ -50,19 +49,6 @@ def load_yaml_file(path: StrPath) -> Any:
     with open_input(path, FILE.size, what='file of YAML') as stream:
         data = stream.read(FILE.size + 1)
     return load_yaml_text(data, str(path))
-
-
-def file_version(path: StrPath, where: str) -> Tuple[int, int]:
-    """Return (time of the last change [ns], size [bytes]) of a file, to detect whether it changed since it was read.
-
-    :raises ConfigurationError: if the file cannot be read; the text begins with ``where``.
-    """
-    try:
-        status = os.stat(path)
-    except (OSError, ValueError) as error:
-        raise ConfigurationError('{}: {}: cannot be read: {}'.format(
-            where, shown(path), getattr(error, 'strerror', None) or error)) from None
-    return status.st_mtime_ns, status.st_size
 
 
 def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -> Any:

@@ -44,9 +44,12 @@ class Kind:
         return self.check('', value)
 
 
-def error(where: str, value: object, allowed: str) -> ConfigurationError:
-    """Return the error for a value that cannot be used: where, what was got, and what is allowed."""
-    return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}'.lstrip(': '))
+def error(where: str, value: object, allowed: str, given: str = '') -> ConfigurationError:
+    """Return the error for a value that cannot be used: where, what was got, and what is allowed.
+
+    ``given``: what else was got that does not go with it, ' with ...'.
+    """
+    return ConfigurationError(f'{where}: got {shown(value)}{given}; allowed: {allowed}'.lstrip(': '))
 
 
 def similar(name: object, known: Iterable[str], otherwise: str = '') -> str:
@@ -215,6 +218,8 @@ def _bare(value: Any) -> str:
     return value.lstrip('/')
 
 
+#: the kind of all values, which something else checks
+ANY = Kind(lambda _where, value: value, {})
 FLAG = _kept(lambda value: isinstance(value, bool), 'true or false', {'type': 'boolean'})
 FRAME = bare_name('a frame name')
 BELOW_ROOT = bare_name('a topic name')

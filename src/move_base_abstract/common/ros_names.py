@@ -19,6 +19,16 @@ def is_robot_name(value: object) -> bool:
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
 
 
+def robot_name(value: object) -> str:
+    """Return ``value`` if it can be the name of a robot, and so of a place, a zone or a group.
+
+    :raises ValueError: if it cannot.
+    """
+    if not isinstance(value, str) or not is_robot_name(value):
+        raise ValueError
+    return value
+
+
 def natural_order(name: str) -> Tuple[Tuple[Union[str, int], ...], str]:
     """Return a key to sort names such that numbers in them count as numbers: bot_2 comes before bot_10."""
     parts = re.split('([0-9]+)', name)  # texts and numbers in turn, so that only like is compared with like

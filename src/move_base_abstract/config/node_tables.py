@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import List
 
-from ..common.kinds import BELOW_ROOT, FLAG, FRAME, PATH, integer, number, string
+from ..common.kinds import ANY, BELOW_ROOT, FLAG, FRAME, PATH, integer, number, string
 from ..common.parameter_table import Parameter
 from ..common.ros_names import NAMESPACE_RULE, is_namespace
 
@@ -23,10 +23,6 @@ def _task(value: object) -> str:
     return str(BELOW_ROOT(value))
 
 
-def _as_it_is(value: object) -> object:
-    return value
-
-
 MAX_SECONDS = 2.0 ** 31 - 1.0  # the longest duration in ROS
 _PATH = 'the path of a scenario file'
 
@@ -42,23 +38,23 @@ ACTIONLIB = (
 )
 #: the keys of a scenario that may be parameters of a node instead; they are checked like those in the file
 INLINE = {parameter.name: parameter for parameter in (
-    Parameter('defaults', None, _as_it_is, 'Settings of every robot.', 'a mapping of settings of every robot'),
-    Parameter('robots', None, _as_it_is, 'The robots, in the order of their indices.', 'a list of robots'),
-    Parameter('zones', None, _as_it_is, 'Named areas.', 'a list of zones'),
+    Parameter('defaults', None, ANY, 'Settings of every robot.', 'a mapping of settings of every robot'),
+    Parameter('robots', None, ANY, 'The robots, in the order of their indices.', 'a list of robots'),
+    Parameter('zones', None, ANY, 'Named areas.', 'a list of zones'),
     Parameter('deadlock', 'wait', string("'wait', 'abort', 'avoid' or 'retreat'"),
               'What happens to robots that wait for one another.'),
-    Parameter('blocks', 1, _as_it_is, 'Number of areas ahead that must have room.', 'a whole number in 1..100'),
-    Parameter('lane_price', 0.0, _as_it_is,
+    Parameter('blocks', 1, ANY, 'Number of areas ahead that must have room.', 'a whole number in 1..100'),
+    Parameter('lane_price', 0.0, ANY,
               'Weight of robots in the way when a robot chooses its way.', 'a number in 0..1000'),
-    Parameter('groups', None, _as_it_is,
+    Parameter('groups', None, ANY,
               'Number of places of each group of areas.', 'a mapping of names to whole numbers >= 1'),
     Parameter('encounters', 'none', string("'calibrated' or 'none'"), 'Whether robots meet.'),
     Parameter('lanes', None, PATH, 'The net of lanes of all robots.'),
     Parameter('travel_matrix', None, PATH, 'The table of travel times of all robots.'),
-    Parameter('places', None, _as_it_is, 'Places where robots work.', 'a list of places'),
-    Parameter('arrivals', None, _as_it_is, 'Tasks that arrive.', 'a list of arrivals'),
-    Parameter('orders', None, _as_it_is, 'Orders that arrive.', 'a list of entries'),
-    Parameter('dispatcher', None, _as_it_is, 'Which robot gets which order, and when robots charge.', 'a mapping'),
+    Parameter('places', None, ANY, 'Places where robots work.', 'a list of places'),
+    Parameter('arrivals', None, ANY, 'Tasks that arrive.', 'a list of arrivals'),
+    Parameter('orders', None, ANY, 'Orders that arrive.', 'a list of entries'),
+    Parameter('dispatcher', None, ANY, 'Which robot gets which order, and when robots charge.', 'a mapping'),
 )}
 FLEET = (
     Parameter('scenario', '', string(_PATH), 'The scenario; its keys may be parameters of the node instead.'),

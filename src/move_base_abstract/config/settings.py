@@ -7,9 +7,8 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import FRAME
-from ..common.parameter_table import Parameter, checked, read_table, unknown_names
-from ..common.shown import shown
+from ..common.kinds import FRAME, error
+from ..common.parameter_table import Parameter, checked, place_of, read_table, unknown_names
 from ..energy.battery import BatterySettings, read_battery
 from ..faults.buggify import Buggify, read_buggify
 from ..faults.failures import Failures, read_failures
@@ -125,11 +124,11 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
     :raises ConfigurationError: if a parameter that is used has a wrong type or a value that is not allowed.
     """
     if not isinstance(raw, dict):
-        raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
+        raise error(where, raw, 'a namespace of parameters')
     if 'encounters' in raw:
-        raise ConfigurationError("parameter {}/encounters: got {}; allowed: at the top of a fleet's scenario, or as a "
-                                 'parameter of the node fleet: robots of different processes, such as this node, '
-                                 'cannot meet'.format(where.rstrip('/'), shown(raw['encounters'])))
+        raise error(place_of(where, 'encounters'), raw['encounters'],
+                    "at the top of a fleet's scenario, or as a parameter of the node fleet: robots of different "
+                    'processes, such as this node, cannot meet')
     values = read_table(raw, TABLE, where)
     network = _check_routes(values, where)
     planner = PlannerGroup(raw, where)
@@ -167,8 +166,8 @@ def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) ->
     for key in ('calibration', 'turn_rate', 'xy_goal_tolerance', 'yaw_goal_tolerance', 'routes',
                 *(parameter.name for parameter in DURATIONS)):
         if key in raw and (key, raw[key]) != ('routes', 'none'):
-            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has no such parameter; '
-                                     'take one of the two out'.format(where.rstrip('/'), key, shown(raw[key]), profile))
+            raise error(place_of(where, key), raw[key], 'one of the two',
+                        f' with compatible_with: {profile}, which has no such parameter')
     if 'pose_update_freq' not in raw:
         settings.values['pose_update_freq'] = POSE_RATES[profile]
     return replace(settings, tolerances=Tolerances(),
@@ -181,14 +180,12 @@ def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> 
     """Return ``settings`` with the values of their calibration."""
     own = [name for name in _CALIBRATED if name in raw]
     if own:
-        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which sets it, too; allowed: one of the '
-                                 'two'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
+        raise error(place_of(where, own[0]), raw[own[0]], 'one of the two', ' with a calibration, which sets it, too')
     calibration = read_calibration(settings.values['calibration'], where)
     if settings.values['routes'] == 'matrix' or isinstance(settings.network, LaneMap) and settings.network.has_speeds:
-        raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "
-                                 "'lanes' whose edges have neither speed nor length".format(
-                                     where.rstrip('/'), shown(settings.values['calibration']),
-                                     settings.values['routes']))
+        raise error(place_of(where, 'calibration'), settings.values['calibration'],
+                    "with 'none', 'grid', or 'lanes' whose edges have neither speed nor length",
+                    f' with routes: {settings.values["routes"]}')
     source = 'calibration {}'.format(settings.values['calibration'])
     return replace(settings, limits=calibration.limits, tolerances=calibration.tolerances, phases=calibration.phases,
                    durations=calibration.durations, encounters=calibration.encounters, speed_source=source,
@@ -220,9 +217,8 @@ def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> 
         is_mapless = _ODOM in values['global_frame'].rsplit('/', 1)[-1]
         values['odom_frame'] = values['global_frame'] if is_mapless else _ODOM
     if values['robot_base_frame'] in (values['global_frame'], values['odom_frame']):
-        raise ConfigurationError('parameter {}/robot_base_frame: got {}, which is the global or the odom frame too; '
-                                 'it needs a name of its own'.format(
-                                     where.rstrip('/'), shown(values['robot_base_frame'])))
+        raise error(place_of(where, 'robot_base_frame'), values['robot_base_frame'], 'a name of its own',
+                    ', which is the global or the odom frame too')
     return used
 
 
@@ -231,8 +227,8 @@ def _bounds(values: Optional[Tuple[float, float, float, float]], where: str) -> 
         return WorldBounds()
     try:
         return WorldBounds(*values)
-    except ValueError as error:
-        raise ConfigurationError('parameter {}/world_bounds: {}'.format(where.rstrip('/'), error)) from None
+    except ValueError as fault:
+        raise ConfigurationError('{}: {}'.format(place_of(where, 'world_bounds'), fault)) from None
 
 
 def _check_routes(values: Dict[str, Any], where: str) -> Optional[Union[LaneMap, TravelMatrix]]:
@@ -241,14 +237,12 @@ def _check_routes(values: Dict[str, Any], where: str) -> Optional[Union[LaneMap,
     if routes == 'grid':
         for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
             if values[key] is not allowed:
-                raise ConfigurationError(
-                    "parameter {}/routes: got 'grid' with {}: {}; allowed: with {}: {} only".format(
-                        where.rstrip('/'), key, str(not allowed).lower(), key, str(allowed).lower()))
+                raise error(place_of(where, 'routes'), routes, f'with {key}: {str(allowed).lower()} only',
+                            f' with {key}: {str(not allowed).lower()}')
     for key, kind, read in (('lanes', 'lanes', read_lane_map), ('travel_matrix', 'matrix', read_travel_matrix)):
         if routes == kind:
             if values[key] is None:
-                raise ConfigurationError("parameter {}/routes: got '{}' without {}; allowed: with the path of a file "
-                                         'there'.format(where.rstrip('/'), kind, key))
+                raise error(place_of(where, 'routes'), kind, 'with the path of a file there', f' without {key}')
             return read(values[key], where)
     return None
 
@@ -268,8 +262,8 @@ def _behaviors(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> Tu
                                       ROTATION_SECONDS if 'rotate' in str(entry['type']).lower() else 0.0)
                      for entry in raw['recovery_behaviors'])
     except (TypeError, KeyError):
-        raise ConfigurationError('parameter {}/recovery_behaviors: got {}; allowed: a list of {{name, type}}'.format(
-            where.rstrip('/'), shown(raw['recovery_behaviors']))) from None
+        raise error(place_of(where, 'recovery_behaviors'), raw['recovery_behaviors'],
+                    'a list of {name, type}') from None
 
 
 def _other_names(raw: Mapping[str, Any], values: Dict[str, Any], used: List[str], where: str,

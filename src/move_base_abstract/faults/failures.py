@@ -4,10 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
-from ..common.errors import ConfigurationError
-from ..common.kinds import Pairs, ascending_pairs, number, one_of
-from ..common.parameter_table import Parameter, checked
-from ..common.shown import shown
+from ..common.kinds import Pairs, ascending_pairs, error, number, one_of
+from ..common.parameter_table import Parameter, checked, place_of
 from ..common.units import seconds_to_ns
 from ..engine.factors import Constant, Lognormal
 
@@ -111,23 +109,20 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
 
     :raises ConfigurationError: for values that do not fit together; ``where``: the namespace of the parameters.
     """
-    where = where.rstrip('/')
     kind, cv = values['failure_kind'], values['repair_cv']
     if kind == 'none':
         for key in (*_RATES.values(), 'failure_times', 'stuck_by_clearance'):
             if values[key]:
-                raise ConfigurationError('parameter {}/failure_kind: got none with {}; allowed then: {}'.format(
-                    where, key, _KINDS_TEXT))
+                raise error(place_of(where, 'failure_kind'), kind, _KINDS_TEXT, f' with {key}')
         return None
     by_clearance = values['stuck_by_clearance']
     if by_clearance and not (kind == STUCK and values['use_map']):
-        raise ConfigurationError('parameter {}/stuck_by_clearance: got {} with failure_kind: {} and use_map: {}; '
-                                 'it is for stuck and true only'.format(
-                                     where, shown(by_clearance), kind, str(values['use_map']).lower()))
+        raise error(place_of(where, 'stuck_by_clearance'), by_clearance, 'with stuck and true only',
+                    f' with failure_kind: {kind} and use_map: {str(values["use_map"]).lower()}')
     distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):
-        raise ConfigurationError('parameter {}/repair_cv: got {:g} with repair_distribution: {}; allowed: > 0 with '
-                                 'lognormal, otherwise 0'.format(where, cv, distribution))
+        raise error(place_of(where, 'repair_cv'), cv, '> 0 with lognormal, otherwise 0',
+                    f' with repair_distribution: {distribution}')
     mean = values['repair_time']
     repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])

@@ -11,7 +11,6 @@ from ..common.units import seconds_to_ns
 from ..engine.alarm import Alarm
 from ..engine.chance import Purpose
 from ..engine.factors import along
-from ..engine.instants import first_ns
 from ..goals.outcome import NO_CONTROL
 
 if TYPE_CHECKING:
@@ -44,8 +43,8 @@ class Sticking:
             leg.way, _WAY_OUT if (leg.start.x, leg.start.y) == self._place else 0.0)
         if self._chance.uniform(number, Purpose.STUCK) >= along(self._chances, clearance):
             return None
-        return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
-                        leg.guess_ns(distance))
+        due_ns: int = leg.covers_ns(distance)
+        return due_ns
 
     def got_stuck(self, now_ns: int) -> None:
         """Note that the robot is stuck; on the way to this goal it will not get stuck again."""

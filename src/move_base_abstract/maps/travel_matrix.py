@@ -12,18 +12,17 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import check_keys, number
-from ..common.parameter_table import Parameter, checked
+from ..common.kinds import check_keys, error, number, string
+from ..common.parameter_table import Parameter, kept_per_file, read_mapping
 from ..common.shown import shown
 from ..motion.geometry import share_along
 from ..motion.planned_way import PlannedWay
-from .lane_map import found, is_place_name
+from .lane_map import NAME
 from .planning import StraightLinePlanner, WorldBounds
 
 if TYPE_CHECKING:
@@ -35,8 +34,11 @@ if TYPE_CHECKING:
 AT_PLACE = 0.1  # m; a robot as near as this to a place is there
 _ON_LINE = 0.01  # m; a robot as near as this to the straight line between two places is on it
 CSV_COLUMNS = ['from', 'from_x', 'from_y', 'to', 'to_x', 'to_y', 'seconds']
-_XY = Parameter('x', None, number(-1e9, 1e9, unit='m, global frame'))
-_SECONDS = Parameter('seconds', None, number(0.0, 1e9, unit='s, simulated'))
+_COORDINATE = number(-1e9, 1e9, unit='m, global frame')
+_PLACE_TABLE = (NAME, Parameter('x', None, _COORDINATE), Parameter('y', None, _COORDINATE))
+_PLACE_NAME = string('the name of a place')
+_TIME_TABLE = (Parameter('from', None, _PLACE_NAME), Parameter('to', None, _PLACE_NAME),
+               Parameter('seconds', None, number(0.0, 1e9, unit='s, simulated')))
 
 
 class TravelMatrix(NamedTuple):
@@ -47,17 +49,14 @@ class TravelMatrix(NamedTuple):
     source: str
 
 
-def read_travel_matrix(path: str, where: str) -> TravelMatrix:
-    """Return the :class:`TravelMatrix` in the file ``path``; if its name ends with .csv it is CSV, otherwise YAML.
+@kept_per_file('travel_matrix')
+def read_travel_matrix(path: str) -> TravelMatrix:
+    """Return the :class:`TravelMatrix` in the file ``path``, CSV if its name ends with .csv, otherwise YAML.
 
-    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
+    The second argument is the namespace of its parameter.
+
+    :raises ConfigurationError: if there is none, or it cannot be used.
     """
-    return _matrix_in(*found(path, 'travel_matrix', where))
-
-
-@lru_cache(maxsize=16)
-def _matrix_in(path: str, _mtime_ns: int, _size: int) -> TravelMatrix:
-    """Return the matrix in a file; it is cached, since many robots ask for the same file."""
     return make_travel_matrix(_read_csv(path) if path.endswith('.csv') else load_yaml_file(path), path)
 
 
@@ -68,37 +67,27 @@ def make_travel_matrix(raw: Mapping[str, Any], where: str = 'travel_matrix') -> 
         that are there twice; the text begins with ``where``.
     """
     if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('places', 'times')):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with the lists places and times'.format(
-            where, shown(raw)))
+        raise error(where, raw, 'a mapping with the lists places and times')
     check_keys(raw, ('places', 'times'), where, '')
     places: Dict[str, Tuple[float, float]] = {}
     for index, entry in enumerate(raw['places']):
         place = '{}: places[{}]'.format(where, index)
-        _check_entry(entry, ('name', 'x', 'y'), place)
-        if not is_place_name(entry['name']) or entry['name'] in places:
-            raise ConfigurationError('{}: name: got {}; allowed: 1 to 200 characters, given once'.format(
-                place, shown(entry['name'])))
-        places[entry['name']] = checked(entry['x'], 'x', _XY, place), checked(entry['y'], 'y', _XY, place)
+        name, x, y = read_mapping(entry, _PLACE_TABLE, place, ('name', 'x', 'y')).values()
+        if name in places:
+            raise error(f'{place}: name', name, 'each name once')
+        places[name] = x, y
     _check_apart(places, where)
     seconds: Dict[Tuple[str, str], float] = {}
     for index, entry in enumerate(raw['times']):
         place = '{}: times[{}]'.format(where, index)
-        _check_entry(entry, ('from', 'to', 'seconds'), place)
-        for key in ('from', 'to'):
-            if not isinstance(entry[key], str) or entry[key] not in places:
-                raise ConfigurationError('{}: {}: got {}; allowed: the name of a place'.format(
-                    place, key, shown(entry[key])))
-        pair = entry['from'], entry['to']
-        if pair in seconds:
+        *pair, duration = read_mapping(entry, _TIME_TABLE, place, ('from', 'to', 'seconds')).values()
+        for key, name in zip(('from', 'to'), pair):
+            if name not in places:
+                raise error(f'{place}: {key}', name, _PLACE_NAME.allowed)
+        if tuple(pair) in seconds:
             raise ConfigurationError('{}: from {} to {} is there twice'.format(place, *map(shown, pair)))
-        seconds[pair] = checked(entry['seconds'], 'seconds', _SECONDS, place)
+        seconds[pair[0], pair[1]] = duration
     return TravelMatrix(places, seconds, where)
-
-
-def _check_entry(raw: Mapping[str, Any], keys: Tuple[str, str, str], where: str) -> None:
-    if not isinstance(raw, dict) or any(key not in raw for key in keys):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with {}'.format(where, shown(raw), ', '.join(keys)))
-    check_keys(raw, keys, where, '')
 
 
 def _check_apart(places: Dict[str, Tuple[float, float]], where: str) -> None:
@@ -122,13 +111,11 @@ def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
     with open_csv(path) as stream:
         for where, row in rows_of(stream, path):
             if list(row) != CSV_COLUMNS:
-                raise ConfigurationError('{}: got the columns {}; allowed: {}'.format(
-                    path, shown(list(row)), ','.join(CSV_COLUMNS)))
+                raise error(f'{path}: columns', list(row), ','.join(CSV_COLUMNS))
             try:
                 numbers = [float(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
             except (TypeError, ValueError):
-                raise ConfigurationError('{}: got {}; allowed: numbers, except for the names'.format(
-                    where, shown(dict(row)))) from None
+                raise error(where, dict(row), 'numbers, except for the names') from None
             for name, place in ((row['from'], tuple(numbers[:2])), (row['to'], tuple(numbers[2:4]))):
                 if places.setdefault(name, place) != place:
                     raise ConfigurationError('{}: {} is at {} and at {}; a name has one place'.format(

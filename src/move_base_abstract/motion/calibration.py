@@ -10,15 +10,14 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
-from ..common.bounded_yaml import file_version, load_yaml_file
-from ..common.errors import ConfigurationError
-from ..common.kinds import ascending_pairs, number, string
-from ..common.parameter_table import Parameter, read_table
-from ..common.shown import shown
+from ..common.bounded_yaml import load_yaml_file
+from ..common.kinds import ascending_pairs, error, number, string
+from ..common.parameter_table import Parameter, kept_per_file, place_of, read_mapping
 from ..common.units import NS_PER_S
 from ..engine.chance import Purpose
 from ..engine.factors import Gamma, along
 from .approach import MotionPhases
+from .durations import FAILURES, FAILURES_ALLOWED
 from .encounter_law import EncounterLaw, make_encounter_law
 from .leg import MotionLimits, Tolerances
 from .recorded_range import Recorded, read_intervals, read_recorded
@@ -32,20 +31,14 @@ _NAME = re.compile(r'[A-Za-z0-9_]+')
 _NORMAL = NormalDist()
 _LEAST_FACTOR = 0.5  # a leg takes at least this share of the duration by its phases
 LEAST_MOST = 0.5  # s: the tail of a turn may be this long on any way, however short
-_REQUIRED = object()
-_FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
-
-
-def _row(name: str, kind: Callable[..., Any], allowed: str = '') -> Parameter:
-    return Parameter(name, _REQUIRED, kind, allowed=allowed)
 
 
 def _number(name: str, low: float, high: float, unit: str = '') -> Parameter:
-    return _row(name, number(low, high, unit=unit))
+    return Parameter(name, None, number(low, high, unit=unit))
 
 
 TABLE = (
-    _row('source', string('a text')),
+    Parameter('source', None, string('a text')),
     _number('max_speed', 0.001, 100.0, 'm/s'),
     _number('acceleration', 0.001, 1000.0, 'm/s^2'),
     _number('xy_goal_tolerance', 0.0, 10.0, 'm'),
@@ -62,13 +55,15 @@ TABLE = (
     _number('spread', 0.0, 3600.0, 's'),
     _number('delay_share', 0.0, 10.0, 's per s of motion'),
     _number('tail_rate', 0.0, 10.0, '1/s of motion'),
-    _row('tail_chance_by_turn', ascending_pairs(number(0.0, 3.15), number(0.0, 1.0)),
-         'a list of [start turn in 0..3.15 rad, chance in 0..1], the turns ascending'),
+    Parameter('tail_chance_by_turn', None, ascending_pairs(number(0.0, 3.15), number(0.0, 1.0)),
+              allowed='a list of [start turn in 0..3.15 rad, chance in 0..1], the turns ascending'),
     _number('tail_mean', 0.001, 86400.0, 's'),
     _number('tail_cv', 0.01, 10.0),
-    _row('failure_by_length', lambda value: () if value == [] else _FAILURES(value),
-         'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
+    Parameter('failure_by_length', None, lambda value: () if value == [] else FAILURES(value),
+              allowed=FAILURES_ALLOWED),
 )
+
+
 class TailMotion(NamedTuple):
     """The speeds of a robot in the tail: it drives backwards at ``reverse_speed`` [m/s], or spins [rad/s]."""
 
@@ -189,10 +184,9 @@ def calibration_file(name: str, where: str) -> str:
     """
     path = name if os.path.isabs(name) else _shipped().get(name)
     if path is None:
-        raise ConfigurationError(
-            'parameter {}/calibration: got {}; allowed: an absolute path; in a scenario file a path from its folder '
-            'that ends with .yaml; or one of the calibrations of this package: {}'.format(
-                where.rstrip('/'), shown(name), ', '.join(sorted(_shipped())) or 'none'))
+        raise error(place_of(where, 'calibration'), name,
+                    'an absolute path; in a scenario file a path from its folder that ends with .yaml; or one of the '
+                    'calibrations of this package: ' + (', '.join(sorted(_shipped())) or 'none'))
     return str(path)
 
 
@@ -201,13 +195,11 @@ def read_calibration(name: str, where: str) -> Calibration:
 
     :raises ConfigurationError: if there is none, or it cannot be used; ``where`` is the namespace of the parameter.
     """
-    path = calibration_file(name, where)
-    return _calibration_in(path, *file_version(path, 'parameter {}/calibration'.format(where.rstrip('/'))))
+    return _calibration_in(calibration_file(name, where), where)
 
 
-@lru_cache(maxsize=64)
-def _calibration_in(path: str, _mtime_ns: int, _size: int) -> Calibration:
-    """Return the calibration in a file; it is cached, since many robots ask for the same one."""
+@kept_per_file('calibration')
+def _calibration_in(path: str) -> Calibration:
     return make_calibration(load_yaml_file(path), path)
 
 
@@ -217,16 +209,10 @@ def make_calibration(raw: Mapping[str, Union[float, str]], where: str) -> Calibr
     :raises ConfigurationError: if ``raw`` is no calibration, or a value is missing, unknown or not allowed; the text
         begins with ``where``.
     """
-    names = tuple(parameter.name for parameter in TABLE)
     if not isinstance(raw, dict) or raw.get('format') != FORMAT:
-        raise ConfigurationError('{}: got {}; allowed: a calibration with format: {}'.format(where, shown(raw), FORMAT))
-    sections = (*(parameter.name for parameter in SECTIONS), ENCOUNTERS)
-    for wrong, names_of_it in (('unknown', [key for key in raw if key not in (*names, *sections, 'format')]),
-                               ('missing', [name for name in names if name not in raw])):
-        if names_of_it:
-            raise ConfigurationError('{}: {}: {}; allowed: format, {}'.format(
-                where, wrong, ', '.join(map(shown, names_of_it[:5])), ', '.join((*names, *sections))))
-    values = read_table(raw, TABLE + SECTIONS, where)
+        raise error(where, raw, f'a calibration with format: {FORMAT}')
+    values = read_mapping({key: value for key, value in raw.items() if key not in ('format', ENCOUNTERS)},
+                          TABLE + SECTIONS, where, [parameter.name for parameter in TABLE])
     recorded = values['recorded'] and values['recorded']._replace(tolerance=values['xy_goal_tolerance'])
     return Calibration(
         values['source'], MotionLimits(values['max_speed'], values['acceleration']),

@@ -1,20 +1,15 @@
 """How long goals really take: an overhead, a factor and failures on the way, drawn once per goal (:mod:`.chance`)."""
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Optional, Tuple, Union
 
-from ..common.bounded_yaml import file_version, load_yaml_file
-from ..common.errors import ConfigurationError
-from ..common.kinds import PATH, ascending_pairs, number, one_of
-from ..common.parameter_table import Parameter, checked
-from ..common.shown import shown
+from ..common.bounded_yaml import load_yaml_file
+from ..common.kinds import PATH, ascending_pairs, error, number, one_of
+from ..common.parameter_table import Parameter, checked, kept_per_file, place_of
 from ..common.units import seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..engine.factors import Constant, Gamma, Lognormal, Quantiles, along
-from ..engine.instants import first_ns
 from .pace import Pace, PacedLeg
 
 if TYPE_CHECKING:
@@ -26,7 +21,9 @@ if TYPE_CHECKING:
     Uniform = Callable[..., float]
     Beyond = Tuple[Union[str, float], ...]
 
-_FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
+#: chances of failures by the length of the way, also of a calibrated robot
+FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
+FAILURES_ALLOWED = 'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'
 _POINTS = ascending_pairs(number(0.0, 1.0), number(high=1e6, above=0.0))
 _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
@@ -42,9 +39,9 @@ TABLE = (
               'only.'),
     Parameter('duration_quantiles', None, PATH,
               "File with the factor's quantiles, which `duration_factor` multiplies; with `quantiles` only."),
-    Parameter('failure_by_length', (), _FAILURES,
+    Parameter('failure_by_length', (), FAILURES,
               'Chance that a goal fails on the way, linear between the given lengths and constant outside of them.',
-              'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
+              FAILURES_ALLOWED),
 )
 _POINTS_PARAMETER = Parameter('quantiles', None, _POINTS,
                               allowed='a list of [probability, factor > 0 and <= 1e6], the probabilities ascending '
@@ -84,13 +81,11 @@ def read_durations(values: Mapping[str, Any], where: str) -> Optional[Durations]
     """
     kind, mean, cv = values['duration_distribution'], values['duration_factor'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0):
-        raise ConfigurationError('parameter {}/duration_cv: got {:g} with duration_distribution: {}; allowed: > 0 '
-                                 'with {}, otherwise 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
+        raise error(place_of(where, 'duration_cv'), cv, f'> 0 with {" and ".join(_FACTORS)}, otherwise 0',
+                    f' with duration_distribution: {kind}')
     if (kind == 'quantiles') != (values['duration_quantiles'] is not None):
-        raise ConfigurationError(
-            'parameter {}/duration_quantiles: got {} with duration_distribution: {}; allowed: the path of a file with '
-            'quantiles with that, otherwise none'.format(
-                where.rstrip('/'), shown(values['duration_quantiles']), kind))
+        raise error(place_of(where, 'duration_quantiles'), values['duration_quantiles'],
+                    "the path of a file with 'quantiles', otherwise none", f' with duration_distribution: {kind}')
     if kind in _FACTORS:
         factor: Any = _FACTORS[kind](mean, cv)
     else:
@@ -100,25 +95,16 @@ def read_durations(values: Mapping[str, Any], where: str) -> Optional[Durations]
     return None if durations == Durations() else durations
 
 
-def _read_quantiles(path: str, where: str) -> Tuple[Tuple[float, float], ...]:
-    if not os.path.isabs(path):
-        raise ConfigurationError(
-            'parameter {}/duration_quantiles: got {}; allowed: an absolute path; in a scenario file also a path from '
-            'its folder'.format(where.rstrip('/'), shown(path)))
-    return _quantiles_in(path, *file_version(path, 'parameter {}/duration_quantiles'.format(where.rstrip('/'))))
-
-
-@lru_cache(maxsize=64)
-def _quantiles_in(path: str, _mtime_ns: int, _size: int) -> Tuple[Tuple[float, float], ...]:
-    """Return the points in a file; they are cached, since many robots ask for the same file."""
+@kept_per_file('duration_quantiles')
+def _read_quantiles(path: str) -> Tuple[Tuple[float, float], ...]:
     raw = load_yaml_file(path)
     if not isinstance(raw, dict) or list(raw) != ['quantiles']:
-        raise ConfigurationError('{}: got {}; allowed: a mapping with one key, quantiles'.format(path, shown(raw)))
+        raise error(path, raw, 'a mapping with one key, quantiles')
     points = checked(raw['quantiles'], 'quantiles', _POINTS_PARAMETER, path)
     factors = [factor for _, factor in points]
     if (points[0][0], points[-1][0]) != (0.0, 1.0) or factors != sorted(factors):
-        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, and factors that do not fall'.format(
-            path, shown(raw['quantiles']), _POINTS_PARAMETER.allowed))
+        raise error(f'{path}: quantiles', raw['quantiles'],
+                    f'{_POINTS_PARAMETER.allowed}, and factors that do not fall')
     return points  # type: ignore[no-any-return]
 
 
@@ -186,7 +172,7 @@ class GoalDurations:
         if way is None:
             self._failure_ns = leg.depart_ns + int(self._uniform(Purpose.FAILURE_PLACE) * leg.duration_ns)
         else:
-            self._failure_ns = first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= way)
+            self._failure_ns = leg.covers_ns(way)
         return self._failure_ns
 
     def interrupted(self, leg: AnyLeg, now_ns: int) -> None:

@@ -3,12 +3,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Tuple
 
-from ..common.errors import ConfigurationError
 from ..common.kinds import Pairs, ascending_pairs, number, string
-from ..common.parameter_table import Parameter, read_table
-from ..common.shown import shown
+from ..common.parameter_table import Parameter, read_mapping
 from ..engine.chance import Purpose
 from ..engine.factors import Gamma, Lognormal, along
 
@@ -18,7 +16,6 @@ _CHANCES = ascending_pairs(number(0.0, 1000.0), number(0.0, 1.0))
 _CHANCE = number(0.0, 1.0)
 _SECONDS = number(0.001, 86400.0, unit='s')
 _CV = number(0.01, 10.0)
-_REQUIRED = object()
 _OF_CHANCES = 'a list of [nearest distance [m], chance in 0..1], the distances >= 0 and ascending'
 
 
@@ -28,25 +25,21 @@ def _chances(value: Any) -> Pairs:
     return pairs
 
 
-def _row(name: str, kind: Callable[[Any], Any], allowed: str = '') -> Parameter:
-    return Parameter(name, _REQUIRED, kind, allowed=allowed)
-
-
 TABLE = (
-    _row('source', string('a text')),
-    _row('radius', number(0.01, 1000.0, unit='m')),
-    *(_row('chance_' + kind, _CHANCES, _OF_CHANCES) for kind in KINDS),
-    _row('both_chance', _CHANCE),
-    _row('delay_mean', _SECONDS),
-    _row('delay_cv', _CV),
-    _row('block_chance', _chances, _CHANCE.allowed + ', or ' + _OF_CHANCES),
-    _row('block_mean', _SECONDS),
-    _row('block_cv', _CV),
-    _row('abort_chance', _CHANCE),
+    Parameter('source', None, string('a text')),
+    Parameter('radius', None, number(0.01, 1000.0, unit='m')),
+    *(Parameter('chance_' + kind, None, _CHANCES, allowed=_OF_CHANCES) for kind in KINDS),
+    Parameter('both_chance', None, _CHANCE),
+    Parameter('delay_mean', None, _SECONDS),
+    Parameter('delay_cv', None, _CV),
+    Parameter('block_chance', None, _chances, allowed=_CHANCE.allowed + ', or ' + _OF_CHANCES),
+    Parameter('block_mean', None, _SECONDS),
+    Parameter('block_cv', None, _CV),
+    Parameter('abort_chance', None, _CHANCE),
     Parameter('long_chance', 0.0, _CHANCE),
     Parameter('long_mean', 600.0, _SECONDS),
-    _row('narrow_below', number(0.0, 1000.0, unit='m')),
-    _row('narrow_weight', number(0.01, 100.0)),
+    Parameter('narrow_below', None, number(0.0, 1000.0, unit='m')),
+    Parameter('narrow_weight', None, number(0.01, 100.0)),
 )
 
 
@@ -130,16 +123,7 @@ def make_encounter_law(raw: Mapping[str, Any], where: str) -> EncounterLaw:
 
     :raises ConfigurationError: if a value is missing, unknown or not allowed; the text begins with ``where``.
     """
-    names = [parameter.name for parameter in TABLE]
-    if not isinstance(raw, dict):
-        raise ConfigurationError('{}: encounters: got {}; allowed: a mapping with {}'.format(
-            where, shown(raw), ', '.join(names)))
-    for wrong, found in (('unknown', [key for key in raw if key not in names]),
-                         ('missing', [row.name for row in TABLE if row.default is _REQUIRED and row.name not in raw])):
-        if found:
-            raise ConfigurationError('{}: encounters: {}: {}; allowed: {}'.format(
-                where, wrong, ', '.join(map(shown, found[:5])), ', '.join(names)))
-    values: Dict[str, Any] = read_table(raw, TABLE, '{}: encounters'.format(where))
+    values = read_mapping(raw, TABLE, f'{where}: encounters', [row.name for row in TABLE if row.default is None])
     return EncounterLaw(
         values['source'], values['radius'], tuple((kind, values['chance_' + kind]) for kind in KINDS),
         values['both_chance'], Lognormal(values['delay_mean'], values['delay_cv']), values['block_chance'],

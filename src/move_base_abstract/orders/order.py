@@ -9,22 +9,20 @@ from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from ..common.errors import ConfigurationError
-from ..common.kinds import number, one_of
-from ..common.parameter_table import Parameter
+from ..common.kinds import error, number, one_of
+from ..common.parameter_table import Parameter, read_mapping
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
-from ..tasks.arrivals import Task, place_or_pose
-from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
+from ..tasks.arrivals import PLACE, Task, place_or_pose, some_of
+from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, read_work
 
 #: what the robot does at a stop; after a load it carries goods
 WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
 ACTIONS = (WORK, LOAD, UNLOAD)
 MAX_STOPS = 100
 DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS, unit='s, simulated'))
-_PLACE = Parameter('place', None, place_name, allowed='the name of one of the places')
 ACTION = Parameter('action', WORK, one_of(*ACTIONS))
-STOP_TABLE = (_PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
+STOP_TABLE = (PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
 
 
 @dataclass(frozen=True)
@@ -102,8 +100,7 @@ def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
     if fault is not None:
         return fault
     if stop.place and stop.place not in places:
-        return 'place: got {}; allowed: {}'.format(
-            shown(stop.place), ', '.join(list(places)[:10]) or 'none: there are no places')
+        return 'place: got {}; allowed: {}'.format(shown(stop.place), some_of(places))
     if stop.action not in ACTIONS:
         return 'action: got {}; allowed: {}'.format(shown(stop.action), ACTION.allowed)
     for name, value in (('duration', stop.duration_ns), ('power', stop.power), ('energy', stop.energy)):
@@ -125,7 +122,7 @@ def read_stop(raw: Any, places: Dict[str, Place], where: str) -> ListedStop:
 
     :raises ConfigurationError: if it is not allowed; the text names ``where`` and what is allowed.
     """
-    values = read_entry(raw, STOP_TABLE, where)
+    values = read_mapping(raw, STOP_TABLE, where)
     place, pose = place_or_pose(raw, values, places, where)
     return stop_at(place, pose, values['action'], read_work(values, where, place.work if place else Work()))
 
@@ -141,6 +138,5 @@ def read_stops(raw: Any, where: str) -> List[Any]:
     :raises ConfigurationError: if it is not a list, or is too long or empty.
     """
     if not isinstance(raw, list) or not 1 <= len(raw) <= MAX_STOPS:
-        raise ConfigurationError('{}: stops: got {}; allowed: a list of 1 to {} stops'.format(
-            where, shown(raw), MAX_STOPS))
+        raise error(f'{where}: stops', raw, f'a list of 1 to {MAX_STOPS} stops')
     return raw

@@ -17,9 +17,8 @@ from functools import partial
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import number
-from ..common.parameter_table import Parameter, checked
-from ..common.shown import shown
+from ..common.kinds import ANY, error, number
+from ..common.parameter_table import Parameter, read_mapping
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..motion.geometry import Pose2D
@@ -36,8 +35,9 @@ from ..tasks.arrivals import (
     point_in,
     read_sources,
     rows_in,
+    some_of,
 )
-from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_entry, read_work
+from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_work
 from .order import ACTION, DEADLINE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
 
 
@@ -47,11 +47,7 @@ def _texts(value: Any) -> List[str]:
     return value
 
 
-def _any(value: Any) -> Any:
-    return value
-
-
-_STOPS = Parameter('stops', None, _any, allowed='a list of stops')
+_STOPS = Parameter('stops', None, ANY, allowed='a list of stops')
 ORDER_TABLE = (
     NAME, *RATE_TABLE, Parameter('every', None, number(1e-9, MAX_SECONDS, unit='s, simulated')), _STOPS, DEADLINE,
     PRIORITY, FILE)
@@ -147,11 +143,12 @@ def read_orders(raw: Any, places: Dict[str, Place], where: str) -> Tuple[OrderSo
 
     :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
-    return read_sources(raw, 'orders', ORDER_TABLE, where, lambda values, here: _read_one(values, places, here))
+    return read_sources(raw, 'orders', ORDER_TABLE, where, lambda values, here: _read_one(values, places, here),
+                        ('name',))
 
 
 def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -> OrderSource:
-    name = checked(values['name'], 'name', NAME, where)
+    name = values['name']
     if (values['file'] is None) == (values['stops'] is None):
         raise ConfigurationError('{}: got {} file and stops; allowed: one of them'.format(
             where, 'neither' if values['file'] is None else 'both'))
@@ -185,7 +182,7 @@ def _drawn(raw: Any, places: Dict[str, Place], where: str) -> DrawnStop:
     if also:
         raise ConfigurationError('{}: got {} and {}; allowed: one of place, places, area, and x, y and yaw'.format(
             where, groups[0], also[0]))
-    values = read_entry(raw, DRAWN_STOP_TABLE, where)
+    values = read_mapping(raw, DRAWN_STOP_TABLE, where)
     if values['area'] is not None:
         return DrawnStop((stop_at(None, Pose2D(), values['action'], read_work(values, where)),), values['area'])
     names = _named(values['places'], places, where)
@@ -197,17 +194,14 @@ def _named(patterns: List[str], places: Dict[str, Place], where: str) -> List[st
     """Return the names of the places that match one of the ``patterns``, each once, in the order of the scenario."""
     for pattern in patterns:
         if not fnmatch.filter(places, pattern):
-            raise ConfigurationError('{}: places: got {}, which matches no place; allowed: {}'.format(
-                where, shown(pattern), ', '.join(list(places)[:10]) or 'none: there are no places'))
+            raise error(f'{where}: places', pattern, some_of(places), ', which matches no place')
     return [name for name in places if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)]
 
 
 def _read_file(name: str, path: str, places: Dict[str, Place], where: str) -> ListedOrders:
     rows = []
     for index, (here, row) in enumerate(rows_in(path, 'orders', where, _cell)):
-        values = read_entry(row, _ROW, here)
-        if values['time'] is None:
-            raise ConfigurationError('{}: the time, {}, is not given'.format(here, TIME.allowed))
+        values = read_mapping(row, _ROW, here, ('time',))
         stops = tuple(read_stop(one, places, '{}: stops[{}]'.format(here, number_))
                       for number_, one in enumerate(read_stops(values['stops'], here)))
         rows.append((index + 1, Order('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), (),

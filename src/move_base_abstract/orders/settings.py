@@ -9,10 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Tuple
 
-from ..common.errors import ConfigurationError
-from ..common.kinds import check_keys, integer, number, one_of
-from ..common.parameter_table import Parameter, read_table
-from ..common.shown import shown
+from ..common.kinds import error, integer, number, one_of
+from ..common.parameter_table import Parameter, read_mapping
 from .policies import POLICIES
 
 RESTART, RESUME = 'restart', 'resume'
@@ -66,10 +64,7 @@ def read_dispatcher(raw: Any, where: str) -> DispatchSettings:
     :raises ConfigurationError: if a value is not allowed; the text names ``where``, the key and what is allowed.
     """
     here = '{}: dispatcher'.format(where)
-    if not isinstance(raw, dict):
-        raise ConfigurationError('{}: got {}; allowed: a mapping'.format(here, shown(raw)))
-    check_keys(raw, tuple(parameter.name for parameter in DISPATCHER_TABLE), here, '')
-    return settings_of(read_table(raw, DISPATCHER_TABLE, here), here)
+    return settings_of(read_mapping(raw, DISPATCHER_TABLE, here), here)
 
 
 def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
@@ -79,8 +74,8 @@ def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
     """
     settings = DispatchSettings(**{one.name: values[one.name] for one in DISPATCHER_TABLE})
     if not settings.charge_below < settings.charge_until:
-        raise ConfigurationError('{}: charge_until: got {:g} with charge_below: {:g}; allowed: more than that'.format(
-            where, settings.charge_until, settings.charge_below))
+        raise error(f'{where}: charge_until', settings.charge_until, 'more than that',
+                    f' with charge_below: {settings.charge_below:g}')
     return settings
 
 

@@ -32,25 +32,14 @@ from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import integer, made_by, number, numbers, string
-from ..common.parameter_table import Parameter, checked
-from ..common.shown import shown
+from ..common.kinds import error, integer, made_by, number, numbers, string
+from ..common.parameter_table import Parameter, checked, read_mapping
+from ..common.ros_names import robot_name
 from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..engine.factors import Constant
 from ..motion.geometry import Pose2D
-from .places import (
-    MAX_SECONDS,
-    NAME,
-    POSE_TABLE,
-    PRIORITY,
-    WORK_TABLE,
-    Place,
-    Work,
-    place_name,
-    read_entry,
-    read_work,
-)
+from .places import MAX_SECONDS, NAME, POSE_TABLE, PRIORITY, WORK_TABLE, Place, Work, read_work
 
 if TYPE_CHECKING:
     from ..engine.factors import Lognormal
@@ -68,7 +57,7 @@ def _area(value: object) -> Tuple[float, ...]:
     return area
 
 
-_PLACE = Parameter('place', None, place_name, allowed='the name of one of the places')
+PLACE = Parameter('place', None, robot_name, allowed='the name of one of the places')
 AREA = Parameter('area', None, made_by(_area, 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
                                        'y_min <= y_max', _corners.schema))
 FILE = Parameter('file', None, string('the path of a file: .csv, .yaml or .yml'))
@@ -79,10 +68,10 @@ RATE_TABLE = (
     Parameter('count', None, integer(1)),
     Parameter('until', None, number(0.0, MAX_SECONDS, unit='s, simulated')),
 )
-ARRIVAL_TABLE = (NAME, _PLACE, AREA, *RATE_TABLE, FILE, PRIORITY, *WORK_TABLE)
+ARRIVAL_TABLE = (NAME, PLACE, AREA, *RATE_TABLE, FILE, PRIORITY, *WORK_TABLE)
 TIME = Parameter('time', None, number(0.0, MAX_SECONDS, unit='s, simulated'))
 _DURATION, _, _, _POWER, _ENERGY = WORK_TABLE
-_ROW = (TIME, _PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
+_ROW = (TIME, PLACE, *POSE_TABLE, PRIORITY, _DURATION, _POWER, _ENERGY)
 
 
 @dataclass(frozen=True)
@@ -116,7 +105,7 @@ def check_task(task: Task) -> None:
     for name in ('power', 'energy'):
         as_float(getattr(task, name), 'task: ' + name)
     if type(task.priority) is not int:
-        raise ConfigurationError('task: priority: got {}; allowed: a whole number'.format(shown(task.priority)))
+        raise error('task: priority', task.priority, 'a whole number')
 
 
 @dataclass(frozen=True)
@@ -207,22 +196,24 @@ def read_arrivals(raw: Mapping[str, Any], places: Dict[str, Place], where: str) 
 
 
 def read_sources(raw: Any, key: str, table: Tuple[Parameter, ...], where: str,
-                 read_one: Callable[[Mapping[str, Any], str], Source]) -> Tuple[Source, ...]:
+                 read_one: Callable[[Mapping[str, Any], str], Source],
+                 needed: Sequence[str] = ()) -> Tuple[Source, ...]:
     """Return what ``read_one(values of an entry, where it stands)`` returns for each entry of the list at ``key``.
+
+    ``needed``: the keys that each entry must have.
 
     :raises ConfigurationError: if ``raw`` is no list, or an entry is not allowed or has the name of another one.
     """
     if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
-        raise ConfigurationError('{}: {}: got {}; allowed: a list of at most {} entries'.format(
-            where, key, shown(raw), MAX_ENTRIES))
+        raise error(f'{where}: {key}', raw, f'a list of at most {MAX_ENTRIES} entries')
     sources: Dict[str, Source] = {}
     for index, entry in enumerate(raw):
         here = '{}: {}[{}]'.format(where, key, index)
-        one: Any = read_one(read_entry(entry, table, here), here)
+        one: Any = read_one(read_mapping(entry, table, here, needed), here)
         if one.name in sources:
             raise ConfigurationError("{}: name: '{}' is given to more than one entry; each needs a name of its own{}"
                                      .format(here, one.name, ' (if none is given, it is the name of the place)'
-                                             if _PLACE in table else ''))
+                                             if PLACE in table else ''))
         sources[one.name] = one
     return tuple(sources.values())
 
@@ -249,14 +240,18 @@ def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -
     return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns, values['priority'])
 
 
+def some_of(places: Mapping[str, Place]) -> str:
+    """Return the names of some of ``places``, {name: Place}, for errors."""
+    return ', '.join(list(places)[:10]) or 'none: there are no places'
+
+
 def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
     """Return the place ``name``.
 
     :raises ConfigurationError: if there is no such place; the text names ``where`` and some places that exist.
     """
     if name not in places:
-        raise ConfigurationError('{}: place: got {}; allowed: {}'.format(
-            where, shown(name), ', '.join(list(places)[:10]) or 'none: there are no places'))
+        raise error(f'{where}: place', name, some_of(places))
     return places[name]
 
 
@@ -274,8 +269,7 @@ def file_alone(values: Mapping[str, Any], table: Sequence[Parameter], where: str
     """
     for one in table:
         if one not in (NAME, FILE) and values[one.name] != one.default:
-            raise ConfigurationError('{}: {}: got {} with a file, which determines it; allowed: name and file'.format(
-                where, one.name, shown(values[one.name])))
+            raise error(f'{where}: {one.name}', values[one.name], 'name and file', ' with a file, which determines it')
 
 
 def rows_in(path: str, key: str, where: str, value_of: Callable[[str, str], Any]) -> Iterator[
@@ -297,13 +291,12 @@ def rows_in(path: str, key: str, where: str, value_of: Callable[[str, str], Any]
     elif path.endswith(('.yaml', '.yml')):
         raw = load_yaml_file(path)
         if not isinstance(raw, dict) or list(raw) != [key] or not isinstance(raw[key], list):
-            raise ConfigurationError('{}: got {}; allowed: a mapping with one key, {}, a list'.format(
-                path, shown(raw), key))
+            raise error(path, raw, f'a mapping with one key, {key}, a list')
         for index, row in enumerate(raw[key]):
             yield '{}: {}[{}]'.format(path, key, index), row
         is_empty = not raw[key]
     else:
-        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), FILE.allowed))
+        raise error(f'{where}: file', path, FILE.allowed)
     if is_empty:
         raise ConfigurationError('{}: got no {}; allowed: at least one'.format(path, key))
 
@@ -319,9 +312,7 @@ def as_value(cell: str) -> Union[float, str]:
 def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place],
              where: str) -> Tuple[Task, Union[Constant, Lognormal]]:
     """Return (the :class:`Task` of a row without its duration, the distribution of the duration)."""
-    values = read_entry(row, _ROW, where)
-    if values['time'] is None:
-        raise ConfigurationError('{}: the time, {}, is not given'.format(where, TIME.allowed))
+    values = read_mapping(row, _ROW, where, ('time',))
     place, pose = place_or_pose(row, values, places, where)
     work = place.work if place else Work()
     seconds = work.seconds if values['duration'] is None else Constant(values['duration'])
@@ -340,6 +331,6 @@ def place_or_pose(raw: Mapping[str, Any], values: Mapping[str, Any], places: Dic
     """
     has_place, own = raw.get('place') is not None, [key for key in ('x', 'y', 'yaw') if key in raw]
     if has_place == bool(own):
-        raise ConfigurationError('{}: got {}; allowed: either a place or x, y and yaw'.format(where, shown(raw)))
+        raise error(where, raw, 'either a place or x, y and yaw')
     place = find_place(values['place'], places, where) if has_place else None
     return place, place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])

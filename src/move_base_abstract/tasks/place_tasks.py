@@ -13,7 +13,7 @@ from ..goals.events import EMPTY, ChargePassed, Departed, Failed, Stands
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, CANCELLED, CLOCK_RESTARTED, FAILED, GoalState, Outcome, aborted
 from ..goals.task_events import LoadChanged, TaskBegan, TaskEnded, TaskWaited, TaskWaits, WorksAt
-from .arrivals import drawn_ns
+from .arrivals import drawn_ns, some_of
 from .room import Guest, Rooms
 
 if TYPE_CHECKING:
@@ -279,8 +279,7 @@ class PlaceTaskRunner:
         """Return why the robot cannot work on the task, or None."""
         places = self._rooms.places
         if task.place and task.place not in places:
-            return 'place: got {}; allowed: {}'.format(
-                shown_text(task.place), ', '.join(list(places)[:10]) or 'none: there are no places')
+            return 'place: got {}; allowed: {}'.format(shown_text(task.place), some_of(places))
         if task.duration_ns < 0:
             return 'duration must be >= 0 s, got {:g} s'.format(task.duration_ns / NS_PER_S)
         if not task.duration_ns and self._rooms.seconds_of(task) is None:

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, Mapping, Optional
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import FLAG, check_keys, integer, number, one_of
-from ..common.parameter_table import Parameter, checked, read_table
-from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
-from ..common.shown import shown
+from ..common.kinds import FLAG, error, integer, number, one_of
+from ..common.parameter_table import Parameter, read_mapping
+from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..engine.factors import Constant, Gamma, Lognormal
 from ..motion.geometry import Pose2D
 
@@ -24,17 +23,7 @@ MAX_PLACES = 100_000
 _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 
 
-def place_name(value: object) -> str:
-    """Return ``value`` if it can be the name of a place.
-
-    :raises ValueError: if it cannot.
-    """
-    if not isinstance(value, str) or not is_robot_name(value):
-        raise ValueError
-    return value
-
-
-NAME = Parameter('name', None, place_name, allowed=ROBOT_NAME_RULE)
+NAME = Parameter('name', None, robot_name, allowed=ROBOT_NAME_RULE)
 _MOST = 2 ** 31 - 1
 #: the priority of a task or an order; where there is no room, a higher one comes first
 PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), allowed='a whole number of 32 bits')
@@ -103,13 +92,12 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
     :raises ConfigurationError: if an entry is not allowed; the text names ``where``, the entry and what is allowed.
     """
     if not isinstance(raw, list) or len(raw) > MAX_PLACES:
-        raise ConfigurationError('{}: places: got {}; allowed: a list of at most {} places'.format(
-            where, shown(raw), MAX_PLACES))
+        raise error(f'{where}: places', raw, f'a list of at most {MAX_PLACES} places')
     places = {}
     for index, entry in enumerate(raw):
         here = '{}: places[{}]'.format(where, index)
-        values = read_entry(entry, PLACE_TABLE, here)
-        name = checked(values['name'], 'name', NAME, here)
+        values = read_mapping(entry, PLACE_TABLE, here, ('name',))
+        name = values['name']
         if name in places:
             raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
         if values['capacity'] is None and (values['queue'] is not None or values['preemption']):
@@ -120,17 +108,6 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
     return places
 
 
-def read_entry(entry: Union[Dict[str, Any], str], table: Tuple[Parameter, ...], where: str) -> Dict[str, Any]:
-    """Return {name: value} for each Parameter of ``table``, from the mapping ``entry``.
-
-    :raises ConfigurationError: if ``entry`` is no mapping, or has other keys, or a value is not allowed.
-    """
-    if not isinstance(entry, dict):
-        raise ConfigurationError('{}: got {}; allowed: a mapping'.format(where, shown(entry)))
-    check_keys(entry, tuple(parameter.name for parameter in table), where, '')
-    return read_table(entry, table, where)
-
-
 def read_work(values: Mapping[str, Any], where: str, default: Work = Work()) -> Work:
     """Return the :class:`Work` in ``values`` (of :data:`WORK_TABLE`); what is not given there is as in ``default``.
 
@@ -138,9 +115,9 @@ def read_work(values: Mapping[str, Any], where: str, default: Work = Work()) -> 
     """
     kind, mean, cv = values['duration_distribution'], values['duration'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0) or (kind in _FACTORS and not mean):
-        raise ConfigurationError('{}: duration_cv: got {:g} with duration: {} and duration_distribution: {}; allowed: '
-                                 '> 0 with {}, and then a duration > 0; otherwise 0'.format(
-                                     where, cv, mean, kind, ' and '.join(_FACTORS)))
+        raise error(f'{where}: duration_cv', cv,
+                    f'> 0 with {" and ".join(_FACTORS)}, and then a duration > 0; otherwise 0',
+                    f' with duration: {mean} and duration_distribution: {kind}')
     if mean is None:
         return Work(default.seconds, values['power'] or default.power, values['energy'] or default.energy)
     seconds = _FACTORS[kind](mean, cv) if kind in _FACTORS else Constant(mean)

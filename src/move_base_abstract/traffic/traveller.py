@@ -10,7 +10,6 @@ from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Priori
 from .area import Area, Request
 from .circles import Circles
 from .outline import BORDER
-from .passages import instant_at
 from .rules import DeadlockPolicy
 from .safe_states import needs_of
 from .way import crossings, stays_on_lanes, with_groups
@@ -53,7 +52,7 @@ class Traveller:
         #: whether it enters an area only if that is safe, see :mod:`.safe_states`: with AVOID, or after it gave way
         self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
         self._traffic = traffic
-        self._navigator = navigator
+        self.navigator = navigator
         self._source = lanes.source if lanes is not None and lanes.has_capacities else None
         #: the edges (Edge, ...) of the net on which it drives
         self.edges: Sequence[Edge] = lanes.edges if lanes is not None else ()
@@ -79,13 +78,13 @@ class Traveller:
         try:
             step(self, now_ns)
         except Exception as error:
-            self._navigator.break_off(error)
+            self.navigator.break_off(error)
 
     def _put_in_order(self, event: BrokenOff) -> None:
         """Repair the places after an error: hold one wherever the robot stands and nowhere else, and wait for none."""
         now_ns = event.time_ns
         self._forget_crossings()
-        granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
+        granted, pose = self._granted, self.navigator.robot.pose_at(now_ns)
         self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
         self.circles.driven.clear()
         self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
@@ -113,7 +112,7 @@ class Traveller:
     def _end_hold(self, now_ns: int) -> None:
         reason, self._reason = self._reason, None
         if reason is not None:
-            self._navigator.travel.release(reason, now_ns)
+            self.navigator.travel.release(reason, now_ns)
 
     def departs(self, leg: Any, now_ns: int) -> Optional[str]:
         """Note that the robot starts on ``leg``; return the reason if it must wait where it is, or None.
@@ -148,7 +147,7 @@ class Traveller:
     def _stands(self, event: Stands) -> None:
         """Note that the robot stands: it has arrived, was stopped, or was placed somewhere else."""
         now_ns = event.time_ns
-        pose = self._navigator.robot.pose_at(now_ns)
+        pose = self.navigator.robot.pose_at(now_ns)
         before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
         if self._leg is not None and self._traffic.rules.policy is DeadlockPolicy.RETREAT:
             self.circles.driven.append((self._leg, self._leg.distance_at(now_ns)))
@@ -174,30 +173,25 @@ class Traveller:
                 self._traffic.freed(area)
             self.settle(now_ns)
 
-    @property
-    def navigator(self) -> Navigator:
-        """The Navigator that works on its goals."""
-        return self._navigator
-
     def tell_limit(self, zone: str, max_speed: float, now_ns: int) -> None:
         """Report that a zone has another speed limit [m/s]."""
         self._tell(ZoneLimit(now_ns, self.name, zone, max_speed))
 
     def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
         """Go on by the new limit of a zone [m/s], if the present way has not left the zone yet."""
-        leg = self._navigator.robot.leg
+        leg = self.navigator.robot.leg
         if leg is None:
             return
         driven = leg.distance_at(now_ns) + BORDER
         if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in self.stays(leg)):
             self._tell(Paced(now_ns, self.name, zone, max_speed))
-            self._navigator.travel.change_way(now_ns)
+            self.navigator.travel.change_way(now_ns)
 
     def placed(self, now_ns: int) -> None:
         """Note that the robot is somewhere without having driven there: give back places elsewhere, take those here."""
         self._forget_crossings()
         self.circles.driven.clear()
-        pose = self._pose = self._navigator.robot.pose_at(now_ns)
+        pose = self._pose = self.navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
         self._take_what_holds_it(now_ns, pose)  # before abandons() lets it go on, now from inside
         if self.request is not None:
@@ -239,7 +233,7 @@ class Traveller:
             self._traffic.freed(area)  # there may be place for more
         self._end_hold(now_ns)
         # If there is no way any more:
-        if self._leg is None and self.request is None and not self._navigator.travel.held_for:
+        if self._leg is None and self.request is None and not self.navigator.travel.held_for:
             self._give_back_what_was_granted(now_ns)
 
     def _give_back_what_was_granted(self, now_ns: int) -> None:
@@ -261,7 +255,7 @@ class Traveller:
         if not self._crossings:
             return
         crossing = self._crossings[0]
-        due_ns = instant_at(self._leg, crossing.distance)
+        due_ns = self._leg.covers_ns(crossing.distance)
         index = self.place if crossing.enters else _LEAVING_INDEX
         self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
 
@@ -272,10 +266,10 @@ class Traveller:
                 return
             reason = self._cross(due_ns)
             if reason is not None:
-                self._navigator.travel.hold(reason, due_ns)
+                self.navigator.travel.hold(reason, due_ns)
             self.settle(due_ns)
         except Exception as error:
-            self._navigator.break_off(error)
+            self.navigator.break_off(error)
 
     def _goes_another_way(self, now_ns: int) -> bool:
         """If the robot would have to wait and another way is cheaper now, take that way; return whether it did."""
@@ -284,9 +278,9 @@ class Traveller:
         enters = self._enters()
         if self._may_enter(enters, self._looks_at(enters)):
             return False
-        travel = self._navigator.travel
+        travel = self.navigator.travel
         target: Any = travel.target  # there is one, since the robot drives
-        corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), target)
+        corners = self.navigator.planner.corners(self.navigator.robot.pose_at(now_ns), target)
         ahead = self._leg.corners_ahead(now_ns)
         if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
             return False
@@ -339,7 +333,7 @@ class Traveller:
     @property
     def waits_only(self) -> bool:
         """Whether it is held only because it waits for a place."""
-        held_for: Tuple[str, ...] = self._navigator.travel.held_for
+        held_for: Tuple[str, ...] = self.navigator.travel.held_for
         return held_for == (self._reason,)
 
     def gives_way(self, way: WayBack, now_ns: int) -> None:
@@ -353,7 +347,7 @@ class Traveller:
         for area in request.areas:
             self._traffic.freed(area)
         self._tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
-        self._navigator.travel.go_aside(reason, way, now_ns)
+        self.navigator.travel.go_aside(reason, way, now_ns)
 
     def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
         for area in areas:

@@ -9,36 +9,69 @@ in it.
 """
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
+import math
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import check_keys, integer, number
-from ..common.parameter_table import Parameter, checked
-from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
-from ..common.shown import shown
+from ..common.kinds import ANY, error, integer, number
+from ..common.parameter_table import Parameter, read_mapping
+from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..maps.lane_map import GROUP
-from .outline import MAX_POINTS, Outline, rectangle
-from .passages import passages
+from .outline import BORDER, MAX_POINTS, Outline, rectangle
 
-KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger', 'group', 'max_speed')
 MAX_ZONES = 10_000
 _NUMBER = number(-1e9, 1e9)
 _CURRENT = number(above=0.0, high=1e9)
 
 
 def _charger(value: object) -> Union[bool, float, None]:
-    return value if value is None or value is True else None if value is False else _CURRENT(value)
+    return value if value is True else None if value is False else _CURRENT(value)
 
 
-_CAPACITY = Parameter('capacity', None, integer(1, note='or none: any number of robots'))
-_CHARGER = Parameter('charger', None, _charger,
-                     allowed='true, or a number > 0, <= 1e9 [A], or none: robots are not charged')
 #: the top speed of robots in a zone
 MAX_SPEED = Parameter('max_speed', None, number(1e-6, 1e6, unit='m/s', note='or none: as fast as they are'))
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
               'y_min < y_max')
 _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], the corners of a polygon that does not '
             'cross or touch itself'.format(MAX_POINTS))
+TABLE = (
+    Parameter('name', None, robot_name, allowed=ROBOT_NAME_RULE),
+    Parameter('rectangle', None, ANY, allowed=_RECTANGLE),
+    Parameter('polygon', None, ANY, allowed=_POLYGON),
+    Parameter('capacity', None, integer(1, note='or none: any number of robots')),
+    Parameter('charger', None, _charger, allowed='true, or a number > 0, <= 1e9 [A], or none: robots are not charged'),
+    GROUP,
+    MAX_SPEED,
+)
+
+
+class Passage(NamedTuple):
+    """A robot's stay in an area on one leg: ``enter_ns`` and ``leave_ns`` [ns], the latter None if it ends inside.
+
+    From ``enter_ns`` on the robot is at the border or inside; from ``leave_ns`` on it is at the border or outside. Each
+    is the first nanosecond at which that is true. A robot that is inside at the departure, or at the border on its way
+    in, enters at the departure.
+    """
+
+    enter_ns: int
+    leave_ns: Optional[int]
+
+
+def passages(leg: Any, outline: Outline) -> List[Passage]:
+    """Return the :class:`Passage` objects of a leg or route through ``outline`` (Outline), in their order.
+
+    A robot enters or leaves when it has driven as far as the border. So if it turns in place there, it enters or leaves
+    before the turn.
+    """
+    way = leg.way
+    pieces = outline.pieces_inside(way)
+    ends_inside = outline.contains(*way[-1])
+    if not pieces:
+        return [Passage(leg.depart_ns, None)] if ends_inside and way[0] == way[-1] else []
+    length = math.fsum(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(way, way[1:]))
+    return [Passage(leg.covers_ns(begin) if begin > BORDER else leg.depart_ns,
+                    None if ends_inside and end >= length - BORDER else leg.covers_ns(end))
+            for begin, end in pieces]
 
 
 class Zone(NamedTuple):
@@ -60,8 +93,8 @@ class Zone(NamedTuple):
         """Return whether (x, y) [m, global frame] is in the zone, more than a micrometre from its border."""
         return self.outline.contains(x, y)
 
-    def passages(self, leg: Any) -> Any:
-        """Return the instants at which a leg or route enters and leaves: [:class:`.passages.Passage`, ...]."""
+    def passages(self, leg: Any) -> List[Passage]:
+        """Return the instants at which a leg or route enters and leaves: [:class:`Passage`, ...]."""
         return passages(leg, self.outline)
 
 
@@ -73,8 +106,7 @@ def read_zones(raw: Any, where: str) -> Tuple[Zone, ...]:
     if raw is None:
         return ()
     if not isinstance(raw, list) or len(raw) > MAX_ZONES:
-        raise ConfigurationError('{}: zones: got {}; allowed: a list of at most {} zones'.format(
-            where, shown(raw), MAX_ZONES))
+        raise error(f'{where}: zones', raw, f'a list of at most {MAX_ZONES} zones')
     zones = tuple(_read_zone(entry, '{}: zones[{}]'.format(where, index)) for index, entry in enumerate(raw))
     names: Dict[str, int] = {}
     for index, zone in enumerate(zones):
@@ -85,23 +117,15 @@ def read_zones(raw: Any, where: str) -> Tuple[Zone, ...]:
     return zones
 
 
-def _read_zone(raw: Mapping[str, Any], where: str) -> Zone:
-    if not isinstance(raw, dict):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with name and rectangle or polygon'.format(
-            where, shown(raw)))
-    check_keys(raw, KEYS, where, '')
-    name = raw.get('name')
-    if not isinstance(name, str) or not is_robot_name(name):
-        raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
-    if ('rectangle' in raw) == ('polygon' in raw):
+def _read_zone(raw: Any, where: str) -> Zone:
+    given = {key: value for key, value in raw.items() if value is not None} if isinstance(raw, dict) else raw
+    values = read_mapping(given, TABLE, where, ('name',))
+    shape = [key for key in ('rectangle', 'polygon') if values[key] is not None]
+    if len(shape) != 1:
         raise ConfigurationError('{}: got {} rectangle and polygon; allowed: one of them'.format(
-            where, 'both' if 'rectangle' in raw else 'neither'))
-    outline = _outline(raw, 'rectangle' if 'rectangle' in raw else 'polygon', where)
-    capacity = raw.get('capacity')
-    return Zone(name, outline, None if capacity is None else checked(capacity, 'capacity', _CAPACITY, where),
-                checked(raw.get('charger'), 'charger', _CHARGER, where),
-                checked(raw['group'], 'group', GROUP, where) if raw.get('group') is not None else None,
-                None if raw.get('max_speed') is None else checked(raw['max_speed'], 'max_speed', MAX_SPEED, where))
+            where, 'both' if shape else 'neither'))
+    return Zone(values['name'], _outline(values, shape[0], where), values['capacity'], values['charger'],
+                values['group'], values['max_speed'])
 
 
 def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:
@@ -117,7 +141,6 @@ def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:
     else:
         try:
             return Outline(points)
-        except ValueError as error:
-            reason = ', which {}'.format(error)
-    raise ConfigurationError('{}: {}: got {}{}; allowed: {}'.format(
-        where, key, shown(value), reason, _RECTANGLE if key == 'rectangle' else _POLYGON))
+        except ValueError as fault:
+            reason = ', which {}'.format(fault)
+    raise error(f'{where}: {key}', value, _RECTANGLE if key == 'rectangle' else _POLYGON, reason)
