@@ -135,3 +135,10 @@ def test_the_states_of_the_page_are_those_of_the_table_and_stand_nowhere_else(lo
     assert re.findall(r'<i class="(\w+)" style="background: var', text) == ['driving', 'idle']
     for path in (ROOT / 'src' / 'move_base_abstract_replay' / 'templates').iterdir():
         assert not re.search('--({}):'.format('|'.join(NAMES)), path.read_text()), path
+
+
+def test_the_script_reads_each_colour_that_it_draws_with():
+    folder = ROOT / 'src' / 'move_base_abstract_replay' / 'templates'
+    listed = re.search(r'of \[(.*?)\.\.\.STATES', (folder / 'canvas.js').read_text(), re.DOTALL).group(1)
+    drawn = re.findall(r'COLOURS\.(\w+)', ''.join(path.read_text() for path in folder.glob('*.js')))
+    assert set(drawn) <= {*re.findall(r"'(\w+)'", listed), *NAMES}

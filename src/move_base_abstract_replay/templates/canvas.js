@@ -29,6 +29,13 @@ function prepare(canvas, width, height) {
   return context;
 }
 
+// Make [[x, y], ...] [px] the path of a context, closed or open.
+function trace(context, points, isClosed = true) {
+  context.beginPath();
+  points.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+  if (isClosed) context.closePath();
+}
+
 function cut(context, text, width) {
   if (context.measureText(text).width <= width) return text;
   let length = text.length;

@@ -33,16 +33,7 @@ function upperBound(values, wanted, begin, end) {
 // One log. Times are in ns. Rows are those of the timeline; the first `robots` rows are robots.
 class Run {
   constructor({about, columns}) {
-    Object.assign(this, columns);
-    this.name = about.name;
-    this.begin = about.begin;
-    this.end = about.end;
-    this.names = about.names;
-    this.kinds = about.kinds;
-    this.limits = about.limits;
-    this.rows = about.rows;
-    this.links = about.links;
-    this.orders = about.orders;
+    Object.assign(this, columns, about);
     this.stays = new Present(this.stay_change_time, this.stay_change_is_begin, this.stay_change_of);
     this.phases = new Present(this.phase_change_time, this.phase_change_is_begin, this.phase_change_of);
     const fixed = this.links.flatMap(({ends}) => ends).filter((end) => end.robot === undefined);

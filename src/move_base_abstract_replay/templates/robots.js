@@ -77,12 +77,7 @@ class RobotView {
     context.save();
     context.translate(this.view.toX(pose.x), this.view.toY(pose.y));
     context.rotate(-pose.yaw);
-    context.beginPath();
-    context.moveTo(1.25 * size, 0);
-    context.lineTo(-0.85 * size, 0.8 * size);
-    context.lineTo(-0.45 * size, 0);
-    context.lineTo(-0.85 * size, -0.8 * size);
-    context.closePath();
+    trace(context, [[1.25, 0], [-0.85, 0.8], [-0.45, 0], [-0.85, -0.8]].map((at) => at.map((one) => one * size)));
     context.restore();
     context.lineJoin = 'round';
     context.lineWidth = Math.min(4, 0.5 * size);
@@ -134,10 +129,7 @@ class RobotView {
     context.lineWidth = 1.5;
     for (const phase of run.phases.at(this.player.time)) {
       const [x, y] = [view.toX(run.phase_x[phase]), view.toY(run.phase_y[phase])];
-      context.beginPath();
-      [[0, -size], [size, 0], [0, size], [-size, 0]].forEach(
-        ([dx, dy], k) => (k ? context.lineTo(x + dx, y + dy) : context.moveTo(x + dx, y + dy)));
-      context.closePath();
+      trace(context, [[x, y - size], [x + size, y], [x, y + size], [x - size, y]]);
       context.fillStyle = run.phase_kind[phase] === OPEN ? COLOURS.order : COLOURS.panel;
       context.strokeStyle = COLOURS.order;
       context.fill();

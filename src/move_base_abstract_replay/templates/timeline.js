@@ -241,10 +241,7 @@ class Timeline {
       context.fillStyle = COLOURS.failed;
       const x = Math.round(this.toX(difference.time));
       context.fillRect(x - 2, AXIS - 6, 4, this.height); // wider than the line of the present
-      context.beginPath();
-      context.moveTo(x - 8, AXIS - 18);
-      context.lineTo(x + 8, AXIS - 18);
-      context.lineTo(x, AXIS - 4);
+      trace(context, [[x - 8, AXIS - 18], [x + 8, AXIS - 18], [x, AXIS - 4]]);
       context.fill();
     }
     if (time < this.from || time > this.to) return;

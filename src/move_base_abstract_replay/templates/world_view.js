@@ -18,20 +18,17 @@ class WorldView {
   colour(thing, use) {
     if (use && use.waiting.length) return COLOURS.waiting;
     if (this.world.isFull(thing, use)) return COLOURS.full;
-    if (use && use.inside.length) return COLOURS.task;
+    if (use && use.inside.length) return COLOURS.working;
     return thing.charger ? COLOURS.charging : COLOURS.muted;
   }
 
-  trace(context, points) {
-    const {view} = this;
-    context.beginPath();
-    points.forEach(([x, y], k) => (k ? context.lineTo(view.toX(x), view.toY(y)) : context.moveTo(view.toX(x), view.toY(y))));
+  onMap(points) {
+    return points.map(([x, y]) => [this.view.toX(x), this.view.toY(y)]);
   }
 
   drawZone(context, thing, use) {
     const colour = this.colour(thing, use);
-    this.trace(context, thing.points);
-    context.closePath();
+    trace(context, this.onMap(thing.points));
     context.fillStyle = context.strokeStyle = colour;
     context.globalAlpha = use ? 0.2 : 0.1;
     context.fill();
@@ -47,17 +44,15 @@ class WorldView {
     const [left, top] = [Math.min(...thing.points.map(([x]) => x)), Math.max(...thing.points.map(([, y]) => y))];
     const size = Math.min(12, Math.max(6, 0.5 * this.view.camera.scale));
     const [x, y] = [this.view.toX(left) + 0.7 * size, this.view.toY(top) + 0.85 * size];
-    context.beginPath();
-    [[0.1, -0.6], [-0.35, 0.1], [-0.02, 0.1], [-0.12, 0.6], [0.35, -0.12], [0.02, -0.12]].forEach(
-      ([dx, dy], k) => (k ? context.lineTo(x + dx * size, y + dy * size) : context.moveTo(x + dx * size, y + dy * size)));
-    context.closePath();
+    trace(context, [[0.1, -0.6], [-0.35, 0.1], [-0.02, 0.1], [-0.12, 0.6], [0.35, -0.12], [0.02, -0.12]].map(
+      ([dx, dy]) => [x + dx * size, y + dy * size]));
     context.fillStyle = colour;
     context.fill();
   }
 
   drawLane(context, thing, use) {
     const {scale} = this.view.camera;
-    this.trace(context, thing.points);
+    trace(context, this.onMap(thing.points), false);
     context.lineJoin = 'round';
     context.lineCap = 'round';
     context.strokeStyle = use ? this.colour(thing, use) : COLOURS.lane;
@@ -76,11 +71,7 @@ class WorldView {
     const course = Math.atan2(by - ay, bx - ax), [x, y] = [view.toX(0.4 * ax + 0.6 * bx), view.toY(0.4 * ay + 0.6 * by)];
     const point = (along, aside) => [x + size * (along * Math.cos(course) + aside * Math.sin(course)),
                                      y - size * (along * Math.sin(course) - aside * Math.cos(course))];
-    context.beginPath();
-    context.moveTo(...point(1, 0));
-    context.lineTo(...point(-0.8, 0.75));
-    context.lineTo(...point(-0.8, -0.75));
-    context.closePath();
+    trace(context, [point(1, 0), point(-0.8, 0.75), point(-0.8, -0.75)]);
     context.fillStyle = colour;
     context.fill();
   }
