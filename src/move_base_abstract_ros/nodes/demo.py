@@ -17,10 +17,11 @@ import time
 import rospy
 
 from move_base_abstract import mission
-from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.orders.policies import POLICIES
+from move_base_abstract_experiments.trials.metrics import summarise
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes.demo_run import nodes, report, warehouse
@@ -39,7 +40,7 @@ def main():
     signal.signal(signal.SIGTERM, _exit_on_sigterm)
     try:
         sys.exit(_run(arguments))
-    except (ConfigurationError, MissionFailed, LoopbackError) as error:
+    except (SimulatorError, MissionFailed, LoopbackError) as error:
         print(f'demo: {error}', file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
@@ -76,10 +77,12 @@ def _run_mission(arguments, plan, log):
         print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, {_speed(clock)}; '
               f'started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
         _carry_out(run, ros, report.make_progress(plan.goal_count, 'goals', sys.stderr))
-    simulated_s, wall_s = run.elapsed()
-    print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
-                         robot.odometer.moving_s) for robot in run.robots], simulated_s))
+        log.await_rows('ended', plan.goal_count)
     log.close()
+    simulated_s, wall_s = run.elapsed()
+    told = summarise(log.path, {robot.name: (robot.start.x, robot.start.y) for robot in plan.robots}).robots
+    print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), told[robot.plan.name]['distance_m'],
+                         told[robot.plan.name]['moving_s']) for robot in run.robots], simulated_s))
     print(log.make_page(map_path))
     print(report.closing_line(simulated_s, wall_s), flush=True)
 

@@ -1,4 +1,4 @@
-"""Carry out a mission: send each robot its goals one after the other, and measure its travel.
+"""Carry out a mission: send each robot its goals one after the other.
 
 It works with any move_base action servers under the robots' names. It uses actionlib's ActionClient, because a
 SimpleActionClient loses replies if a goal is sent from its done callback.
@@ -10,45 +10,14 @@ import time
 import rospy
 from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
-from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 SERVER_TIMEOUT = 30.0  # s, wall
-POSES_TIMEOUT = 5.0  # s, wall, for poses that come after their result
-STILL_M = 1e-9  # a robot stands if two poses are nearer to each other than this
 
 
 class MissionFailed(RuntimeError):
     """An action server is missing, or a goal did not succeed. The text names the robot, the goal and the reason."""
-
-
-class Odometer:
-    """Measures one robot's distance [m] and travel time [s] by its base_pose_ground_truth, as lines between poses."""
-
-    def __init__(self, topic):
-        self.distance_m = 0.0
-        self.moving_s = 0.0  # simulated
-        self._last = None
-        rospy.Subscriber(topic, Odometry, self._add)
-
-    @property
-    def ready(self):
-        """Whether the robot's first pose has been received."""
-        return self._last is not None
-
-    def has_come_to(self, stamp):
-        """Return whether a pose with this simulated stamp [s], or a later one, has been received."""
-        return self._last is not None and self._last[0] >= stamp - 1e-9
-
-    def _add(self, message):
-        here = (message.header.stamp.to_sec(), message.pose.pose.position.x, message.pose.pose.position.y)
-        if self._last is not None:
-            step = ((here[1] - self._last[1]) ** 2 + (here[2] - self._last[2]) ** 2) ** 0.5
-            if step > STILL_M:
-                self.distance_m += step
-                self.moving_s += here[0] - self._last[0]
-        self._last = here
 
 
 class RobotRun:
@@ -57,14 +26,12 @@ class RobotRun:
     def __init__(self, plan):
         self.plan = plan
         self.goals_done = 0
-        self.ended = 0.0  # stamp of the last result [s]
-        self.odometer = Odometer(f'/{plan.name}/base_pose_ground_truth')
         self._client = ActionClient(f'/{plan.name}/move_base', MoveBaseAction)
         self._handle = None  # a client forgets a goal whose handle is gone
 
     def ready(self):
-        """Return, without waiting, whether client and server are connected and the robot's first pose is known."""
-        return self.odometer.ready and self._client.wait_for_server(rospy.Duration(nsecs=-1))
+        """Return, without waiting, whether client and server are connected."""
+        return self._client.wait_for_server(rospy.Duration(nsecs=-1))
 
     def send_next(self, events):
         """Send the next goal. When it ends, (self, handle) is put into the queue ``events``."""
@@ -99,7 +66,7 @@ class MissionRun:
         return now[0] - self.started[0], now[1] - self.started[1]
 
     def wait_until_ready(self, check):
-        """Wait for all action servers and first poses. On the scaled clock call ``check``, which may raise, meanwhile.
+        """Wait for all action servers. On the scaled clock call ``check``, which may raise, meanwhile.
 
         :raises MissionFailed: on the scaled clock, if that takes more than SERVER_TIMEOUT of wall time.
         """
@@ -138,15 +105,6 @@ class MissionRun:
             if ended is not None:
                 last_stamp = max(last_stamp, self._finish_goal(*ended))
         self.ended = last_stamp, time.monotonic()
-        if self._participant is None:
-            self._await_poses()
-
-    def _await_poses(self):
-        """Wait for the last poses: on the scaled clock a robot's last pose may come after its result."""
-        deadline = time.monotonic() + POSES_TIMEOUT
-        while time.monotonic() < deadline and not all(
-                robot.odometer.has_come_to(robot.ended) for robot in self.robots):
-            time.sleep(0.02)
 
     def _next_ended(self, period):
         """Return the next (robot, handle) of an ended goal; None if there is none within ``period`` [s, wall]."""
@@ -169,8 +127,7 @@ class MissionRun:
         robot.goals_done += 1
         if robot.goals_done < len(robot.plan.goals):
             robot.send_next(self._events)
-        robot.ended = handle.comm_state_machine.latest_result.header.stamp.to_sec()
-        return robot.ended
+        return handle.comm_state_machine.latest_result.header.stamp.to_sec()
 
 
 def make_goal(place, frame_id='map'):

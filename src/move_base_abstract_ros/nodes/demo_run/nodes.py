@@ -27,11 +27,10 @@ def robot_settings(speed, has_map, routes, rviz):
     """Return the settings of all robots.
 
     ``speed`` [m/s]; ``has_map``: whether a map is used; ``routes``: whether robots drive around its obstacles;
-    ``rviz``: whether RViz shows them. With routes the robots publish poses on the way, because the demo measures their
-    distance by these.
+    ``rviz``: whether RViz shows them.
     """
     settings = {'max_speed': speed, 'use_map': has_map, 'log_motion': True}
-    if rviz or routes:
+    if rviz:
         settings['pose_update_freq'] = WATCHED_POSES
     if routes:
         settings.update(routes='grid', robot_radius=ROBOT_RADIUS)

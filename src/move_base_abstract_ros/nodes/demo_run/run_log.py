@@ -1,6 +1,7 @@
 """The event log of a demo, and the replay page that is made from it when the demo is over."""
 import os
 import tempfile
+import time
 
 import rospkg
 import rospy
@@ -13,6 +14,7 @@ from move_base_abstract.runs.event_log_file import End, write_event_log
 PAGE = 'demo_replay.html'
 _FOLDER = 'move_base_abstract'  # below ROS_HOME
 _LOG = 'demo.jsonl'
+_LONGEST_S = 5.0  # wall, for connections, and for rows that come after their goal's result
 
 
 class RunLog:
@@ -43,14 +45,18 @@ class RunLog:
         self._folder.cleanup()
 
     def listen(self, *topics):
-        """Collect all messages on ``topics`` (RobotEvent)."""
+        """Collect all messages on ``topics`` (RobotEvent) from now on."""
         self._listens = True
         self._start_ns = rospy.Time.now().to_nsec()
-        for topic in topics:
-            rospy.Subscriber(topic, RobotEvent, self._take, queue_size=1000, tcp_nodelay=True)
+        heard = [rospy.Subscriber(topic, RobotEvent, self._take, queue_size=1000, tcp_nodelay=True) for topic in topics]
+        _wait_for(lambda: all(one.get_num_connections() for one in heard))
 
     def _take(self, message):
         self._rows.append((message.stamp.to_nsec(), message.robot, message.kind, _values(message)))
+
+    def await_rows(self, kind, count):
+        """On the scaled clock, wait until there are ``count`` rows of a kind."""
+        _wait_for(lambda: not self._listens or sum(row[2] == kind for row in self._rows) >= count)
 
     def close(self):
         """Complete the log, when the run is over. If it did not end properly, :attr:`path` is the unfinished log."""
@@ -78,6 +84,12 @@ class RunLog:
         except (SimulatorError, OSError) as error:
             return 'no replay: {}'.format(error)
         return 'replay: {}'.format(os.path.abspath(self._output))
+
+
+def _wait_for(condition):
+    deadline = time.monotonic() + _LONGEST_S
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.02)
 
 
 def _values(message):
