@@ -193,9 +193,7 @@ __attribute__((constructor)) void prepareForForks() {
 /** @return the file of the function that the program calls by this name. */
 const char* fileOfCalled(const char* symbol) {
   Dl_info info{};
-  void* const called = ::dlsym(RTLD_DEFAULT, symbol);
-  const bool is_found = called != nullptr && ::dladdr(called, &info) != 0;
-  return is_found && info.dli_fname != nullptr ? info.dli_fname : "";
+  return fileOf(::dlsym(RTLD_DEFAULT, symbol), &info);
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
 
+#include <ros/serialized_message.h>
+
 #include <string>
+#include <string_view>
 
 #include "lockstep/wire/wire.h"
 
@@ -10,6 +13,9 @@ namespace move_base_abstract::shim {
 
 /** @brief Take roscpp's connections to a node that has joined out of use. */
 void dropConnectionsTo(const std::string& node);
+
+/** @return the message of a payload from a frame. */
+ros::SerializedMessage messageOf(std::string_view payload);
 
 void handle(const wire::Publisher& item);
 void handle(const wire::NoPublisher& item);

@@ -1,6 +1,5 @@
 #include "followed.h"
 
-#include <dlfcn.h>
 #include <execinfo.h>
 #include <sys/personality.h>
 #include <sys/syscall.h>
@@ -13,7 +12,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <initializer_list>
 #include <map>
 #include <mutex>
 #include <set>
@@ -72,22 +70,6 @@ bool isFirstThread() {
   return is_first;
 }
 
-const char* fileOf(const void* address, Dl_info* info) {
-  const bool is_found = dladdr(address, info) != 0 && info->dli_fname != nullptr;
-  return is_found ? info->dli_fname : "";
-}
-
-bool isIn(const void* caller, std::initializer_list<const char*> names) {
-  Dl_info info{};
-  const char* const file = fileOf(caller, &info);
-  for (const char* name : names) {
-    if (std::strstr(file, name) != nullptr) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /**
  * @return the code that called the wrappers of the standard library or Boost, if @p caller is in
  * one of them. This is slow: for functions that are called rarely.
@@ -123,6 +105,22 @@ std::string placeOf(const void* caller) {
 }
 
 }  // namespace
+
+const char* fileOf(const void* address, Dl_info* info) {
+  const bool is_found = dladdr(address, info) != 0 && info->dli_fname != nullptr;
+  return is_found ? info->dli_fname : "";
+}
+
+bool isIn(const void* caller, std::initializer_list<const char*> names) {
+  Dl_info info{};
+  const char* const file = fileOf(caller, &info);
+  for (const char* name : names) {
+    if (std::strstr(file, name) != nullptr) {
+      return true;
+    }
+  }
+  return false;
+}
 
 Sees sees() {
   if (!isFollowing() || Turn::isInside() || Turn::isInternal()) {

@@ -3,7 +3,10 @@
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
 
+#include <dlfcn.h>
+
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 
 #include "libc/looked_up.h"
@@ -47,6 +50,10 @@ void tell(const std::string& what, const void* caller);
  */
 void noteFile(const std::string& path, bool reads, bool writes);
 
+/** @return the file of the code or data at @p address, and what else the linker knows; "": none. */
+const char* fileOf(const void* address, Dl_info* info);
+/** @return whether @p caller is code of a file with one of these texts in its path. */
+bool isIn(const void* caller, std::initializer_list<const char*> names);
 /** @return whether @p caller is code of roscpp, rosconsole or xmlrpcpp. */
 bool isRoscpps(const void* caller);
 /** @return whether @p caller is code of roscpp's timers, by its exported symbols. */

@@ -1,6 +1,5 @@
 #include "recorder.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <ros/this_node.h>
 #include <unistd.h>
@@ -13,6 +12,7 @@
 #include <iterator>
 #include <string>
 
+#include "followed.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -21,12 +21,6 @@ namespace {
 const char* const kNotesVariable = "MOVE_BASE_ABSTRACT_BAGS";
 
 std::atomic<bool> records{false};
-
-bool isIn(const void* caller, const char* library) {
-  Dl_info info{};
-  return dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
-         std::strstr(info.dli_fname, library) != nullptr;
-}
 
 /** @return whether the command line has the option --duration, which may be shortened. */
 bool hasDuration() {
@@ -52,7 +46,7 @@ std::string absolute(const char* path) {
 }  // namespace
 
 bool isRecordersLook(const void* caller) {
-  if (!isRecorder() || !isIn(caller, "/librosbag.so")) {
+  if (!isRecorder() || !isIn(caller, {"/librosbag.so"})) {
     return false;
   }
   records = true;
@@ -64,7 +58,7 @@ bool onlyRecords() { return records; }
 void noteBag(const char* path, const char* how, const void* caller) {
   const char* const notes = std::getenv(kNotesVariable);
   if (notes == nullptr || path == nullptr || std::strpbrk(how, "wa+") == nullptr ||
-      !isIn(caller, "/librosbag_storage.so")) {
+      !isIn(caller, {"/librosbag_storage.so"})) {
     return;
   }
   const Inside inside;

@@ -8,26 +8,24 @@
 #include <ros/service_publication.h>
 #include <ros/service_server_link.h>
 
+#include <exception>
 #include <map>
 #include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "clock/json_text.h"
 #include "exchange.h"
 #include "node.h"
 #include "parameters.h"
 #include "roscpp_shim/machine/real.h"
-#include "roscpp_shim/membership/exchange.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
 namespace {
 
-using lockstep::internal::handleCall;
-using lockstep::internal::Handled;
 using lockstep::internal::Reply;
-using lockstep::internal::uncaughtOf;
 
 struct Service {
   std::uint32_t number = 0;
@@ -64,21 +62,36 @@ class MemberCall : public ros::CallbackInterface {
       answer(false, "service " + service_.name + " is not offered any more");
       return Invalid;
     }
-    const Handled handled = handleCall(*service_.helper, service_.name, caller_name_, request_);
-    if (!handled.error.empty()) {
-      ROS_ERROR("Exception thrown while processing service call: %s", handled.error.c_str());
-      node().append(
-          wire::Log{0, node().membership().name(), "uncaught", uncaughtOf(service_.name)});
-      answer(false, handled.error);
+    ros::ServiceCallbackHelperCallParams params;
+    params.request = messageOf(request_);
+    params.connection_header = boost::make_shared<ros::M_string>();
+    (*params.connection_header)["callerid"] = caller_name_;
+    (*params.connection_header)["service"] = service_.name;
+    try {
+      const bool is_good = service_.helper->call(params);
+      constexpr std::size_t kPrefix = 5;  // of TCPROS: ok and length
+      const auto* const bytes = reinterpret_cast<const char*>(params.response.buf.get());
+      answer(is_good, is_good
+                          ? std::string_view(bytes + kPrefix, params.response.num_bytes - kPrefix)
+                          : std::string_view());
+    } catch (const std::exception& error) {
+      tellUncaught(error.what());
       return Invalid;
     }
-    answer(handled.is_good, handled.response);
     return Success;
   }
 
  private:
   void answer(bool is_good, std::string_view bytes) const {
     node().append(wire::Response{caller_, number_, is_good, bytes});
+  }
+
+  void tellUncaught(const std::string& error) const {
+    ROS_ERROR("Exception thrown while processing service call: %s", error.c_str());
+    std::string values = "[\"std::exception\",";
+    appendJson(values, "the handler of service " + service_.name);
+    node().append(wire::Log{0, node().membership().name(), "uncaught", values + "]"});
+    answer(false, error);
   }
 
   Service service_;
@@ -161,7 +174,6 @@ void handle(const wire::CallIn& item) {
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
-namespace participant = move_base_abstract::lockstep::internal;
 namespace wire = move_base_abstract::wire;
 
 namespace ros {
@@ -217,7 +229,9 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
   }
   shim::Turn::self()->has_acted = true;
   const std::string service = getService();
-  const participant::Reply reply = shim::call(service, participant::payloadOf(request));
+  const auto head = static_cast<std::size_t>(request.message_start - request.buf.get());
+  const move_base_abstract::lockstep::internal::Reply reply = shim::call(
+      service, {reinterpret_cast<const char*>(request.message_start), request.num_bytes - head});
   if (reply.status == wire::CallStatus::kNoServer && shim::mayBeOfferedOutside(service)) {
     shim::parameters().keepNoAnswers();  // the server may set some
     shim::node().label("service " + service +
@@ -230,7 +244,7 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
               reply.why().c_str());
     return false;
   }
-  response = participant::messageOf(reply.bytes);
+  response = shim::messageOf(reply.bytes);
   return true;
 }
 

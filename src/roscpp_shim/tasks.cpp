@@ -12,9 +12,7 @@
 #include "followed.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
-#include "semaphores.h"
 #include "turn.h"
-#include "turn_local.h"
 
 namespace move_base_abstract::shim {
 
@@ -46,6 +44,16 @@ void PlainMutex::lock() {
 
 void PlainMutex::unlock() { pthread_mutex_unlock(&mutex_); }
 
+void awake(Task* task) {
+  static auto* const post = real(&::sem_post, "sem_post");
+  post(&task->go);
+}
+
+int awaitGo(Task* task) {
+  static auto* const wait = real(&::sem_wait, "sem_wait");
+  return wait(&task->go);
+}
+
 Turn& turn() {
   static Turn* const instance = [] {
     const Beside beside;
@@ -55,15 +63,6 @@ Turn& turn() {
 }
 
 // ---- what a thread knows about itself --------------------------------------------------------
-
-Inside::Inside() { ++t_local.inside; }
-Inside::~Inside() { --t_local.inside; }
-
-Beside::Beside() { ++t_local.beside; }
-Beside::~Beside() { --t_local.beside; }
-
-StartsInternal::StartsInternal() { ++t_local.starts; }
-StartsInternal::~StartsInternal() { --t_local.starts; }
 
 Blocking::Blocking() {
   if (t_local.task != nullptr) {

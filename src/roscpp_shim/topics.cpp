@@ -11,6 +11,7 @@
 #include <ros/topic_manager.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "exchange.h"
 #include "node.h"
@@ -192,6 +193,12 @@ void dropConnectionsTo(const std::string& node_name) {
 
 // ---- mail of the time master -----------------------------------------------------------------
 
+ros::SerializedMessage messageOf(std::string_view payload) {
+  const boost::shared_array<std::uint8_t> bytes(new std::uint8_t[payload.size() + 1]);
+  std::memcpy(bytes.get(), payload.data(), payload.size());
+  return {bytes, payload.size()};
+}
+
 void handle(const wire::Subscriber& item) {
   Topic* const topic = topics().of(item.topic);
   const auto publication =
@@ -219,8 +226,12 @@ void handle(const wire::Publisher& item) {
   if (!subscription || topic->senders.count(item.sender) > 0) {
     return;
   }
-  const ros::M_string values =
-      lockstep::internal::headerOf(item, node().membership().nameOf(item.sender), topic->name);
+  const ros::M_string values = {{"callerid", node().membership().nameOf(item.sender)},
+                                {"topic", topic->name},
+                                {"type", std::string(item.type)},
+                                {"md5sum", std::string(item.md5)},
+                                {"message_definition", std::string(item.definition)},
+                                {"latching", item.latched ? "1" : "0"}};
   boost::shared_array<std::uint8_t> bytes;
   std::uint32_t size = 0;
   ros::Header::write(values, bytes, size);
@@ -259,8 +270,7 @@ void handle(const wire::Deliver& item) {
   if (was_kept) {
     node().showTime(came);  // roscpp takes it as the time of receipt
   }
-  handleMessage()(subscription.get(), lockstep::internal::messageOf(item.payload), true, false,
-                  link->values(), link);
+  handleMessage()(subscription.get(), messageOf(item.payload), true, false, link->values(), link);
   if (was_kept) {
     node().showTime(node().now());
   }

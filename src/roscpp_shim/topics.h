@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "roscpp_shim/membership/exchange.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -18,7 +17,11 @@ namespace move_base_abstract::shim {
 class MemberSubscriber;
 class MemberPublisher;
 
-struct Topic : lockstep::internal::SharedTopic {
+struct Topic {
+  std::uint32_t number = 0;
+  std::string name;
+  bool is_advertised = false;  // the time master knows that the program publishes it
+  bool is_subscribed = false;
   boost::weak_ptr<ros::Subscription> subscription;                         // the last one found
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
@@ -34,8 +37,26 @@ using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMes
 HandleMessage* handleMessage();
 
 /** @brief The program's topics. Only the thread with the turn uses them. */
-class Topics : public lockstep::internal::TopicTable<Topic> {
+class Topics {
  public:
+  /** @return the topic; the reference stays valid. */
+  Topic& of(const std::string& name) {
+    const auto [at, is_new] =
+        numbers_.emplace(name, static_cast<std::uint32_t>(numbers_.size() + 1));
+    Topic& topic = topics_[at->second];
+    if (is_new) {
+      topic.number = at->second;
+      topic.name = name;
+    }
+    return topic;
+  }
+  Topic* of(std::uint32_t number) {
+    const auto found = topics_.find(number);
+    return found == topics_.end() ? nullptr : &found->second;
+  }
+  /** @return the topics by their numbers. */
+  std::map<std::uint32_t, Topic>& all() { return topics_; }
+
   /** The topic of a message that is being published to all, and whether the report has it already.
    */
   const Topic* broadcast = nullptr;
@@ -44,6 +65,10 @@ class Topics : public lockstep::internal::TopicTable<Topic> {
    * carry nothing. */
   std::vector<ros::SubscriberLinkPtr> silent;
   PlainMutex silent_mutex;
+
+ private:
+  std::map<std::string, std::uint32_t> numbers_;
+  std::map<std::uint32_t, Topic> topics_;
 };
 
 Topics& topics();

@@ -76,51 +76,58 @@ struct Task {
   std::vector<std::function<void()>> at_end;
 };
 
+// How a thread sleeps and is woken: by libc's own semaphore, which does not hand the turn over.
+void awake(Task* task);
+int awaitGo(Task* task);
+
 /** @brief What the program's threads wait for without end. */
 struct OpenWaits {
   std::vector<std::string> owed;
   std::vector<std::string> work;
 };
 
-/** @brief Marks that a thread runs code of roscpp or of this library: nothing is intercepted. */
-class Inside {
- public:
-  Inside();
-  ~Inside();
-  Inside(const Inside&) = delete;
-  Inside& operator=(const Inside&) = delete;
+/** @brief What each thread knows of itself. It is found without an allocation, because programs
+ * take locks and allocate memory before anything else has run. */
+struct TurnLocal {
+  Task* task;         // its Task, if it is a thread of the program that has begun
+  int inside;         // see Inside
+  int beside;         // see Beside
+  int starts;         // see StartsInternal
+  bool is_internal;   // the thread is roscpp's or this library's own
+  signed char first;  // 1: it is the process's first thread; -1: it is not; 0: not looked up
 };
+
+extern __thread TurnLocal t_local __attribute__((tls_model("initial-exec")));
+
+/** @brief Counts the marks of its kind that the calling thread has. */
+template <int TurnLocal::*kCount>
+class Mark {
+ public:
+  Mark() { ++(t_local.*kCount); }
+  ~Mark() { --(t_local.*kCount); }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+};
+
+/** @brief Marks that a thread runs code of roscpp or of this library: nothing is intercepted. */
+using Inside = Mark<&TurnLocal::inside>;
 
 /**
  * @brief Marks that a thread of the program works on data that roscpp's own threads share.
  *
  * What it allocates meanwhile depends on how far those threads are, and so comes from libc's heap.
  */
-class Beside {
- public:
-  Beside();
-  ~Beside();
-  Beside(const Beside&) = delete;
-  Beside& operator=(const Beside&) = delete;
-};
+using Beside = Mark<&TurnLocal::beside>;
 
 /** @brief Marks that threads which the thread starts are roscpp's own, while it sees the clocks of
  * the run. */
-class StartsInternal {
- public:
-  StartsInternal();
-  ~StartsInternal();
-  StartsInternal(const StartsInternal&) = delete;
-  StartsInternal& operator=(const StartsInternal&) = delete;
-};
+using StartsInternal = Mark<&TurnLocal::starts>;
 
 /** @brief Marks that a thread blocks in a known way, while time stands still. */
 class Blocking {
  public:
   Blocking();
   ~Blocking();
-  Blocking(const Blocking&) = delete;
-  Blocking& operator=(const Blocking&) = delete;
 
  private:
   Inside inside_;

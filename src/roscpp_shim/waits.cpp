@@ -111,8 +111,6 @@ class InCallbacks {
     task_.has_acted = has_acted_;
     --task_.in_callbacks;
   }
-  InCallbacks(const InCallbacks&) = delete;
-  InCallbacks& operator=(const InCallbacks&) = delete;
 
  private:
   Task& task_;
@@ -134,8 +132,6 @@ class InSpinner {
       task_->in_spinner = was_;
     }
   }
-  InSpinner(const InSpinner&) = delete;
-  InSpinner& operator=(const InSpinner&) = delete;
 
  private:
   Task* task_;

@@ -12,9 +12,7 @@
 #include "node.h"
 #include "roscpp_shim/machine/kernel.h"
 #include "roscpp_shim/machine/real.h"
-#include "semaphores.h"
 #include "turn.h"
-#include "turn_local.h"
 
 namespace move_base_abstract::shim {
 namespace {
@@ -89,7 +87,7 @@ void Turn::watch() {
       computed = holder_ == nullptr ? 0 : computedBy(holder_->tid);
       continue;
     }
-    asleep = isAsleep(holder_->tid) ? asleep + 1 : 0;
+    asleep = stateOf(std::to_string(holder_->tid)) == 'S' ? asleep + 1 : 0;
     if (asleep >= kStuckPeriods && !waitsForReader()) {
       letOthersOn(kWaits);
     } else if (computedBy(holder_->tid) - computed > (holder_->has_spun ? kComputesAgain : limit)) {

@@ -9,12 +9,14 @@
 #include <unistd.h>
 
 #include <functional>
+#include <map>
+#include <mutex>
 #include <string>
 #include <utility>
 
-#include "own_descriptors.h"
 #include "roscpp_shim/clocks.h"
 #include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/kernel.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/turn.h"
@@ -24,7 +26,69 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kMillisecond = 1'000'000;
-constexpr unsigned kEmptyLooks = 1000;  // looks in vain, after which simulated time goes on
+constexpr unsigned kEmptyLooks = 1000;   // looks in vain, after which simulated time goes on
+constexpr int kStandardDescriptors = 3;  // their other ends belong to other processes
+
+using Lock = std::lock_guard<PlainMutex>;
+
+// ---- which descriptors only the program itself can make ready --------------------------------
+
+/** @brief What is known about the descriptors of a wait. */
+struct WaitedFor {
+  bool is_own = true;      // only events, timers and pipes of the program
+  bool has_timer = false;  // one of them is a timer
+
+  void add(const WaitedFor& other) {
+    is_own = is_own && other.is_own;
+    has_timer = has_timer || other.has_timer;
+  }
+};
+
+struct Sets {
+  PlainMutex mutex;
+  std::map<int, std::map<int, WaitedFor>> members;
+};
+
+Sets& sets() {
+  static Sets* const instance = new Sets;
+  return *instance;
+}
+
+/** @brief Forget the members of an older, closed set that had the same number. @return @p set. */
+int emptySet(int set) {
+  const Inside inside;
+  const Lock lock(sets().mutex);
+  sets().members.erase(set);
+  return set;
+}
+
+/** @return what is known about the members of an epoll descriptor, as epoll_ctl() added them. */
+WaitedFor membersOf(int set) {
+  const Inside inside;
+  const Lock lock(sets().mutex);
+  WaitedFor all;
+  for (const auto& [descriptor, what] : sets().members[set]) {
+    all.add(what);
+  }
+  return all;
+}
+
+/** @return what is known about @p descriptor. */
+WaitedFor lookAt(int descriptor) {
+  if (descriptor < 0) {
+    return {};  // poll() ignores it
+  }
+  const Inside inside;
+  const std::string name = targetOf(descriptor);
+  if (name == "anon_inode:[eventpoll]") {
+    return membersOf(descriptor);
+  }
+  const bool is_timer = name == "anon_inode:[timerfd]";
+  const bool is_pipe = descriptor >= kStandardDescriptors && name.rfind("pipe:", 0) == 0;
+  return {is_timer || is_pipe || name == "anon_inode:[eventfd]", is_timer};
+}
+
+// ---- waits -----------------------------------------------------------------------------------
 
 /** @brief Wait for descriptors in simulated time. @return false if the run has ended meanwhile. */
 bool awaitDescriptors(Nanoseconds lasts, std::function<bool()> is_ready) {
@@ -255,6 +319,33 @@ int epoll_pwait(int set, epoll_event* events, int count, int timeout, const sigs
   const DescriptorWait wait = shim::waitOnSet("epoll_pwait()", set, shim::ofMilliseconds(timeout),
                                               MOVE_BASE_ABSTRACT_CALLER);
   return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout, mask));
+}
+
+int epoll_ctl(int set, int operation, int descriptor, epoll_event* event) noexcept {
+  static auto* const function = shim::real(&::epoll_ctl, "epoll_ctl");
+  const int result = function(set, operation, descriptor, event);
+  if (result != 0 || shim::Turn::startsInternal() || operation == EPOLL_CTL_MOD) {
+    return result;
+  }
+  const shim::WaitedFor what = shim::lookAt(descriptor);
+  const shim::Inside inside;
+  const shim::Lock lock(shim::sets().mutex);
+  if (operation == EPOLL_CTL_ADD) {
+    shim::sets().members[set][descriptor] = what;
+  } else {
+    shim::sets().members[set].erase(descriptor);
+  }
+  return result;
+}
+
+int epoll_create(int size) noexcept {
+  static auto* const function = shim::real(&::epoll_create, "epoll_create");
+  return shim::emptySet(function(size));
+}
+
+int epoll_create1(int flags) noexcept {
+  static auto* const function = shim::real(&::epoll_create1, "epoll_create1");
+  return shim::emptySet(function(flags));
 }
 
 }  // extern "C"

@@ -1,11 +1,21 @@
-// What the kernel knows about the threads of this process.
+// What the kernel knows about this process.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
 
+#include <string>
+
 namespace move_base_abstract::shim {
 
-/** @return whether the thread sleeps in the kernel (and is not just slow). */
-bool isAsleep(int tid);
+/** @return what a descriptor leads to, such as "pipe:[4711]", "/dev/ttyUSB0" or
+ * "anon_inode:[timerfd]"; "": not known. */
+std::string targetOf(int descriptor);
+
+/** @return the first line of a file in which the kernel describes a thread of this process. */
+std::string lineOf(const std::string& tid, const char* file);
+
+/** @return the state of a thread: 'S' if it sleeps in the kernel, 'R' if it runs; 0: it has gone.
+ */
+char stateOf(const std::string& tid);
 
 /** @return whether a thread waits because the output of this process is not being read. */
 bool waitsForReader();

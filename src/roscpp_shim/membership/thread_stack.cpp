@@ -15,15 +15,19 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <sstream>
 #include <vector>
 
+#include "roscpp_shim/machine/kernel.h"
+
 namespace move_base_abstract::lockstep::internal {
 namespace {
+
+using shim::lineOf;
+using shim::stateOf;
+using shim::targetOf;
 
 constexpr std::size_t kMostFrames = 64;
 constexpr std::size_t kMostShown = 12;
@@ -75,38 +79,21 @@ constexpr Call kCalls[] = {
 #endif
 };
 
-std::string firstLine(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  return line;
-}
-
-/** @return the object behind a descriptor, such as "pipe:[123]" or "/dev/ttyUSB0". */
-std::string targetOf(long descriptor) {
-  std::array<char, 256> target{};
-  const ssize_t length = ::readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(),
-                                    target.data(), target.size());
-  return length > 0 ? std::string(target.data(), static_cast<std::size_t>(length))
-                    : "descriptor " + std::to_string(descriptor);
-}
-
 /** @brief The system call that a thread is in, and whether a signal may be sent to it. */
 struct Doing {
   std::string words;
   bool may_be_asked;
 };
 
-Doing doingOf(const std::string& task) {
-  const std::string stat = firstLine(task + "/stat");
-  const std::size_t name_end = stat.rfind(')');
-  if (name_end == std::string::npos || name_end + 2 >= stat.size()) {
+Doing doingOf(const std::string& id) {
+  const char state = stateOf(id);
+  if (state == '\0') {
     return {"has gone", false};
   }
-  if (stat[name_end + 2] == 'R') {
+  if (state == 'R') {
     return {"computes", true};
   }
-  std::istringstream call(firstLine(task + "/syscall"));
+  std::istringstream call(lineOf(id, "syscall"));
   long number = -1;
   std::string first;
   if (!(call >> number >> first)) {
@@ -117,9 +104,13 @@ Doing doingOf(const std::string& task) {
   if (known == std::end(kCalls)) {
     return {"waits in call " + std::to_string(number) + " of the system", false};
   }
-  return {std::string("waits in ") + known->name +
-              (known->has_file ? " of " + targetOf(std::strtol(first.c_str(), nullptr, 16)) : ""),
-          known->resumes};
+  std::string words = std::string("waits in ") + known->name;
+  if (known->has_file) {
+    const auto descriptor = static_cast<int>(std::strtol(first.c_str(), nullptr, 16));
+    const std::string target = targetOf(descriptor);
+    words += " of " + (target.empty() ? "descriptor " + std::to_string(descriptor) : target);
+  }
+  return {words, known->resumes};
 }
 
 std::string functionName(const char* symbol) {
@@ -202,9 +193,8 @@ std::string askForStack(int id) {
 }  // namespace
 
 std::string describeThread(int id) {
-  const std::string task = "/proc/self/task/" + std::to_string(id);
-  const Doing doing = doingOf(task);
-  std::string text = "thread '" + firstLine(task + "/comm") + "' " + doing.words;
+  const Doing doing = doingOf(std::to_string(id));
+  std::string text = "thread '" + lineOf(std::to_string(id), "comm") + "' " + doing.words;
   if (doing.may_be_asked) {
     const std::string stack = askForStack(id);
     text += stack.empty() ? "" : ": " + stack;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 
 #include "roscpp_shim/delivery.h"
 #include "roscpp_shim/machine/real.h"
@@ -16,7 +17,7 @@
 #include "roscpp_shim/turn.h"
 
 namespace shim = move_base_abstract::shim;
-namespace participant = move_base_abstract::lockstep::internal;
+namespace wire = move_base_abstract::wire;
 
 namespace {
 
@@ -25,8 +26,6 @@ class Publishing {
  public:
   explicit Publishing(bool is_app) { is_under_way = is_app; }
   ~Publishing() { is_under_way = false; }
-  Publishing(const Publishing&) = delete;
-  Publishing& operator=(const Publishing&) = delete;
   static thread_local bool is_under_way;
 };
 thread_local bool Publishing::is_under_way = false;
@@ -45,7 +44,12 @@ bool TopicManager::advertise(const AdvertiseOptions& options,
   const shim::Inside inside;
   const bool is_done = function(this, options, callbacks);
   if (is_app && is_done) {
-    participant::advertise(shim::node().membership(), shim::topics().of(options.topic), options);
+    shim::Topic& topic = shim::topics().of(options.topic);
+    if (!std::exchange(topic.is_advertised, true)) {
+      shim::node().append(wire::Advertise{topic.number, 0, topic.name, options.datatype,
+                                          options.md5sum, options.latch,
+                                          options.message_definition});
+    }
   }
   return is_done;
 }
@@ -60,7 +64,9 @@ bool TopicManager::unadvertise(const std::string& name, const SubscriberCallback
   if (is_app && !lookupPublication(name)) {
     shim::Topic& topic = shim::topics().of(name);
     topic.receivers.clear();
-    participant::unadvertise(shim::node().membership(), topic);
+    if (std::exchange(topic.is_advertised, false)) {
+      shim::node().append(wire::Unadvertise{topic.number});
+    }
   }
   return is_done;
 }
@@ -121,7 +127,9 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
   const bool is_done = function(this, options);
   if (is_app && is_done) {
     shim::Topic& topic = shim::topics().of(options.topic);
-    participant::subscribe(shim::node().membership(), topic, options);
+    if (!std::exchange(topic.is_subscribed, true)) {
+      shim::node().append(wire::Subscribe{topic.number, 0, topic.name, options.md5sum});
+    }
     shim::noteSubscription(topic, options);
   }
   return is_done;
@@ -138,7 +146,9 @@ bool TopicManager::unsubscribe(const std::string& name,
   if (is_app && !shim::subscriptionTo(name)) {
     shim::Topic& topic = shim::topics().of(name);
     topic.senders.clear();
-    participant::unsubscribe(shim::node().membership(), topic);
+    if (std::exchange(topic.is_subscribed, false)) {
+      shim::node().append(wire::Unsubscribe{topic.number});
+    }
     shim::forgetSubscription(topic);
   }
   return is_done;

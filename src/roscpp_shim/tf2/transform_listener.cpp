@@ -4,16 +4,15 @@
 // when it has something else to do. So all waiting transforms are delivered together at that
 // moment, and no round is spent on each. If the program asks the buffer to call it back, each
 // transform is delivered at once again.
-#include <dlfcn.h>
 #include <ros/time.h>
 
 #include <boost/function.hpp>
 #include <boost/signals2/connection.hpp>
 #include <cstdint>
-#include <cstring>
 #include <string>
 
 #include "roscpp_shim/delivery.h"
+#include "roscpp_shim/followed.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/waits.h"
 
@@ -26,10 +25,8 @@ bool isListenersLoop(const void* caller) {
   static __thread const void* t_caller = nullptr;  // the latest caller
   static __thread bool t_is_listeners = false;
   if (t_caller != caller) {
-    Dl_info info{};
     t_caller = caller;
-    t_is_listeners = dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
-                     std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
+    t_is_listeners = isIn(caller, {"libtf2_ros.so"});
   }
   return t_is_listeners;
 }
