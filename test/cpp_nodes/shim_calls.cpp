@@ -2,12 +2,13 @@
 // for services with and without success, calls once a second, and publishes what it sees on
 // "answers".
 #include <ros/ros.h>
-#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include <stdexcept>
 #include <string>
+
+#include "teller.h"
 
 namespace shim_calls {
 
@@ -32,23 +33,18 @@ bool onRefuse(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response&)
 }
 
 void runClient(ros::NodeHandle& node) {
-  ros::Publisher publisher = node.advertise<std_msgs::String>("answers", 100);
-  const auto tell = [&publisher](const std::string& text) {
-    std_msgs::String message;
-    message.data = std::to_string(ros::Time::now().toNSec()) + " " + text;
-    publisher.publish(message);
-  };
-  tell(ros::service::waitForService("nobody", ros::Duration(2.0)) ? "found" : "not found");
-  tell(ros::service::waitForService("trigger") ? "found" : "not found");
+  const Teller teller("answers");
+  teller.tell(ros::service::waitForService("nobody", ros::Duration(2.0)) ? "found" : "not found");
+  teller.tell(ros::service::waitForService("trigger") ? "found" : "not found");
   ros::ServiceClient client = node.serviceClient<std_srvs::Trigger>("trigger");
   ros::Rate rate(1);
   for (int k = 0; k < 20 && ros::ok(); ++k) {
     std_srvs::Trigger trigger;
-    tell(client.call(trigger) ? trigger.response.message : "failed");
+    teller.tell(client.call(trigger) ? trigger.response.message : "failed");
     rate.sleep();
   }
   std_srvs::SetBool refuse;
-  tell(ros::service::call("refuse", refuse) ? "not refused" : "refused");
+  teller.tell(ros::service::call("refuse", refuse) ? "not refused" : "refused");
   ros::NodeHandle("~").setParam("done", true);
 }
 

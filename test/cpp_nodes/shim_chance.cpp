@@ -32,26 +32,21 @@
 #include <thread>
 #include <vector>
 
+#include "teller.h"
 #include "untold_sources.h"
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-ros::Publisher publisher;
-
-void tell(const std::string& text) {
-  std_msgs::String message;
-  message.data = text;
-  publisher.publish(message);
-}
+std::unique_ptr<Teller> teller;
 
 template <typename... Values>
 void tell(const std::string& what, Values... values) {
   std::ostringstream text;
   text << std::setprecision(17) << what;
   ((text << ' ' << values), ...);
-  tell(text.str());
+  teller->say(text.str());
 }
 
 /** Compute for longer than a millisecond of processor time. */
@@ -286,13 +281,9 @@ void file(const std::string& path, const std::string& how) {
 
 /** Make one of the calls that lockstep does not follow, or all of them. */
 void untold(const std::string& what, ros::NodeHandle& own) {
-  using namespace untold_sources;
-  for (const auto* all : {&machine(), &descriptors(), &maskedDescriptors(), &timers(), &others(),
-                          &queues(), &system_()}) {
-    for (const auto& [name, source] : *all) {
-      if (what == "all" || what == name) {
-        tell(name, source());
-      }
+  for (const auto& [name, source] : untold_sources::all) {
+    if (what == "all" || what == name) {
+      tell(name, source());
     }
   }
   file(own.param<std::string>("file", "") + (own.param("odd", false) ? "\xff" : ""),
@@ -313,7 +304,7 @@ std::promise<int> promise;
 
 /** The function of a thread that starts before ROS does. */
 void* stray(void*) {
-  while (!publisher) {
+  while (!teller) {
     usleep(1000);
   }
   rand();
@@ -339,7 +330,7 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "chance");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
-  publisher = node.advertise<std_msgs::String>("told", 1000);
+  teller = std::make_unique<Teller>("told");
   ros::Duration(0.5).sleep();
   const std::string what = own.param<std::string>("what", "agent");
   tell(first_clocks);

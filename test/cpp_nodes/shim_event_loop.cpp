@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "teller.h"
+
 namespace shim_event_loop {
 
 namespace {
@@ -18,15 +20,13 @@ using boost::asio::steady_timer;
 
 class EventLoop {
  public:
-  EventLoop() : told_(node_.advertise<std_msgs::String>("/told", 100)) {}
-
   /** The loop has a thread of its own, and roscpp's callbacks post work to it. */
   void thread() {
     is_ended_by_it_ = true;
     tick(10);
     const auto subscriber =
         node_.subscribe<std_msgs::String>("ticks", 10, [this](const std_msgs::StringConstPtr& m) {
-          context_.post([this, text = m->data] { tell("posted " + text); });
+          context_.post([this, text = m->data] { told_.tell("posted " + text); });
         });
     std::thread loop([this] { context_.run(); });
     ros::spin();
@@ -39,9 +39,9 @@ class EventLoop {
     spinner.start();
     tick(5);
     deadline_timer late(context_, boost::posix_time::milliseconds(730));
-    late.async_wait([this](const boost::system::error_code&) { tell("late"); });
+    late.async_wait([this](const boost::system::error_code&) { told_.tell("late"); });
     context_.run();
-    tell("has run");
+    told_.tell("has run");
     ros::Duration(0.1).sleep();
   }
 
@@ -57,7 +57,7 @@ class EventLoop {
   /** Another event loop, whose timer was set before ROS began; time begins at 1 s. */
   void other(boost::asio::io_context& context) {
     context.run();
-    tell("other");
+    told_.tell("other");
     ros::Duration(0.1).sleep();
   }
 
@@ -75,12 +75,6 @@ class EventLoop {
   }
 
  private:
-  void tell(const std::string& what) {
-    std_msgs::String message;
-    message.data = std::to_string(ros::Time::now().toNSec()) + " " + what;
-    told_.publish(message);
-  }
-
   void tick(int count) {
     ticks_ = count;
     timer_.expires_after(std::chrono::milliseconds(100));
@@ -92,7 +86,7 @@ class EventLoop {
       if (error || ticks_ == 0) {
         return;
       }
-      tell("tick " + std::to_string(ticks_));
+      told_.tell("tick " + std::to_string(ticks_));
       if (--ticks_ > 0) {
         timer_.expires_at(timer_.expiry() + std::chrono::milliseconds(100));
         wait();
@@ -103,7 +97,7 @@ class EventLoop {
   }
 
   ros::NodeHandle node_;
-  ros::Publisher told_;
+  const Teller told_{"/told"};
   boost::asio::io_context context_;
   steady_timer timer_{context_};
   int ticks_ = 0;

@@ -7,12 +7,13 @@
 #include <message_filters/subscriber.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <std_msgs/String.h>
 #include <tf2_ros/message_filter.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <string>
+
+#include "teller.h"
 
 namespace shim_frames {
 
@@ -33,25 +34,23 @@ void send(ros::NodeHandle& node) {
   ros::spin();
 }
 
-void look(ros::NodeHandle& node) {
-  ros::Publisher publisher = node.advertise<std_msgs::String>("looked", 100);
+void look() {
+  const Teller teller("looked");
   tf2_ros::Buffer buffer;
   const tf2_ros::TransformListener listener(buffer);
   ros::Rate rate(2);
   for (int k = 0; k < 20; ++k) {
     rate.sleep();
-    std_msgs::String message;
-    message.data = std::to_string(ros::Time::now().toNSec()) + " ";
+    const std::string begin = std::to_string(ros::Time::now().toNSec()) + " ";
+    std::string found = "no transform";
     try {
       const auto ahead = ros::Duration(k % 4 == 3 ? 0.12 : 0.0);
       const auto transform = buffer.lookupTransform("map", k == 10 ? "nothing" : "robot",
                                                     ros::Time::now() + ahead, ros::Duration(0.3));
-      message.data += std::to_string(transform.transform.translation.x) + " at " +
-                      std::to_string(ros::Time::now().toNSec());
+      found = std::to_string(transform.transform.translation.x);
     } catch (const tf2::TransformException&) {
-      message.data += "no transform at " + std::to_string(ros::Time::now().toNSec());
     }
-    publisher.publish(message);
+    teller.say(begin + found + " at " + std::to_string(ros::Time::now().toNSec()));
   }
   ros::NodeHandle("~").setParam("done", true);
 }
@@ -66,7 +65,7 @@ void listen() {
  */
 void filter(ros::NodeHandle& node) {
   int count = 0;
-  ros::Publisher publisher = node.advertise<std_msgs::String>("looked", 100);
+  const Teller teller("looked");
   ros::Publisher points = node.advertise<geometry_msgs::PointStamped>("points", 100);
   tf2_ros::Buffer buffer;
   const tf2_ros::TransformListener listener(buffer);
@@ -74,10 +73,8 @@ void filter(ros::NodeHandle& node) {
   tf2_ros::MessageFilter<geometry_msgs::PointStamped> waiting(subscriber, buffer, "map", 100, node);
   waiting.registerCallback(boost::function<void(const geometry_msgs::PointStampedConstPtr&)>(
       [&](const geometry_msgs::PointStampedConstPtr& point) {
-        std_msgs::String message;
-        message.data = std::to_string(point->header.stamp.toNSec()) + " came out at " +
-                       std::to_string(ros::Time::now().toNSec());
-        publisher.publish(message);
+        teller.say(std::to_string(point->header.stamp.toNSec()) + " came out at " +
+                   std::to_string(ros::Time::now().toNSec()));
         ++count;
       }));
   const boost::function<void(const ros::TimerEvent&)> tick = [&](const ros::TimerEvent& event) {
@@ -99,7 +96,7 @@ int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "frames");
   ros::NodeHandle node;
   if (ros::NodeHandle("~").param("look", false)) {
-    look(node);
+    look();
   } else if (ros::NodeHandle("~").param("listen", false)) {
     listen();
   } else if (ros::NodeHandle("~").param("filter", false)) {

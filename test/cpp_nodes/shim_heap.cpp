@@ -10,6 +10,7 @@
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <random>
 #include <set>
@@ -18,6 +19,8 @@
 #include <thread>
 #include <vector>
 
+#include "teller.h"
+
 namespace {
 
 struct Robot {
@@ -25,13 +28,7 @@ struct Robot {
   double places[6] = {};
 };
 
-ros::Publisher publisher;
-
-void tell(const std::string& text) {
-  std_msgs::String message;
-  message.data = text;
-  publisher.publish(message);
-}
+std::unique_ptr<Teller> teller;
 
 /** @brief Robots and messages in the order of addresses; callbacks of several topics add them. */
 class Team {
@@ -55,7 +52,7 @@ class Team {
     for (const auto& text : texts_) {
       order << text->data << '@' << text.get() << ' ';
     }
-    tell(order.str());
+    teller->say(order.str());
   }
 
  private:
@@ -106,7 +103,7 @@ void calls() {
     }
   }).join();
   told << malloc(40) << ' ' << malloc(1 << 20);
-  tell(told.str());
+  teller->say(told.str());
 }
 
 /** @return the bytes that are allocated on libc's heap. */
@@ -132,8 +129,8 @@ void threads() {
   const std::size_t before = handedOut();
   make(kThreads / 2);
   const std::size_t after = handedOut();
-  tell(after < before + 10 * kThreads ? "threads leave nothing"
-                                      : "threads leave " + std::to_string(after - before));
+  teller->say(after < before + 10 * kThreads ? "threads leave nothing"
+                                             : "threads leave " + std::to_string(after - before));
 }
 
 /** The main thread spins until another thread changes a variable. */
@@ -142,7 +139,7 @@ void spins(const std::string& how) {
   std::thread thread([&] {
     ros::Duration(0.5).sleep();
     is_set = true;
-    tell("sets it");
+    teller->say("sets it");
   });
   const bool gives_way = how == "yields";
   const bool naps = how == "naps";
@@ -153,7 +150,7 @@ void spins(const std::string& how) {
       usleep(0);
     }
   }
-  tell("sees it " + std::to_string(ros::Time::now().toNSec() / 10000000));
+  teller->say("sees it " + std::to_string(ros::Time::now().toNSec() / 10000000));
   thread.join();
 }
 
@@ -163,7 +160,7 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "heap");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
-  publisher = node.advertise<std_msgs::String>("told", 1000);
+  teller = std::make_unique<Teller>("told");
   ros::Duration(0.5).sleep();
   const std::string what = own.param<std::string>("what", "spinners");
   if (what == "spinners") {

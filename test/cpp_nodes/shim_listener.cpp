@@ -3,37 +3,22 @@
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
-#include <string>
+#include "teller.h"
 
 namespace shim_listener {
 
-class Listener {
- public:
-  Listener() {
-    ros::NodeHandle("~").param("work", work_, work_);
-    publisher_ = node_.advertise<std_msgs::String>("heard", 10);
-    subscriber_ = node_.subscribe("ticks", 10, &Listener::onTick, this);
-  }
-
- private:
-  void onTick(const std_msgs::String::ConstPtr& message) {
-    if (work_ > 0) {
-      ros::Duration(work_).sleep();
-    }
-    std_msgs::String answer;
-    answer.data = std::to_string(ros::Time::now().toNSec()) + " heard " + message->data;
-    publisher_.publish(answer);
-  }
-
-  ros::NodeHandle node_;
-  double work_ = 0;
-  ros::Publisher publisher_;
-  ros::Subscriber subscriber_;
-};
-
 int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "listener");
-  Listener listener;
+  ros::NodeHandle node;
+  const double work = ros::NodeHandle("~").param("work", 0.0);
+  const Teller teller("heard");
+  const auto subscriber =
+      node.subscribe<std_msgs::String>("ticks", 10, [&](const std_msgs::String::ConstPtr& message) {
+        if (work > 0) {
+          ros::Duration(work).sleep();
+        }
+        teller.tell("heard " + message->data);
+      });
   ros::spin();
   return 0;
 }

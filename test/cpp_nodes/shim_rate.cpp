@@ -12,8 +12,6 @@
 #include <cstring>
 #include <string>
 
-#include "machine_time.h"
-
 namespace shim_rate {
 
 namespace {
@@ -51,7 +49,6 @@ int nodeMain(int argc, char** argv) {
   ros::Publisher publisher = node.advertise<std_msgs::String>("ticks", 10);
   ros::Rate rate(frequency);
   const ros::Time begin = ros::Time::now();
-  const double wall_begin = machineTime();
   const int writes_before = writes();
   ros::Time last = begin;
   int off = 0, most_listeners = 0;
@@ -68,13 +65,10 @@ int nodeMain(int argc, char** argv) {
     most_listeners = std::max(most_listeners, static_cast<int>(publisher.getNumSubscribers()));
     ros::spinOnce();
   }
-  const double wall = machineTime() - wall_begin;
   own.setParam("writes", writes() - writes_before);
   own.setParam("off", off);
   own.setParam("listeners", most_listeners);
-  own.setParam("ticks_per_second", ticks / wall);
   own.setParam("done", true);
-  ROS_INFO("%d ticks, %d off, %.0f ticks/s", ticks, off, ticks / wall);
   return 0;
 }
 

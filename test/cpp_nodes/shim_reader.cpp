@@ -14,6 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include "teller.h"
+
 namespace shim_reader {
 
 namespace {
@@ -25,7 +27,6 @@ class Reader {
   Reader() {
     ros::NodeHandle("~").getParam("ways", ways_);
     ros::NodeHandle("~").param("ticks", ticks_, 60);
-    seen_ = node_.advertise<std_msgs::String>("/seen", 1000);
     other_node_.setCallbackQueue(&other_);
     // Shorter than what comes from tick to tick: the same messages must be dropped in each run.
     heard_.push_back(subscribe(node_, "/quick", 3));
@@ -34,7 +35,7 @@ class Reader {
     service_ = node_.advertiseService("/look", &Reader::look, this);
     if (has("timer")) {
       timer_ = node_.createTimer(ros::Duration(0.05), [this](const ros::TimerEvent& event) {
-        say("timer " + text(event.current_real));
+        seen_.tell("timer " + text(event.current_real));
       });
     }
   }
@@ -73,16 +74,11 @@ class Reader {
 
   static std::string text(const ros::Time& time) { return std::to_string(time.toNSec()); }
 
-  void say(const std::string& what) {
-    std_msgs::String message;
-    message.data = text(ros::Time::now()) + " " + what;
-    seen_.publish(message);
-  }
-
   ros::Subscriber subscribe(ros::NodeHandle& node, const std::string& topic, unsigned size) {
     const boost::function<void(const Event&)> on_event = [this, topic](const Event& event) {
-      say(topic + " " + event.getMessage()->data + " of " + event.getPublisherName() + " came " +
-          text(event.getReceiptTime()) + " among " + std::to_string(heard_[0].getNumPublishers()));
+      seen_.tell(topic + " " + event.getMessage()->data + " of " + event.getPublisherName() +
+                 " came " + text(event.getReceiptTime()) + " among " +
+                 std::to_string(heard_[0].getNumPublishers()));
       if (has("second") && event.getMessage()->data.back() == '7') {
         ros::Duration(0.03).sleep();  // other threads find it in here
       }
@@ -91,7 +87,7 @@ class Reader {
   }
 
   bool look(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-    say("called");
+    seen_.tell("called");
     return true;
   }
 
@@ -107,7 +103,7 @@ class Reader {
     } else {
       ros::spinOnce();
     }
-    say("looked");
+    seen_.tell("looked");
   }
 
   /** Other calls that programs make between their looks at the queues. */
@@ -115,7 +111,7 @@ class Reader {
     if (tick % 9 == 2) {
       std::vector<std::string> names;
       ros::master::getNodes(names);  // answered when nobody has anything left to do
-      say("nodes " + std::to_string(names.size()));
+      seen_.tell("nodes " + std::to_string(names.size()));
     } else if (tick % 9 == 4) {
       heard_[1] = subscribe(node_, "/slow", 2);
     } else if (tick % 9 == 5) {
@@ -123,7 +119,7 @@ class Reader {
       heard_[2] = subscribe(node_, "/latched", 1);
     } else if (tick % 9 == 6) {
       const auto message = ros::topic::waitForMessage<std_msgs::String>("/quick", node_);
-      say("waited for " + (message ? message->data : "nothing"));
+      seen_.tell("waited for " + (message ? message->data : "nothing"));
     } else if (tick % 9 == 7) {
       ros::getGlobalCallbackQueue()->disable();
       ros::Duration(0.02).sleep();
@@ -137,7 +133,7 @@ class Reader {
       ros::Duration(0.011).sleep();
       const bool is_empty = ros::getGlobalCallbackQueue()->isEmpty();
       if (is_empty != was_empty) {
-        say(is_empty ? "empty" : "filled");
+        seen_.tell(is_empty ? "empty" : "filled");
       }
       was_empty = is_empty;
     }
@@ -150,13 +146,13 @@ class Reader {
       other_.callAvailable(ros::WallDuration(0.017));
       ++looks_;
     }
-    say("the idle loop is over after " + std::to_string(looks_));
+    seen_.tell("the idle loop is over after " + std::to_string(looks_));
   }
 
   void callOneByOne() {
     while (!is_over_) {
       const auto result = ros::getGlobalCallbackQueue()->callOne();
-      say("second " + std::to_string(static_cast<int>(result)));
+      seen_.tell("second " + std::to_string(static_cast<int>(result)));
       ros::Duration(0.043).sleep();
     }
   }
@@ -168,7 +164,7 @@ class Reader {
   int ticks_ = 0;
   std::atomic<bool> is_over_{false};
   int looks_ = 0;
-  ros::Publisher seen_;
+  const Teller seen_{"/seen"};
   std::vector<ros::Subscriber> heard_;
   ros::ServiceServer service_;
   ros::Timer timer_;

@@ -20,25 +20,22 @@
 #include <thread>
 #include <vector>
 
+#include "teller.h"
+
 namespace shim_threads {
 
 namespace {
 
-class Teller {
- public:
-  Teller() : publisher_(ros::NodeHandle().advertise<std_msgs::String>("told", 1000)) {}
-  void tell(const std::string& text) {
-    std_msgs::String message;
-    message.data = std::to_string(ros::Time::now().toNSec()) + " " + text;
-    publisher_.publish(message);
-  }
-
- private:
-  ros::Publisher publisher_;
-};
+/** @return a subscriber to "ticks" that tells what it hears. */
+ros::Subscriber hear(ros::NodeHandle& node, const Teller& teller) {
+  return node.subscribe<std_msgs::String>("ticks", 10,
+                                          [&teller](const std_msgs::String::ConstPtr& message) {
+                                            teller.tell("heard " + message->data);
+                                          });
+}
 
 /** A thread for each robot. All threads use one lock, and hold it while they sleep. */
-void robots(Teller& teller) {
+void robots(const Teller& teller) {
   std::mutex mutex;
   std::vector<std::thread> threads;
   for (int robot = 0; robot < 4; ++robot) {
@@ -59,7 +56,7 @@ void robots(Teller& teller) {
 }
 
 /** One thread queues work, and two others take it; waits with time-outs. */
-void queue(Teller& teller) {
+void queue(const Teller& teller) {
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<int> work;
@@ -101,7 +98,7 @@ void queue(Teller& teller) {
 }
 
 /** Callbacks that sleep, in the threads of an AsyncSpinner. */
-void spinners(Teller& teller, int threads) {
+void spinners(const Teller& teller, int threads) {
   ros::NodeHandle node;
   std::vector<ros::Subscriber> subscribers;
   for (const std::string topic : {"ticks", "others"}) {
@@ -120,17 +117,16 @@ void spinners(Teller& teller, int threads) {
 }
 
 /** Callbacks without waits, in the threads of an AsyncSpinner. */
-void pool(Teller& teller) {
+void pool(const Teller& teller) {
   ros::NodeHandle node;
   std::thread::id last;
   int changes = 0;
-  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
-      [&](const std_msgs::String::ConstPtr&) {
+  const auto subscriber =
+      node.subscribe<std_msgs::String>("ticks", 3, [&](const std_msgs::String::ConstPtr&) {
         changes += std::this_thread::get_id() == last ? 0 : 1;
         last = std::this_thread::get_id();
         teller.tell("heard in thread " + std::to_string(changes));
-      };
-  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+      });
   ros::AsyncSpinner spinner(3);
   spinner.start();
   ros::Duration(20).sleep();
@@ -138,13 +134,9 @@ void pool(Teller& teller) {
 }
 
 /** Two AsyncSpinners for one queue, each with one thread; the second ends first. */
-void two_spinners(Teller& teller) {
+void two_spinners(const Teller& teller) {
   ros::NodeHandle node;
-  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
-      [&teller](const std_msgs::String::ConstPtr& message) {
-        teller.tell("heard " + message->data);
-      };
-  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+  const auto subscriber = hear(node, teller);
   ros::AsyncSpinner first(1);
   first.start();
   ros::AsyncSpinner second(1);
@@ -157,14 +149,12 @@ void two_spinners(Teller& teller) {
 }
 
 /** A thread calls a queue of its own until a flag is set, while the main thread sleeps. */
-void hears(Teller& teller) {
+void hears(const Teller& teller) {
   ros::CallbackQueue queue;
   ros::NodeHandle node;
   node.setCallbackQueue(&queue);
   std::atomic<bool> is_set{false};
-  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
-      [&](const std_msgs::String::ConstPtr& message) { teller.tell("heard " + message->data); };
-  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+  const auto subscriber = hear(node, teller);
   std::thread looker([&] {
     while (!is_set) {
       queue.callAvailable(ros::WallDuration(0.13));
@@ -177,7 +167,7 @@ void hears(Teller& teller) {
 }
 
 /** Sleeps by the wall clock until another thread sets a flag, after 30 s of simulated time. */
-void wallLoop(Teller& teller) {
+void wallLoop(const Teller& teller) {
   std::atomic<bool> is_set{false};
   std::thread setter([&is_set] {
     ros::Duration(30).sleep();
@@ -191,7 +181,7 @@ void wallLoop(Teller& teller) {
 }
 
 /** Waits by the wall clock for a subscriber, and polls without any wait. */
-void polls(Teller& teller) {
+void polls(const Teller& teller) {
   ros::NodeHandle node;
   ros::Publisher publisher = node.advertise<std_msgs::String>("polled", 10);
   while (publisher.getNumSubscribers() == 0) {
@@ -199,9 +189,8 @@ void polls(Teller& teller) {
   }
   teller.tell("somebody listens");
   int heard = 0;
-  const boost::function<void(const std_msgs::String::ConstPtr&)> count =
-      [&heard](const std_msgs::String::ConstPtr&) { ++heard; };
-  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 10, count);
+  const auto subscriber = node.subscribe<std_msgs::String>(
+      "ticks", 10, [&heard](const std_msgs::String::ConstPtr&) { ++heard; });
   while (ros::ok() && heard < 5) {
     ros::spinOnce();
   }
@@ -213,7 +202,7 @@ void polls(Teller& teller) {
 }
 
 /** A queue of its own, a connect callback, a timer whose period changes, a MultiThreadedSpinner. */
-void queues(Teller& teller) {
+void queues(const Teller& teller) {
   ros::NodeHandle node;
   const ros::SubscriberStatusCallback connected = [&](const ros::SingleSubscriberPublisher& peer) {
     teller.tell(peer.getSubscriberName() + " listens");
@@ -222,9 +211,7 @@ void queues(Teller& teller) {
   ros::CallbackQueue queue;
   ros::NodeHandle other;
   other.setCallbackQueue(&queue);
-  const boost::function<void(const std_msgs::String::ConstPtr&)> hear =
-      [&](const std_msgs::String::ConstPtr& message) { teller.tell("heard " + message->data); };
-  const auto subscriber = other.subscribe<std_msgs::String>("ticks", 10, hear);
+  const auto subscriber = hear(other, teller);
   for (int k = 0; k < 12; ++k) {
     queue.callAvailable(ros::WallDuration(0.03));
     teller.tell("round " + std::to_string(k));
@@ -244,7 +231,7 @@ void queues(Teller& teller) {
 }
 
 /** Timers by the wall clock and the steady clock, whose times the program reads. */
-void wall(Teller& teller) {
+void wall(const Teller& teller) {
   ros::NodeHandle node;
   const ros::WallTime wall_begin = ros::WallTime::now();
   const ros::SteadyTime steady_begin = ros::SteadyTime::now();
@@ -266,7 +253,7 @@ void wall(Teller& teller) {
 }
 
 /** Threads that only call a queue and read a flag, as those of actionlib's clients do. */
-void looks(Teller& teller) {
+void looks(const Teller& teller) {
   ros::CallbackQueue queue;
   std::atomic<bool> is_set{false};
   const auto look = [&](const std::string& word) {
@@ -334,7 +321,7 @@ void lookUp(const std::string& aliases) {
 }
 
 /** Make a call that takes wall time, while another thread ticks. */
-void stands(Teller& teller, const std::function<void()>& call) {
+void stands(const Teller& teller, const std::function<void()>& call) {
   std::thread ticker([&teller] {
     for (int k = 1; k <= 12; ++k) {
       ros::Duration(0.1).sleep();
@@ -348,7 +335,7 @@ void stands(Teller& teller, const std::function<void()>& call) {
 }
 
 /** A wait that lockstep does not see. */
-void hidden(Teller& teller) {
+void hidden(const Teller& teller) {
   int ends[2];
   char letter = '0';
   bool is_good = ::pipe(ends) == 0;
@@ -370,7 +357,7 @@ int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "threads");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
-  Teller teller;
+  const Teller teller("told");
   std::string what;
   own.getParam("what", what);
   const std::map<std::string, std::function<void()>> all = {

@@ -1,23 +1,16 @@
 #include "native_calls.h"
 
 #include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <sys/random.h>
-#include <sys/resource.h>
-#include <sys/sysinfo.h>
-#include <sys/time.h>
 #include <sys/timerfd.h>
-#include <sys/times.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <sstream>
 #include <thread>
+
+#include "../cpp_nodes/untold_sources.h"
 
 // What programs call that are compiled with checks (_FORTIFY_SOURCE).
 extern "C" int __open_2(const char* path, int flags);
@@ -38,35 +31,6 @@ unsigned readFrom(FILE* file) {
   const bool is_read = fread(&bytes, sizeof bytes, 1, file) == 1;
   fclose(file);
   return is_read ? bytes : 0;
-}
-
-/** @brief Have the kernel wake the program, later than it lives. */
-void askForSignals() {
-  constexpr int kLong = 900;  // s
-  signal(SIGALRM, SIG_IGN);
-  timer_t timer{};
-  timer_create(CLOCK_MONOTONIC, nullptr, &timer);
-  timer_delete(timer);
-  const itimerval value{{0, 0}, {kLong, 0}};
-  setitimer(ITIMER_REAL, &value, nullptr);
-  alarm(kLong);
-  ualarm(900000, 0);
-  alarm(0);
-}
-
-void startProcesses() {
-  const pid_t child = fork();
-  if (child == 0) {
-    _exit(0);
-  }
-  waitpid(child, nullptr, 0);
-  char name[] = "true";
-  char* const arguments[] = {name, nullptr};
-  pid_t spawned = 0;
-  posix_spawn(&spawned, "/bin/true", nullptr, nullptr, arguments, environ);
-  waitpid(spawned, nullptr, 0);
-  posix_spawnp(&spawned, "true", nullptr, nullptr, arguments, environ);
-  waitpid(spawned, nullptr, 0);
 }
 
 }  // namespace
@@ -101,21 +65,13 @@ std::string strays() {
 }
 
 std::string untold() {
-  tms spent{};
-  times(&spent);
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  double load = 0.0;
-  const int loads = getloadavg(&load, 1);
-  struct sysinfo info {};
-  sysinfo(&info);
+  int results = 0;
+  for (const char* name :
+       {"times", "getrusage", "getloadavg", "sysinfo", "timer_create", "setitimer", "alarm",
+        "ualarm", "getpid", "popen", "fork", "posix_spawn", "posix_spawnp", "system", "/proc"}) {
+    results += untold_sources::all.at(name)();
+  }
   close(timerfd_create(CLOCK_MONOTONIC, 0));
-  askForSignals();
-  const std::string pid = std::to_string(getpid());
-  FILE* const output = popen("true", "r");
-  pclose(output);
-  startProcesses();
-  std::ifstream("/proc/uptime");
   std::ifstream("/dev/null");
-  return loads == 1 && pid.size() > 1 && system("true") == 0 ? "asked" : "";
+  return results == 2 ? "asked" : "";  // times() and getpid() give truths
 }

@@ -1,0 +1,30 @@
+// What a node of the tests says on a topic.
+#ifndef MOVE_BASE_ABSTRACT_TEST_TELLER_H
+#define MOVE_BASE_ABSTRACT_TEST_TELLER_H
+
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <string>
+
+class Teller {
+ public:
+  explicit Teller(const std::string& topic)
+      : publisher_(node_.advertise<std_msgs::String>(topic, 1000)) {}
+
+  void say(const std::string& text) const {
+    std_msgs::String message;
+    message.data = text;
+    publisher_.publish(message);
+  }
+  /** Say a text after the time [ns]. */
+  void tell(const std::string& text) const {
+    say(std::to_string(ros::Time::now().toNSec()) + " " + text);
+  }
+
+ private:
+  ros::NodeHandle node_;
+  ros::Publisher publisher_;
+};
+
+#endif  // MOVE_BASE_ABSTRACT_TEST_TELLER_H
