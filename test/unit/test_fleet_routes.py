@@ -229,6 +229,6 @@ def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypat
     fleet = Fleet(make_scenario({'robots': robots}), on_end=next_goal, trace=None, occupancy=occupancy)
     next_goal('bot')
     fleet.run()
-    [ways] = grid_planner._shared[occupancy].values()
+    [ways] = occupancy._kept.values()
     assert len(ways._fields) == len(ways._shorteners) == 5 and len(ways._ways) == 20
     assert abs(counts[3] - counts[2]) < 100 < 450 <= ended[0]

@@ -36,7 +36,7 @@ def shown(value: object) -> str:
 
     A text like '1e3' gets a note, because its writer meant a number, but YAML 1.1 reads this form as a text.
     """
-    text = _cut(_SHORTENER.repr(value))
+    text = cut(_SHORTENER.repr(value))
     return text + _YAML_NOTE if isinstance(value, str) and _EXPONENT.match(value) else text
 
 
@@ -44,8 +44,9 @@ def shown_text(value: object) -> str:
     """Return the text ``value``, with control characters escaped, in at most 120 characters of one line."""
     text = str(value) if isinstance(value, (str, float, bool)) or value is None else shown(value)
     text = text[:MAX_LENGTH + 1]
-    return _cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))
+    return cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))
 
 
-def _cut(text: str) -> str:
-    return text if len(text) <= MAX_LENGTH else text[:MAX_LENGTH - 3] + '...'
+def cut(text: str, most: int = MAX_LENGTH) -> str:
+    """Return ``text``, cut to ``most`` characters if it is longer."""
+    return text if len(text) <= most else text[:most - 3] + '...'

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Tuple
 
+from ..common.geometry import share_along
 from ..common.units import NS_PER_S
 from ..engine.instants import first_ns
 
@@ -197,11 +198,8 @@ def _surely_falls(most: float, duration_ns: int, begin: Place, end: Place) -> bo
 
 def _on_chord(begin: Place, end: Place) -> Tuple[float, float]:
     """Return (share in 0..1 of the chord at which it is nearest to the origin, distance there [m])."""
-    (x, y), (to_x, to_y) = begin, end
-    dx, dy = to_x - x, to_y - y
-    square = dx * dx + dy * dy
-    share = min(1.0, max(0.0, -(x * dx + y * dy) / square)) if square > 0.0 else 0.0
-    return share, math.hypot(x + share * dx, y + share * dy)
+    (x, y), (to_x, to_y), share = begin, end, share_along(begin, end, 0.0, 0.0)
+    return share, math.hypot(x + share * (to_x - x), y + share * (to_y - y))
 
 
 def _crossing(begin: Place, end: Place, radius: float) -> float:

@@ -1,7 +1,7 @@
-"""One future event of a robot, which can be postponed."""
+"""Future events of a robot: one that can be postponed, and any number that are cancelled at once."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Optional
+from typing import TYPE_CHECKING, Callable, List, Optional
 
 if TYPE_CHECKING:
     from .event_queue import Event, EventQueue
@@ -41,3 +41,24 @@ class Alarm:
     def _go_off(self, action: Callable[[int], object], at_ns: int) -> None:
         self._event = self.due_ns = None
         action(at_ns)
+
+
+class Agenda:
+    """Any number of future events of the robot ``robot_index`` in ``queue`` (EventQueue)."""
+
+    def __init__(self, queue: EventQueue, robot_index: int) -> None:
+        self._queue = queue
+        self._robot_index = robot_index
+        self.events: List[Event] = []
+
+    def at(self, due_ns: int, action: Callable[[int, int], object]) -> None:
+        """Call ``action(due_ns, now_ns)`` at ``due_ns`` [ns]."""
+        if self.events:
+            self.events = [event for event in self.events if event.action is not None]
+        self.events.append(self._queue.schedule(due_ns, self._robot_index, action))
+
+    def clear(self) -> None:
+        """Cancel all events."""
+        for event in self.events:
+            event.action = None  # the same as Event.cancel()
+        self.events.clear()

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 from ..common.errors import ConfigurationError, SimulatorError
 from ..common.units import NS_PER_S
@@ -141,8 +142,8 @@ class Distances:
     """
 
     def __init__(self, scenario: Scenario, along_ways: bool) -> None:
-        planners: Dict[Any, Any] = {}
-        self._ways: Dict[str, Tuple[Any, Dict[Any, Optional[int]], float]] = {}
+        planners: Dict[Any, Callable[[Point, Point], Optional[int]]] = {}
+        self._ways: Dict[str, Callable[[Point, Point], Optional[int]]] = {}
         for spec in scenario.robots if along_ways else ():
             settings = spec.settings
             if settings.values['routes'] not in ('lanes', 'matrix'):
@@ -150,23 +151,18 @@ class Distances:
             network: Any = settings.network
             key = settings.values['routes'], network.source, settings.limits.max_speed, settings.bounds
             if key not in planners:
-                planners[key] = make_planner(settings), {}, settings.limits.max_speed
+                planners[key] = lru_cache(_KEPT_WAYS)(partial(
+                    _length, make_planner(settings), settings.limits.max_speed))
             self._ways[spec.name] = planners[key]
 
     def __call__(self, robot: str, begin: Point, end: Point) -> Optional[int]:
         """Return the distance [mm] from ``begin`` to ``end`` (x, y) [m]; None if there is no way."""
         if robot not in self._ways:
             return round(_MM * math.dist(begin, end))
-        planner, known, speed = self._ways[robot]
-        key = begin, end
-        if key not in known:
-            if len(known) >= _KEPT_WAYS:
-                known.clear()
-            known[key] = _length(planner, begin, end, speed)
-        return known[key]
+        return self._ways[robot](begin, end)
 
 
-def _length(planner: Any, begin: Point, end: Point, speed: float) -> Optional[int]:
+def _length(planner: Any, speed: float, begin: Point, end: Point) -> Optional[int]:
     way = planner.corners(Pose2D(*begin), Pose2D(*end))
     if way is None:
         return None

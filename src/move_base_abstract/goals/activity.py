@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Optional
 
+from ..common.shown import cut
 from ..runs.states import STATES
 
 if TYPE_CHECKING:
@@ -29,14 +30,9 @@ def activity(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTa
 
 def _doing(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTaskRunner]) -> str:
     if condition.state_text:
-        return shortened(condition.state_text)
+        return cut(condition.state_text, _LONGEST)
     works, waits = (False, False) if tasks is None else (tasks.is_working, tasks.is_waiting)
     battery = condition.battery
     holds = {'driving': navigator.robot.leg is not None, 'working': works, 'waiting': navigator.is_active or waits,
              'charging': battery is not None and battery.charger is not None and battery.soc < 1.0, 'idle': True}
     return min((state for state in STATES if holds.get(state.name)), key=lambda state: state.precedence).name
-
-
-def shortened(text: str) -> str:
-    """Return ``text``, cut to 40 characters if it is longer."""
-    return text if len(text) <= _LONGEST else text[:_LONGEST - 3] + '...'

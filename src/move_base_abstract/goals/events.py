@@ -271,10 +271,6 @@ class ChargeRead(NamedTuple):
     energy: float
     since: str
 
-    def row(self) -> Row:
-        """Return its row."""
-        return self.time_ns, self.robot, 'charge', self.charge, self.energy, self.since
-
 
 @written(RowKind('recorded',
                  "'length', low, high [m], 'start_turn', low, high [rad], perhaps 'clearance', low, high [m]",

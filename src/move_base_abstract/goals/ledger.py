@@ -57,7 +57,7 @@ class GoalLedger:
         # A cancel may overtake its goal on another socket. actionlib forgets such a cancel after some seconds of ROS
         # time, which is very short at a high speed. Here the last 1000 are remembered, whatever their age.
         self._early_cancels: typing.OrderedDict[str, None] = OrderedDict()
-        #: whether nothing is published for now
+        #: whether nothing is published until :meth:`answer_again`
         self.is_silent = False
         self._untold: List[GoalRecord] = []
 
@@ -162,10 +162,6 @@ class GoalLedger:
             self._remember_cancel(goal_id, stamp_ns, now_ns)
         self._last_cancel_ns = max(self._last_cancel_ns, stamp_ns)
         return hits_active
-
-    def go_silent(self) -> None:
-        """Publish nothing until :meth:`answer_again`."""
-        self.is_silent = True
 
     def answer_again(self, now_ns: int) -> None:
         """End the silence: publish at ``now_ns`` [ns] the results of the goals that have ended meanwhile."""

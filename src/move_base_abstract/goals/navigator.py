@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Union
 
 from ..common.errors import FrameError
 from ..common.units import NS_PER_S, check_reachable
-from ..engine.agenda import Agenda
+from ..engine.alarm import Agenda
 from ..engine.guard import attempt_each, fault_text, guarded
 from ..maps.planning import StraightLinePlanner
 from ..motion.geometry import STRAIGHT_AHEAD, quaternion_fault
@@ -207,7 +207,7 @@ class Navigator:
 
     def go_silent(self) -> None:
         """Publish nothing about goals, and take in neither goals nor cancels, until :meth:`answer_again`."""
-        self._ledger.go_silent()
+        self._ledger.is_silent = True
 
     @guarded
     def answer_again(self, now_ns: int) -> None:

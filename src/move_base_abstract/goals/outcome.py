@@ -18,13 +18,6 @@ class GoalState(Enum):
     RECALLING = 7
     RECALLED = 8
 
-    @property
-    def is_terminal(self) -> bool:
-        """Whether a goal in this state has ended."""
-        return self in _TERMINAL
-
-
-_TERMINAL = (GoalState.PREEMPTED, GoalState.SUCCEEDED, GoalState.ABORTED, GoalState.REJECTED, GoalState.RECALLED)
 
 TEXT_ACCEPTED = 'This goal has been accepted by the simple action server'
 TEXT_ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'

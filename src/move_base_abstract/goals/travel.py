@@ -13,7 +13,7 @@ from .events import Departed, Held, Stands, Warned, new
 from .outcome import NO_CONTROL, aborted
 
 if TYPE_CHECKING:
-    from ..engine.agenda import Agenda
+    from ..engine.alarm import Agenda
     from ..engine.stream import Stream
     from ..maps.planning import StraightLinePlanner
     from ..motion.attempts import GoalAttempts

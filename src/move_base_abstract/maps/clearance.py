@@ -2,8 +2,7 @@
 from __future__ import annotations
 
 import math
-import weakref
-from typing import TYPE_CHECKING, Any, Dict, MutableMapping, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Sequence, Tuple
 
 import numpy as np
 
@@ -12,9 +11,6 @@ from .occupancy import OccupancyMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-#: {map: {limit: field}}
-_shared: MutableMapping[OccupancyMap, Dict[float, ClearanceField]] = weakref.WeakKeyDictionary()
 
 
 def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> float:
@@ -53,10 +49,7 @@ class ClearanceField:
     @classmethod
     def on(cls, occupancy: OccupancyMap, limit: float) -> ClearanceField:
         """Return the field of a map up to ``limit`` [m]; all robots share it."""
-        fields = _shared.setdefault(occupancy, {})
-        if limit not in fields:
-            fields[limit] = cls(occupancy, limit)
-        return fields[limit]
+        return occupancy.kept((cls, limit), lambda: cls(occupancy, limit))
 
     def least_along(self, way: Sequence[Tuple[float, float]], skipped: float = 0.0) -> Tuple[float, float]:
         """Return (the least clearance [m] of the cells below ``way`` ((x, y), ...) [m], where that is along it [m]).

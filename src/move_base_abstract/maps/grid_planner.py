@@ -1,10 +1,9 @@
 """Ways around a map's obstacles: the shortest way over its cells, then straight pieces at any angle."""
 from __future__ import annotations
 
-import weakref
 from collections import OrderedDict
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Dict, List, MutableMapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 from .cost_field import CostField
 from .occupancy import OccupancyMap
@@ -25,9 +24,6 @@ _WAVE_BYTES = 6  # the memory per cell for a wave that can go on
 _DIGITS = 6  # the decimals of corners [m]: micrometres hide the rounding of a rotated map's angle
 _LEAST_RESOLUTION = 0.001  # m; with smaller cells, a micrometre is not much less than 1/256 of a cell
 _KEPT_WAYS = 10_000  # the least recently found one is dropped first
-
-#: {map: {(radius [m], whether unknown cells are free): ways}}
-_shared: MutableMapping[OccupancyMap, Dict[Tuple[float, bool], MapWays]] = weakref.WeakKeyDictionary()
 
 #: a point in parts of a cell, see PlanningGrid
 Cell = Tuple[int, int]
@@ -52,11 +48,7 @@ class MapWays:
     @classmethod
     def on(cls, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> MapWays:
         """Return the ways on the OccupancyMap ``occupancy``; all robots with one ``radius`` [m] share them."""
-        ways = _shared.setdefault(occupancy, {})
-        key = radius, unknown_is_free
-        if key not in ways:
-            ways[key] = cls(occupancy, radius, unknown_is_free)
-        return ways[key]
+        return occupancy.kept((cls, radius, unknown_is_free), lambda: cls(occupancy, radius, unknown_is_free))
 
     def is_free(self, pose: Pose2D) -> bool:
         """Return whether the centre of a robot may be at ``pose`` (map frame)."""

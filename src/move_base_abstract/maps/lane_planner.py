@@ -92,12 +92,12 @@ class LaneWays:
             self._arriving[order[lane.end]].append((order[lane.begin], lane.cost))
         self._order = order
         self._goals: Ordered[str, _Towards] = OrderedDict()
-        self._ways: Ordered[Any, Optional[PlannedWay]] = OrderedDict()
         self._nodes_xy = np.array(list(self._places.values()))
         pieces = [(number, index, *one, *other) for number, lane in enumerate(self._lanes)
                   for index, (one, other) in enumerate(zip(lane.points, lane.points[1:]))]
         self._pieces = np.array(pieces, float).reshape(len(pieces), 6)
         # Robots go to the same places again and again.
+        self._found: Callable[..., Optional[PlannedWay]] = lru_cache(_KEPT_WAYS)(self._find)
         self._nearest: Callable[[Tuple[float, float]], Tuple[str, bool]] = lru_cache(_KEPT_PLACES)(self._find_nearest)
         self._accesses: Callable[..., Tuple[_Access, ...]] = lru_cache(_KEPT_PLACES)(self._find_accesses)
 
@@ -113,12 +113,7 @@ class LaneWays:
 
     def way(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay` from ``start`` to ``goal`` ((x, y), m), or None if no lanes lead there."""
-        key = start, goal
-        if key not in self._ways:
-            self._ways[key] = self._find(start, goal)
-            if len(self._ways) > _KEPT_WAYS:
-                self._ways.popitem(last=False)
-        return self._ways[key]
+        return self._found(start, goal)
 
     def priced_way(self, start: Tuple[float, float], goal: Tuple[float, float], prices: Prices) -> Optional[PlannedWay]:
         """Return the way with the least sum of time and ``prices``, or None if no lanes lead there; it is not cached.
@@ -270,9 +265,6 @@ class LanePlanner(StraightLinePlanner):
             return None
         ends = (start.x, start.y), (goal.x, goal.y)
         return self._ways.way(*ends) if self.prices is None else self._ways.priced_way(*ends, self.prices)
-
-    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
-        return self.corners(start, goal) is not None
 
 
 def _lanes(index: int, edge: Edge, max_speed: float) -> List[_Lane]:

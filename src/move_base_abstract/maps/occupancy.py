@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Hashable, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DIGITS = 12  # the decimals of the sine and cosine of a map's angle
+Kept = TypeVar('Kept')
 
 
 class OccupancyMap:
@@ -35,51 +36,31 @@ class OccupancyMap:
         if not (resolution > 0.0 and math.isfinite(resolution)):
             raise ConfigurationError('map: resolution: got {!r}; allowed: a finite number > 0 [m/cell]'.format(
                 resolution))
-        self._cells = cells.view()
-        self._cells.flags.writeable = False
+        #: the values of the cells, [row from the south, column from the west]; read-only
+        self.cells = cells.view()
+        self.cells.flags.writeable = False
         with np.errstate(over='ignore', under='ignore'):
-            self._resolution = float(np.float32(resolution))
-        if not 0.0 < self._resolution < math.inf:
+            self.resolution = float(np.float32(resolution))
+        if not 0.0 < self.resolution < math.inf:
             raise ConfigurationError('map: resolution: got {!r}; allowed: a number > 0 that 32 bits hold '
                                      '[m/cell]'.format(resolution))
-        self._origin = origin
+        self.origin = origin
+        #: the numbers of rows and of columns
+        self.height, self.width = cells.shape
+        #: the extent (east-west, north-south) along the map's own axes [m]
+        self.size = self.width * self.resolution, self.height * self.resolution
         # A map on a topic has its angle as a quaternion, whose last digits differ from those of the file.
         self._cos, self._sin = round(math.cos(origin.yaw), _DIGITS), round(math.sin(origin.yaw), _DIGITS)
+        #: cosine and sine of the angle by which the map's own axes are rotated in its frame
+        self.axes = self._cos, self._sin
+        self._kept: Dict[Hashable, Any] = {}
 
-    @property
-    def cells(self) -> NDArray[Any]:
-        """The values of the cells, [row from the south, column from the west]; read-only."""
-        return self._cells
-
-    @property
-    def resolution(self) -> float:
-        """The side of a cell [m]."""
-        return self._resolution
-
-    @property
-    def origin(self) -> Pose2D:
-        """The pose of the south-west corner in the map's frame."""
-        return self._origin
-
-    @property
-    def axes(self) -> Tuple[float, float]:
-        """Cosine and sine of the angle by which the map's own axes are rotated in its frame."""
-        return self._cos, self._sin
-
-    @property
-    def width(self) -> int:
-        """The number of columns."""
-        return int(self._cells.shape[1])
-
-    @property
-    def height(self) -> int:
-        """The number of rows."""
-        return int(self._cells.shape[0])
-
-    @property
-    def size(self) -> Tuple[float, float]:
-        """The extent (east-west, north-south) along the map's own axes [m]."""
-        return self.width * self._resolution, self.height * self._resolution
+    def kept(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+        """Return what ``make()`` returned when ``key`` was first asked for; it is kept as long as this map."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        found: Kept = self._kept[key]
+        return found
 
     def cell_at(self, x: float, y: float) -> Optional[int]:
         """Return the value of the cell at (x, y) [m, map frame], or None off the map.
@@ -89,19 +70,19 @@ class OccupancyMap:
         column, row = self.to_cells(x, y)
         if not (0.0 <= column < self.width and 0.0 <= row < self.height):
             return None
-        return int(self._cells[int(row), int(column)])
+        return int(self.cells[int(row), int(column)])
 
     def to_cells(self, x: float, y: float) -> Tuple[float, float]:
         """Return (column, row) of (x, y) [m, map frame], in cells from the south-west corner, with fractions."""
-        dx, dy = x - self._origin.x, y - self._origin.y
-        return ((self._cos * dx + self._sin * dy) / self._resolution,
-                (self._cos * dy - self._sin * dx) / self._resolution)
+        dx, dy = x - self.origin.x, y - self.origin.y
+        return ((self._cos * dx + self._sin * dy) / self.resolution,
+                (self._cos * dy - self._sin * dx) / self.resolution)
 
     def from_cells(self, column: float, row: float) -> Tuple[float, float]:
         """Return (x, y) [m, map frame] of a point in cells: the inverse of :meth:`to_cells`."""
-        east, north = column * self._resolution, row * self._resolution
-        return (self._origin.x + self._cos * east - self._sin * north,
-                self._origin.y + self._sin * east + self._cos * north)
+        east, north = column * self.resolution, row * self.resolution
+        return (self.origin.x + self._cos * east - self._sin * north,
+                self.origin.y + self._sin * east + self._cos * north)
 
     def ground_at(self, x: float, y: float) -> Ground:
         """Return the :class:`Ground` at (x, y) [m, map frame]."""
@@ -123,17 +104,17 @@ class OccupancyMap:
         ``x``, ``y`` [m] and the axes of the grid are those of the map's frame; ``resolution`` [m] is the side of its
         cells. Each cell gets the value of the map at its centre; off the map that is UNKNOWN.
         """
-        east = x - self._origin.x + (np.arange(columns) + 0.5) * resolution
-        north = (y - self._origin.y + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
-        column = (self._cos * east + self._sin * north) / self._resolution
-        row = (self._cos * north - self._sin * east) / self._resolution
+        east = x - self.origin.x + (np.arange(columns) + 0.5) * resolution
+        north = (y - self.origin.y + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
+        column = (self._cos * east + self._sin * north) / self.resolution
+        row = (self._cos * north - self._sin * east) / self.resolution
         inside = (column >= 0.0) & (column < self.width) & (row >= 0.0) & (row < self.height)
         values = np.full((rows, columns), UNKNOWN, np.int8)
-        values[inside] = self._cells[row[inside].astype(int), column[inside].astype(int)]
+        values[inside] = self.cells[row[inside].astype(int), column[inside].astype(int)]
         return values
 
     def reach_from(self, x: float, y: float) -> float:
         """Return the distance [m] from (x, y) [m, map frame] to the corner of the map that is farthest from it."""
         east, north = self.size
-        corners = [self._origin.compose(Pose2D(a, b)) for a in (0.0, east) for b in (0.0, north)]
+        corners = [self.origin.compose(Pose2D(a, b)) for a in (0.0, east) for b in (0.0, north)]
         return max(math.hypot(corner.x - x, corner.y - y) for corner in corners)

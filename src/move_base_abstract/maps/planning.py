@@ -126,9 +126,9 @@ class StraightLinePlanner:
         path = self.plan(start, near)
         return path + [goal] if add_goal else path
 
-    def _leads(self, _start: Pose2D, goal: Pose2D) -> bool:
+    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         """Return whether there is a way to ``goal``."""
-        return self.reachable(goal)
+        return self.corners(start, goal) is not None
 
     def _near(self, start: Pose2D, goal: Pose2D, tolerance: float) -> Optional[Pose2D]:
         """Return a pose within ``tolerance`` [m] of ``goal`` to which a way leads, or None."""

@@ -6,7 +6,7 @@ touches are found without rounding, so no decision depends on the last digit of 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -75,12 +75,12 @@ class PlanningGrid:
         #: [step]: the change of a cell's number by each of STEPS
         self.offsets = np.array([row * self.stride + column for column, row in STEPS])
         #: [number of a cell]: bit k says that the k-th of STEPS is allowed; diagonals cut no corner of blocked cells
-        self.steps = _allowed_steps(free)
+        self.steps = _bits(free, STEPS, lambda cell, one, other, end: cell & one & other & end).ravel()
         #: [number of a cell]: a number that any user of the grid may overwrite
         self.scratch = np.zeros(free.size, np.int32)
         #: [number of a cell]: bit k says that a convex corner of the cells that are not free is diagonally next to the
         #: cell, in the direction of the k-th diagonal one of STEPS
-        corners = _convex_corners(free)
+        corners = _bits(free, STEPS[4:], lambda cell, one, other, end: cell & one & other & ~end)
         self._corners_of = memoryview(corners.ravel())
         self._corners = corners[1:-1, 1:-1]
         self._is_free = memoryview(self.free.view(np.uint8))
@@ -196,25 +196,15 @@ def _inside(value: Any) -> int:
     return cell * PARTS + min(max(int((value - cell) * PARTS + 0.5), _OFF), PARTS - _OFF)
 
 
-def _allowed_steps(free: NDArray[Any]) -> NDArray[Any]:
-    steps = np.zeros(free.shape, np.uint8)
-    inner = steps[1:-1, 1:-1]
+def _bits(free: NDArray[Any], steps: Sequence[Tuple[int, int]], sides_and_end: Callable[..., Any]) -> NDArray[Any]:
+    """Return for each cell as bits for which of ``steps`` ``sides_and_end(cell, side, side, end)`` is true."""
+    bits = np.zeros(free.shape, np.uint8)
+    inner = bits[1:-1, 1:-1]
     rows, columns = inner.shape
 
     def shifted(dx: int, dy: int) -> NDArray[Any]:
         return free[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns]
-    for number, (dx, dy) in enumerate(STEPS):
-        inner |= (shifted(0, 0) & shifted(dx, dy) & shifted(dx, 0) & shifted(0, dy)).astype(np.uint8) << number
-    return steps.ravel()
-
-
-def _convex_corners(free: NDArray[Any]) -> NDArray[Any]:
-    corners = np.zeros(free.shape, np.uint8)
-    inner = corners[1:-1, 1:-1]
-    rows, columns = inner.shape
-
-    def shifted(dx: int, dy: int) -> NDArray[Any]:
-        return free[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns]
-    for number, (dx, dy) in enumerate(STEPS[4:]):
-        inner |= (shifted(0, 0) & shifted(dx, 0) & shifted(0, dy) & ~shifted(dx, dy)).astype(np.uint8) << number
-    return corners
+    for number, (dx, dy) in enumerate(steps):
+        found = sides_and_end(shifted(0, 0), shifted(dx, 0), shifted(0, dy), shifted(dx, dy))
+        inner |= found.astype(np.uint8) << number
+    return bits

@@ -154,9 +154,6 @@ class MatrixPlanner(StraightLinePlanner):
         seconds = None if name is None else self._seconds(start, name)
         return None if seconds is None else PlannedWay(seconds=seconds)
 
-    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
-        return self.corners(start, goal) is not None
-
     def _nearest(self, pose: Pose2D) -> Tuple[Optional[str], float]:
         """Return (name, distance [m]) of the nearest place; of equally near ones the first in the file counts."""
         return min(((name, math.hypot(x - pose.x, y - pose.y)) for name, (x, y) in self._places),

@@ -2,8 +2,7 @@
 from __future__ import annotations
 
 import math
-import weakref
-from typing import TYPE_CHECKING, Any, MutableMapping, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Sequence, Tuple
 
 import numpy as np
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 LIMIT = 3.0
 _MOST_CELLS = 200  # the limit in cells, on maps with very small cells
 
-_fields: MutableMapping[OccupancyMap, NDArray[Any]] = weakref.WeakKeyDictionary()
-
 
 def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]) -> float:
     """Return the least distance [m] of the straight pieces between ``points`` [(x, y), m] from occupied cells.
@@ -26,9 +23,8 @@ def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]
     It is the distance to the edge of the cell, with the accuracy of a cell, and at most LIMIT. Unknown cells, and
     places off the map, are not occupied.
     """
-    if occupancy not in _fields:
-        _fields[occupancy] = distance_field(occupancy.cells >= OCCUPIED, _reach(occupancy))
-    field, reach = _fields[occupancy], _reach(occupancy)
+    reach = min(_MOST_CELLS, int(LIMIT / occupancy.resolution) + 1)
+    field = occupancy.kept(way_clearance, lambda: distance_field(occupancy.cells >= OCCUPIED, reach))
     nearest = float(reach)
     for one, other in zip(points, points[1:] or points[:1]):
         begin, end = np.array(occupancy.to_cells(*one)), np.array(occupancy.to_cells(*other))
@@ -38,10 +34,6 @@ def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]
         if inside.any():
             nearest = min(nearest, math.sqrt(float(field[rows[inside], columns[inside]].min())))
     return min(LIMIT, max(0.0, nearest - 0.5) * occupancy.resolution if nearest < reach else LIMIT)
-
-
-def _reach(occupancy: OccupancyMap) -> int:
-    return min(_MOST_CELLS, int(LIMIT / occupancy.resolution) + 1)
 
 
 def distance_field(occupied: NDArray[Any], reach: int) -> NDArray[Any]:

@@ -37,10 +37,11 @@ class Robot:
                  original: Optional[OriginalLaw] = None) -> None:
         self.index = index
         self.name = name
-        self._limits = limits
-        self._tolerances = tolerances
+        #: the MotionLimits and the Tolerances of the next leg
+        self.limits, self.tolerances = limits, tolerances
         self._corner_law = corner_law
-        self._phases = phases
+        #: the MotionPhases of its legs, or None
+        self.phases = phases
         self._original = original
         #: the :class:`Leg` or :class:`Route` under way, or None while the robot stands
         self.leg: Optional[AnyLeg] = None
@@ -56,29 +57,13 @@ class Robot:
         self._followers.append(follower)
 
     @property
-    def limits(self) -> MotionLimits:
-        """The MotionLimits of the next leg."""
-        return self._limits
-
-    @property
-    def phases(self) -> Optional[MotionPhases]:
-        """The MotionPhases of its legs, or None."""
-        return self._phases
-
-    @property
     def keeps_piece_limits(self) -> bool:
         """Whether its law allows speed limits of pieces of a way: it is neither calibrated nor the original's."""
-        return self._phases is None and self._original is None
-
-    @property
-    def tolerances(self) -> Tolerances:
-        """The Tolerances of the next leg."""
-        return self._tolerances
+        return self.phases is None and self._original is None
 
     def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
         """Use these MotionLimits and Tolerances from the next leg on."""
-        self._limits = limits
-        self._tolerances = tolerances
+        self.limits, self.tolerances = limits, tolerances
 
     def pose_at(self, now_ns: int) -> Pose2D:
         """Return the pose at ``now_ns`` [ns], which is the present or not too long ago.
@@ -118,16 +103,16 @@ class Robot:
         way = corners if isinstance(corners, PlannedWay) else None
         leg: AnyLeg
         if self._original is not None:
-            leg = self._original.leg(start, goal, self._limits, now_ns)
-        elif self._phases is not None:
-            leg = PhasedRoute(start, goal, corners, self._limits, self._phases, self._tolerances, now_ns,
+            leg = self._original.leg(start, goal, self.limits, now_ns)
+        elif self.phases is not None:
+            leg = PhasedRoute(start, goal, corners, self.limits, self.phases, self.tolerances, now_ns,
                               self._corner_law)
         elif way is not None and way.limits:
-            leg = route_along(start, goal, way, self._limits, self._tolerances, now_ns, self._corner_law)
+            leg = route_along(start, goal, way, self.limits, self.tolerances, now_ns, self._corner_law)
         elif corners:
-            leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
+            leg = Route(start, goal, corners, self.limits, self.tolerances, now_ns, self._corner_law)
         else:
-            leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
+            leg = Leg(start, goal, self.limits, self.tolerances, now_ns)
         if way is not None and way.seconds is not None:
             leg = TimedLeg(leg, seconds_to_ns(way.seconds))
         if leg.arrive_ns > LAST_NS:  # a call less for each goal

@@ -29,11 +29,10 @@ class RobotStart(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """How the robot's goal or work has ended; ``was_taken``: it was replaced by another goal, or cancelled."""
+    """How the robot's goal or work has ended."""
 
     succeeded: bool
     text: str
-    was_taken: bool
 
 
 @dataclass
@@ -43,7 +42,6 @@ class RobotState:
     index: int
     name: str
     home: Pose2D
-    has_battery: bool
     at: Tuple[float, float] = (0.0, 0.0)
     phase: str = FREE
     goal_id: str = ''
@@ -99,7 +97,7 @@ class RobotState:
 
     def _goal_ended(self, goal_id: str, state: str, text: str) -> None:
         if goal_id == self.goal_id:
-            self.ending = Ending(state == 'SUCCEEDED', text, state in ('PREEMPTED', 'RECALLED'))
+            self.ending = Ending(state == 'SUCCEEDED', text)
             self.goal_id = ''
         elif self.phase == OTHERS:
             self.phase = FREE
@@ -144,7 +142,7 @@ def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[s
     """Return {name: RobotState} of robots at the start; ``levels``: the states of charge on which decisions depend."""
     states = {}
     for index, one in enumerate(starts):
-        state = RobotState(index, one.name, one.pose, one.charge is not None, (one.pose.x, one.pose.y))
+        state = RobotState(index, one.name, one.pose, (one.pose.x, one.pose.y))
         state.own_priority = state.priority = one.priority
         if one.charge is not None:
             state.below = {level: _is_below(one.charge, level) for level in levels}

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.errors import SimulatorError
+from ..common.shown import cut
 from ..runs.built_in import ALWAYS, NEVER_AGAIN, SOMETIMES
 
 ROW = 'property'  # the kind of the events
@@ -87,8 +88,7 @@ def _check(kind: str, text: object) -> None:
 
 def short(value: object) -> str:
     """Return a value as one line of text, with at most LONGEST_TEXT characters."""
-    text = ' '.join(str(value).split())
-    return text if len(text) <= LONGEST_TEXT else text[:LONGEST_TEXT - 3] + '...'
+    return cut(' '.join(str(value).split()), LONGEST_TEXT)
 
 
 class Row(NamedTuple):

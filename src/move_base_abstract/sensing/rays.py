@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Tuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
 
 _CROSSINGS = 64  # the number of crossings of each ray that are handled in one step
 _UNIFORMS = 12  # the sum of so many uniform numbers has the variance 1
-#: {map: (its occupied cells within a free border, the same transposed)}
-_blocked: WeakKeyDictionary[OccupancyMap, Tuple[NDArray[Any], NDArray[Any]]] = WeakKeyDictionary()
 
 
 class Body(NamedTuple):
@@ -44,7 +41,7 @@ def of_map(occupancy: OccupancyMap, x: float, y: float, dx: NDArray[Any], dy: ND
     column, row = occupancy.to_cells(x, y)
     cos, sin = occupancy.axes
     is_inside = 0.0 <= column < occupancy.width and 0.0 <= row < occupancy.height
-    by_columns, by_rows = _cells(occupancy)
+    by_columns, by_rows = occupancy.kept(of_map, lambda: _blocked(occupancy.cells))
     if is_inside and by_columns[int(row) + 1, int(column) + 1]:
         return np.zeros(len(dx))
     across, along = cos * dx + sin * dy, cos * dy - sin * dx
@@ -60,12 +57,10 @@ def of_map(occupancy: OccupancyMap, x: float, y: float, dx: NDArray[Any], dy: ND
     return found
 
 
-def _cells(occupancy: OccupancyMap) -> Tuple[NDArray[Any], NDArray[Any]]:
-    if occupancy not in _blocked:
-        cells = occupancy.cells
-        blocked = np.pad((cells >= OCCUPIED) | (cells < UNKNOWN), 1)
-        _blocked[occupancy] = blocked, np.ascontiguousarray(blocked.T)
-    return _blocked[occupancy]
+def _blocked(cells: NDArray[Any]) -> Tuple[NDArray[Any], NDArray[Any]]:
+    """Return (the occupied cells within a free border, the same transposed)."""
+    blocked = np.pad((cells >= OCCUPIED) | (cells < UNKNOWN), 1)
+    return blocked, np.ascontiguousarray(blocked.T)
 
 
 def _to_the_edge(place: float, speed: NDArray[Any], size: int) -> NDArray[Any]:

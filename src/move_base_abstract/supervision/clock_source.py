@@ -24,30 +24,21 @@ class ClockSource:
 
     def __init__(self, patience: float = 3.0) -> None:
         self._patience = patience
-        self._latest_ns = 0
-        self._leader: Optional[str] = None
+        #: the time that counts [ns], and its source, or None
+        self.latest_ns = 0
+        self.leader: Optional[str] = None
         self._heard = 0.0
-
-    @property
-    def latest_ns(self) -> int:
-        """The time that counts [ns]."""
-        return self._latest_ns
-
-    @property
-    def leader(self) -> Optional[str]:
-        """The source of the time that counts, or None."""
-        return self._leader
 
     def judge(self, time_ns: int, source: str, wall: float) -> Step:
         """Return the :class:`Step` of the message ``time_ns`` [ns] from ``source``, which came at ``wall`` [s]."""
-        if time_ns == self._latest_ns:
-            if source == self._leader:
+        if time_ns == self.latest_ns:
+            if source == self.leader:
                 self._heard = wall
             return Step.SAME
         step = Step.ON
-        if time_ns < self._latest_ns:
-            if source != self._leader and wall - self._heard <= self._patience:
+        if time_ns < self.latest_ns:
+            if source != self.leader and wall - self._heard <= self._patience:
                 return Step.BEHIND
             step = Step.ANEW
-        self._latest_ns, self._leader, self._heard = time_ns, source, wall
+        self.latest_ns, self.leader, self._heard = time_ns, source, wall
         return step

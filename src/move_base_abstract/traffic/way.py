@@ -1,6 +1,7 @@
 """Where on its way a robot enters zones and lanes, and where it leaves them: distances along a leg, in order."""
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import accumulate
 from math import hypot
 from typing import (
@@ -46,7 +47,7 @@ class ZoneIndex:
     """Finds zones by coordinates: ``areas`` (Area, ...), which have outlines, in the order in which they are given."""
 
     def __init__(self, areas: Iterable[Any]) -> None:
-        self._stays: Dict[Any, Tuple[Stay, ...]] = {}  # {way: (Stay, ...)}
+        self._stays: Callable[..., Tuple[Stay, ...]] = lru_cache(_KEPT_WAYS)(lambda way: tuple(self._find_stays(way)))
         self._boxes = sorted(((*area.outline.box, number, area) for number, area in enumerate(areas)),
                              key=lambda box: box[0])
 
@@ -62,11 +63,7 @@ class ZoneIndex:
 
     def stays(self, way: Tuple[Tuple[float, float], ...]) -> Tuple[Stay, ...]:
         """Return the :class:`Stay` objects of ``way`` ((x, y), ...) [m] by area. They are cached, since ways repeat."""
-        if way not in self._stays:
-            self._stays[way] = tuple(self._find_stays(way))
-            if len(self._stays) > _KEPT_WAYS:
-                del self._stays[next(iter(self._stays))]
-        return self._stays[way]
+        return self._stays(way)
 
     def _find_stays(self, way: Tuple[Tuple[float, float], ...]) -> Iterator[Stay]:
         xs, ys = [x for x, _ in way], [y for _, y in way]
