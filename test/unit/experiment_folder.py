@@ -3,6 +3,8 @@
 import itertools
 import json
 
+from move_base_abstract_experiments.report import findings, page
+
 METRICS = {
     'makespan_s': {'unit': 's', 'title': 'Makespan', 'better': 'lower'},
     'goals': {'unit': 'goals', 'title': 'Goals reached', 'better': 'higher'},
@@ -43,3 +45,14 @@ def _write_trial(folder, told, measured):
     place.mkdir(parents=True)
     (place / 'trial.json').write_text(json.dumps(about), encoding='utf-8')
     (place / 'events.jsonl').write_text('{}\n', encoding='utf-8')
+
+
+def findings_of(experiment):
+    """Return the Findings about the metrics of an experiment."""
+    analysis = page.analyse(experiment)
+    return findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
+
+
+def plain(text):
+    """Return a text of the page with usual spaces."""
+    return text.replace('\N{NO-BREAK SPACE}', ' ')

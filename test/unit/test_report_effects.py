@@ -5,8 +5,8 @@ import math
 
 import pytest
 
-from experiment_folder import write
-from move_base_abstract_experiments.report import effects, findings, outcome, page
+from experiment_folder import findings_of, plain, write
+from move_base_abstract_experiments.report import effects, outcome
 
 NOISE = [3.0, -1.0, 0.5, -2.5, 0.0, 4.0]  # of a replication: the same in all configurations
 OWN = [0.1, -0.1, 0.05, -0.05, 0.0, 0.02]
@@ -14,11 +14,6 @@ OWN = [0.1, -0.1, 0.05, -0.05, 0.0, 0.02]
 
 def experiment(folder, factors, measure, replications=6, **plan):
     return outcome.read(write(folder, factors, replications, measure, **plan))
-
-
-def told(found):
-    analysis = page.analyse(found)
-    return findings.findings(found, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
 
 
 def without(folder, *configurations):
@@ -78,8 +73,8 @@ def test_a_failed_trial_costs_its_own_pair_and_no_other(tmp_path):
 
 
 def test_findings_are_sentences_with_intervals(tmp_path):
-    texts = [(each.metric, each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' '))
-             for each in told(experiment(tmp_path, {'method': ['greedy', 'auction']},
+    texts = [(each.metric, each.verdict, plain(each.text))
+             for each in findings_of(experiment(tmp_path, {'method': ['greedy', 'auction']},
                                          lambda c, k: {'makespan_s': 150.0 - 12.0 * (c['method'] == 'auction')
                                                        + NOISE[k] + (c['method'] == 'auction') * 10.0 * OWN[k],
                                                        'goals': 40.0 + 0.1 * (c['method'] == 'auction') * NOISE[k]}))]
@@ -88,23 +83,10 @@ def test_findings_are_sentences_with_intervals(tmp_path):
         ('Goals reached', 'none', 'auction − greedy: 0.07 goals (0.17 %; 95 % interval −0.19 to 0.32 goals; 6 pairs).')]
 
 
-def test_nothing_is_better_without_an_interval(tmp_path):
-    one = told(experiment(tmp_path, FACTORS, two_by_two, replications=1))
-    assert {each.verdict for each in one} == {'untold', 'same'}
-    assert 'no interval' in one[0].text
-
-
 def test_what_is_the_same_everywhere_is_told_once(tmp_path):
-    found = [each for each in told(experiment(tmp_path, FACTORS, two_by_two)) if each.metric == 'Goals reached']
+    found = [each for each in findings_of(experiment(tmp_path, FACTORS, two_by_two)) if each.metric == 'Goals reached']
     assert [(each.verdict, each.text) for each in found] == [
         ('same', '40\N{NO-BREAK SPACE}goals in all 24 trials of all configurations.')]
-
-
-def test_what_is_the_same_in_each_pair_is_told_as_it_was_seen(tmp_path):
-    found = told(experiment(tmp_path, FACTORS, lambda c, k: {'makespan_s': NOISE[k], 'goals': 8.0 * c['robots']}, 3))
-    goals = [(each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' ')) for each in found if 'Goals' in each.metric]
-    assert goals == [('always', 'robots 8 − robots 2: 48 goals (300 %; in every pair; 3 pairs with each).'),
-                     ('same', 'auction − greedy: 0 goals (in every pair; 3 pairs with each).')]
 
 
 def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
@@ -115,7 +97,7 @@ def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
         second = configuration['method'] == 'auction'
         return {name: NOISE[replication] + second * (drift[replication] if name == 'm0' else OWN[replication])
                 for name in metrics}
-    found = told(experiment(tmp_path, {'method': ['greedy', 'auction']}, measure, metrics=metrics))
+    found = findings_of(experiment(tmp_path, {'method': ['greedy', 'auction']}, measure, metrics=metrics))
     assert found[0].verdict == 'weak'
     assert {each.verdict for each in found[1:]} == {'none'}
 
@@ -126,7 +108,7 @@ def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
                        lambda c, k: {'done': int(c['method'] == 'auction' or k < 2)}, replications=20, metrics=metrics)
     assert found.metrics[0].is_share
     assert [each.method for each in effects.summary(found, found.metrics[0])] == ['wilson', 'wilson']
-    only = told(found)[0]
+    only = findings_of(found)[0]
     assert only.verdict == 'better' and ': 90\N{NO-BREAK SPACE}percentage points (95' in only.text
 
 
@@ -145,7 +127,7 @@ def test_means_of_shares_have_no_bounds_beyond_all(tmp_path):
 
 
 def test_of_several_levels_the_best_is_compared_with_each_other(tmp_path):
-    found = told(experiment(tmp_path, {'robots': [1, 2, 3, 4, 5]}, lambda c, k: {
+    found = findings_of(experiment(tmp_path, {'robots': [1, 2, 3, 4, 5]}, lambda c, k: {
         'makespan_s': 100.0 + 20.0 * (c['robots'] - 3) ** 2 + NOISE[k] + OWN[(k + c['robots']) % 6]}))
     only = [(each.verdict, each.text.partition(':')[0]) for each in found if each.metric == 'Makespan']
     assert sorted(only) == [('better', f'robots 3 − robots {other}') for other in (1, 2, 4, 5)]  # a U shape
@@ -175,7 +157,7 @@ def test_configurations_without_a_common_factor_are_compared_as_wholes(tmp_path)
     assert effects.main_effects(rest) == []
     only = effects.single_differences(rest)[0]
     assert only.factor is None and only.estimate.value == pytest.approx(-218.0 + 3.0 * sum(OWN) / 6)
-    assert told(rest)[0].text.startswith('auction, robots 8 − greedy, robots 2: ')
+    assert findings_of(rest)[0].text.startswith('auction, robots 8 − greedy, robots 2: ')
 
 
 def test_no_value_anywhere_is_no_comparison(tmp_path):

@@ -7,7 +7,7 @@ import types
 
 import pytest
 
-from experiment_folder import write
+from experiment_folder import plain, write
 from move_base_abstract_experiments.report import command, outcome, page
 from move_base_abstract_experiments.report.parts import Cell, Html, Section, Table, figure_of
 
@@ -54,7 +54,7 @@ def report(folder, *arguments, **options):
     assert all(source.startswith('#') for source in reader.sources)
     assert 'script' not in reader.tags and 'link' not in reader.tags and 'url(' not in text.replace('url(#', '')
     assert 'nan' not in reader.text
-    reader.said = ' '.join(' '.join(reader.text).split()).replace('\N{NO-BREAK SPACE}', ' ')
+    reader.said = plain(' '.join(' '.join(reader.text).split()))
     return reader
 
 

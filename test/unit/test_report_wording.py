@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from experiment_folder import plain
 from move_base_abstract_experiments.report.colours import PALETTE, palette
 from move_base_abstract_experiments.report.design import Metric
 from move_base_abstract_experiments.report.intervals import NOTHING, Estimate
@@ -18,10 +19,6 @@ from move_base_abstract_experiments.report.wording import (
     shortened,
     with_interval as text_of,
 )
-
-
-def plain(text):
-    return text.replace('\N{NO-BREAK SPACE}', ' ')
 
 
 @pytest.mark.parametrize(('value', 'low', 'high', 'text'), [
