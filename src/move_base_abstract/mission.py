@@ -6,13 +6,12 @@ This module needs only the standard library and PyYAML. Everything is checked wh
 """
 from __future__ import annotations
 
-import csv
 import math
 import random
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from .common.bounded_yaml import load_yaml_file
-from .common.csv_files import open_csv
+from .common.csv_files import read_values
 from .common.errors import ConfigurationError
 from .common.kinds import similar
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
@@ -169,7 +168,10 @@ def read_field_points(path: StrPath, value_column: Optional[str] = None) -> Tupl
 
     :raises MissionError: if the file cannot be used, or has fewer than 3 points.
     """
-    rows = _read_csv(path, value_column)
+    try:
+        rows = [row for _, row in read_values(path, ('lat', 'lon'), value_column)]
+    except ConfigurationError as error:
+        raise MissionError(str(error)) from None
     if len(rows) < 3:
         raise MissionError(f'{path}: needs at least 3 points, got {len(rows)}')
     south, north = min(row[0] for row in rows), max(row[0] for row in rows)
@@ -185,56 +187,6 @@ def _metres_per_radian(latitude: float) -> Tuple[float, float]:
     parallel = WGS84_SEMI_MAJOR_M / math.sqrt(shrink)
     meridian = WGS84_SEMI_MAJOR_M * (1.0 - WGS84_ECCENTRICITY_SQUARED) / shrink ** 1.5
     return parallel * math.cos(latitude), meridian
-
-
-def _read_csv(path: StrPath, value_column: Optional[str]) -> List[Tuple[float, ...]]:
-    """Return the (lat, lon, value) rows of the file."""
-    with open_csv(path, MissionError) as stream:
-        reader = csv.reader(stream, strict=True)
-        header = [name.strip() for name in next(reader, [])]
-        columns = _find_columns(header, value_column, path)
-        rows = []
-        for cells in reader:
-            if cells:  # csv gives an empty list for an empty line
-                where = f'{path}:{reader.line_num}'
-                rows.append(tuple(_read_cell(cells, i, shown_text(header[i]), where) for i in columns))
-                _check_degrees(rows[-1], where)
-        return rows
-
-
-def _find_columns(header: List[str], value_column: Optional[str], path: StrPath) -> List[int]:
-    """Return the indices of the columns lat, lon and value in the header."""
-    names = ['lat', 'lon']
-    if value_column is None:
-        others = [name for name in header if name not in names]
-        value_column = 'value' if 'value' in others or not others else others[0]
-    names.append(value_column)
-    for name in names:
-        if name not in header:
-            raise MissionError(f"{path}:1: column '{shown_text(name)}' is missing; needs lat, lon and a value, "
-                               f'got {shown(header)}')
-        if header.count(name) > 1:
-            raise MissionError(f"{path}:1: column '{shown_text(name)}' is there {header.count(name)} times; "
-                               'names must differ')
-    return [header.index(name) for name in names]
-
-
-def _read_cell(cells: Sequence[str], index: int, name: str, where: str) -> float:
-    if index >= len(cells):
-        raise MissionError(f"{where}: column '{name}' is missing; the line has {len(cells)} columns")
-    try:
-        number = float(cells[index])
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise MissionError(f"{where}: column '{name}' must be a finite number, got {shown(cells[index])}")
-    return number
-
-
-def _check_degrees(row: Sequence[float], where: str) -> None:
-    for name, number, limit in (('lat', row[0], 90.0), ('lon', row[1], 180.0)):
-        if abs(number) > limit:
-            raise MissionError(f"{where}: column '{name}' must lie in -{limit:g}..{limit:g} degrees, got {number!r}")
 
 
 # ---------------------------------------------------------------------------------------------- chance

@@ -92,22 +92,22 @@ def test_readings_become_metres_from_the_south_west_corner(tmp_path):
 
 
 def test_the_value_column_can_be_chosen(tmp_path):
-    path = field_file(tmp_path, 'depth,lat,value,lon\n1,53,7,0\n2,53,8,0\n3,53,9,0\n')
+    path = field_file(tmp_path, 'depth,lat,value,lon,,\n1,53,7,0,,\n2,53,8,0,,\n3,53,9,0,,\n')  # as of a spreadsheet
     assert [point.value for point in mission.read_field_points(path)] == [7.0, 8.0, 9.0]
     assert [point.value for point in mission.read_field_points(path, 'depth')] == [1.0, 2.0, 3.0]
 
 
 @pytest.mark.parametrize('text, words', [
-    ('', ":1: column 'lat' is missing"),
-    ('lat,value\n1,2\n', ":1: column 'lon' is missing; needs lat, lon and a value, got ['lat', 'value']"),
-    ('lat,lon\n1,2\n', ":1: column 'value' is missing"),
-    ('lat,lon,lat,v\n1,2,3,4\n', ":1: column 'lat' is there 2 times"),
-    ('lat,lon,v\n1,2,3\n1,2\n', ":3: column 'v' is missing; the line has 2 columns"),
-    ('lat,lon,v\n1,2,nan\n', ":2: column 'v' must be a finite number, got 'nan'"),
-    ('lat,lon,v\n1,2,3\n1,east,3\n', ":3: column 'lon' must be a finite number, got 'east'"),
-    ('lat,lon,v\n91,2,3\n', ":2: column 'lat' must lie in -90..90 degrees, got 91.0"),
-    ('lat,lon,v\n1,2,' + '1' * 5001 + '\n', ":2: column 'v' must be a finite number, got '1111"),
-    ('lat,lon,' + 'v' * 5001 + '\n1,2,x\n', ":2: column 'vvvv"),
+    ('', ': line 1: got no columns'),
+    ('lat,value\n1,2\n', ': no column lon; allowed: a table with lat, lon'),
+    ('lat,lon\n1,2\n', ': no column value; allowed: a table with lat, lon and a value'),
+    ('lat,lon,lat,v\n1,2,3,4\n', ": line 1: the column 'lat' is there 2 times"),
+    ('lat,lon,v\n1,2,3\n1,2\n', ': line 3: got 2 cells; allowed: 3'),
+    ('lat,lon,v\n1,2,nan\n', ": line 2: v: got 'nan'; allowed: a finite number"),
+    ('lat,lon,v\n1,2,3\n1,east,3\n', ": line 3: lon: got 'east'; allowed: a finite number"),
+    ('lat,lon,v\n91,2,3\n', ": line 2: lat: got '91'; allowed: -90..90"),
+    ('lat,lon,v\n1,2,' + '1' * 5001 + '\n', ": line 2: v: got '1111"),
+    ('lat,lon,' + 'v' * 5001 + '\n1,2,x\n', ': line 2: vvvv'),
     ('lat,lon,v\n1,2,3\n1,3,3\n', ': needs at least 3 points, got 2'),
 ])
 def test_a_wrong_field_file_is_refused_with_file_and_line(tmp_path, text, words):

@@ -66,7 +66,7 @@ def test_the_published_readings_are_taken_in_the_published_size_and_other_ones_a
     ({'size': 3}, "size must be 'WIDTHxHEIGHT'"), ({'crs': 'feet'}, "crs: got 'feet'; allowed: degrees, metres"),
     ({'cell_m': 0.01}, '1 to 1000000 in all are allowed'), ({'size': '99999x99999'}, '1 to 1000000 in all'),
     ({'size': '200x100', 'cell_m': 3}, 'cell_m must be 1 or 2 m'), ({'field': 'synthetic', 'size': '9x9'}, 'only'),
-    ({'crs': 'degrees'}, "column 'lon' is missing")])
+    ({'crs': 'degrees'}, 'no column lon, lat')])
 def test_what_makes_no_field_is_refused_with_its_reason(tmp_path, options, complaint):
     with pytest.raises(ConfigurationError, match=complaint):
         field_of(TrialConfig(**{'field': in_metres(tmp_path / 'xy.csv'), 'crs': 'metres', **options}))
