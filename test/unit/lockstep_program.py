@@ -2,7 +2,8 @@
 
 import threading
 
-from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.scheduler import Scheduler
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 GUARD = 20.0  # s, wall

@@ -16,66 +16,47 @@ from move_base_abstract.lockstep.instrument import (
     WAITS,
     hand_over_called,
     instrument,
-    kind_of,
 )
 
 
-def loop(text):
-    return ast.parse(text).body[0]
-
-
-@pytest.mark.parametrize('text', [
-    'while len(frontiers) < 1: pass',
-    'while not self.map: continue',
-    'while True:\n  if flag:\n    break',
-    'while True:\n  with lock:\n    word = last\n  if word == 1:\n    break',
-    'while True:\n  if tasks:\n    task = tasks.pop()\n    execute(task)',
-    'while True:\n  if goal:\n    self.x = goal\n    del goal\n    n += 1',
-    'while True:\n  try:\n    job = jobs.get_nowait()\n  except Empty:\n    continue\n  handle(job)',
-    'while True:\n  for robot in robots:\n    if robot.done:\n      found = robot\n  if found: break',
-    'while True:\n  if done: return self.compute()',
-    'while True:\n  self.step()',  # it says in each turn that it may compute
-])
-def test_loops_that_may_do_nothing_but_look(text):
-    assert kind_of(loop(text)) == WAITS
-
-
-def test_loops_that_look_at_the_time():
-    assert kind_of(loop('while rospy.Time.now() < end: pass')) == TIMES
-
-
-def test_loops_of_which_each_turn_calls_something_unknown():
-    assert kind_of(loop('while not self.ready(): pass')) == CALLS
-
-
-@pytest.mark.parametrize('text', [
-    'while not self.stop: n += 1', 'while not stop: self.n += 1', 'while self.running: self.total += self.read()',
-    'while True:\n  if done: break\n  self.n += 1', 'while not self.ready(): seen[0] += 1',
-    'while True:\n  x = x * a % m\n  if self.end: return'])
-def test_loops_that_compute_but_not_what_would_end_them(text):
-    assert kind_of(loop(text)) == COMPUTES
-    said = ast.unparse(instrument(ast.parse(text))[0].body[0].body[0]) if hasattr(ast, 'unparse') else None
-    assert said in (None, '{}({}, 1)'.format(LOOK, COMPUTES))
-
-
-@pytest.mark.parametrize('text', [
-    'while b: a, b = b, a % b',
-    'while abs(x * x - n) > eps: x = (x + n / x) / 2',
-    'while node.parent: node = node.parent',
-    'while a:\n  b = f(a)\n  a = g(b)',
-    'while i < n: i += 1',
-    'while heap:\n  node = heappop(heap)\n  cost[node] = 1',
-    'while True:\n  if a: self.x = 1\n  else: y[0] = 2',
-    'while True:\n  if self.n > 3: break\n  self.n += 1',
-    'while self.node.open: self.node = self.next(self.node)',
-    'while a.left: a.left -= 1',
-    'while self.jobs: n += self.jobs.pop()',
-    'while True:\n  x = yield x',
-    'while True:\n  def f(): pass',
-])
-def test_loops_that_compute_in_each_turn(text):
-    assert kind_of(loop(text)) is None
-    assert ast.dump(instrument(ast.parse(text))[0]) == ast.dump(ast.parse(text))
+@pytest.mark.parametrize('kind, text', [
+    *((WAITS, text) for text in (
+        'while len(frontiers) < 1: pass',
+        'while not self.map: continue',
+        'while True:\n  if flag:\n    break',
+        'while True:\n  with lock:\n    word = last\n  if word == 1:\n    break',
+        'while True:\n  if tasks:\n    task = tasks.pop()\n    execute(task)',
+        'while True:\n  if goal:\n    self.x = goal\n    del goal\n    n += 1',
+        'while True:\n  try:\n    job = jobs.get_nowait()\n  except Empty:\n    continue\n  handle(job)',
+        'while True:\n  for robot in robots:\n    if robot.done:\n      found = robot\n  if found: break',
+        'while True:\n  if done: return self.compute()',
+        'while True:\n  self.step()')),  # it says in each turn that it may compute
+    (TIMES, 'while rospy.Time.now() < end: pass'),
+    (CALLS, 'while not self.ready(): pass'),  # it calls something unknown
+    *((COMPUTES, text) for text in (
+        'while not self.stop: n += 1', 'while not stop: self.n += 1', 'while self.running: self.total += self.read()',
+        'while True:\n  if done: break\n  self.n += 1', 'while not self.ready(): seen[0] += 1',
+        'while True:\n  x = x * a % m\n  if self.end: return')),
+    *((None, text) for text in (
+        'while b: a, b = b, a % b',
+        'while abs(x * x - n) > eps: x = (x + n / x) / 2',
+        'while node.parent: node = node.parent',
+        'while a:\n  b = f(a)\n  a = g(b)',
+        'while i < n: i += 1',
+        'while heap:\n  node = heappop(heap)\n  cost[node] = 1',
+        'while True:\n  if a: self.x = 1\n  else: y[0] = 2',
+        'while True:\n  if self.n > 3: break\n  self.n += 1',
+        'while self.node.open: self.node = self.next(self.node)',
+        'while a.left: a.left -= 1',
+        'while self.jobs: n += self.jobs.pop()',
+        'while True:\n  x = yield x',
+        'while True:\n  def f(): pass'))])
+def test_a_loop_says_of_which_kind_it_is(kind, text):
+    tree, loop = instrument(ast.parse(text))[0], ast.parse(text)
+    if kind is None:
+        assert ast.dump(tree) == ast.dump(loop)
+    else:
+        assert ast.dump(tree.body[0].body[0]) == ast.dump(ast.parse('{}({}, 1)'.format(LOOK, kind)).body[0])
 
 
 def run(text, **names):

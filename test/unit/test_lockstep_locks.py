@@ -8,7 +8,7 @@ import pytest
 from lockstep_program import GUARD, Program
 from move_base_abstract.lockstep import locks
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 
 def unread():

@@ -8,7 +8,7 @@ import pytest
 
 import test_lockstep_locks
 from move_base_abstract.lockstep import locks, open_waits
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 program = test_lockstep_locks.program  # a fixture
 

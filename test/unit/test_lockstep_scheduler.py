@@ -9,7 +9,7 @@ from collections import Counter
 import pytest
 
 from lockstep_program import GUARD, Program
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 

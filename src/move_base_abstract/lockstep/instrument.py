@@ -87,11 +87,6 @@ def hand_over_called(tree: ast.Module) -> ast.Module:
     return ast.fix_missing_locations(tree)
 
 
-def kind_of(loop: ast.While) -> Optional[int]:
-    """Return the kind of a waiting ``while`` loop; None if each turn computes something that may end the loop."""
-    return _Loop(loop).kind
-
-
 class _Part:
     """A part of a program, with what it may do.
 
@@ -169,7 +164,7 @@ class _Part:
 
 
 class _Loop(_Part):
-    """One loop, with what its turns may do. ``kind``: see :func:`kind_of`."""
+    """One loop, with what its turns may do. ``kind``: None if each turn computes something that may end the loop."""
 
     _leaves = ast.Continue
 

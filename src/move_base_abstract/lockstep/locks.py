@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Deque, Optional
 
 from ..common.units import seconds_to_ns
 from . import open_waits
-from .scheduler import TurnLost
-from .task import _make_lock
+from .task import TurnLost, _make_lock
 from .wire import NEVER
 
 if TYPE_CHECKING:

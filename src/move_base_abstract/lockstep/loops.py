@@ -1,10 +1,9 @@
 """Loops that wait by looking, without sleeping: their looks and turns are counted, until they give the turn away."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Tuple
+from typing import Any, Callable, List, Tuple
 
-if TYPE_CHECKING:
-    from .task import Task
+from .task import Task, TurnLost
 
 #: a thread that looks so many times in a row, without a wait, is taken for a loop that waits by looking
 LOOKS = 1000
@@ -33,18 +32,20 @@ class Looking:
     current: Callable[[], Any]
     _wait: Callable[..., Any]
 
-    def look(self, step_ns: int, weight: int = 1) -> None:
+    def look(self, step_ns: int, weight: int = 1) -> bool:
         """Note that the calling thread looks at something that may change, without waiting for it.
 
         It counts as ``weight`` looks. After :data:`LOOKS` looks in a row, the thread is taken for a loop that waits by
-        looking, and gives the turn away as in :meth:`look_away`.
-
-        :raises TurnLost: if the participant leaves lockstep meanwhile.
+        looking, and gives the turn away as in :meth:`look_away`. Return False if lockstep has ended meanwhile.
         """
         task = self.current()
         task.looks += weight
-        if task.looks >= LOOKS:
-            self.look_away(step_ns)
+        try:
+            if task.looks >= LOOKS:
+                self.look_away(step_ns)
+        except TurnLost:
+            return False
+        return True
 
     def turn(self) -> Task:
         """Count another turn of the calling thread in a loop that may wait by looking; return the thread's task."""

@@ -8,7 +8,7 @@ differently. And each value that is iterated over, printed, popped or unpacked, 
 from __future__ import annotations
 
 import ast
-from typing import Any
+from typing import Any, Callable, List
 
 #: names of the functions that are called, which must be builtins: ``BASES(*bases)`` -> bases, ``ORDER(value)`` -> value
 BASES, ORDER = '__lockstep_bases__', '__lockstep_order__'
@@ -46,33 +46,16 @@ class _Order(ast.NodeTransformer):
             node.bases = [ast.copy_location(ast.Starred(value=ast.copy_location(bases, at), ctx=ast.Load()), at)]
         return node
 
-    def visit_For(self, node: ast.For) -> ast.For:  # noqa: N802
-        self.generic_visit(node)
-        node.iter = _seen(node.iter)
-        return node
-
-    def visit_comprehension(self, node: ast.comprehension) -> ast.comprehension:
-        self.generic_visit(node)
-        node.iter = _seen(node.iter)
-        return node
-
     def visit_SetComp(self, node: ast.SetComp) -> ast.SetComp:  # noqa: N802
-        return self._visit_unordered(node)
-
-    def _visit_unordered(self, node: ast.SetComp) -> ast.SetComp:
-        """Visit a comprehension whose order does not matter, except for the values that it iterates over."""
         self.generic_visit(node)
-        for generator in node.generators:
-            generator.iter = _unseen(generator.iter)
+        _look_past(node.generators)
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.Call:  # noqa: N802
         name = _last(node.func)
         self.generic_visit(node)
         if _is_unordered(name, node):
-            argument: Any = node.args[0]
-            for generator in argument.generators:
-                generator.iter = _unseen(generator.iter)
+            _look_past(node.args[0].generators)  # type: ignore[attr-defined]
         elif name in _ORDERED or _has_key(node):
             node.args = [_seen(argument) for argument in node.args]
         elif name == 'pop' and isinstance(node.func, ast.Attribute) and not node.args:
@@ -83,11 +66,6 @@ class _Order(ast.NodeTransformer):
         self.generic_visit(node)
         if isinstance(node.ctx, ast.Load):
             node.value = _seen(node.value)
-        return node
-
-    def visit_FormattedValue(self, node: ast.FormattedValue) -> ast.FormattedValue:  # noqa: N802
-        self.generic_visit(node)
-        node.value = _seen(node.value)
         return node
 
     def visit_Assign(self, node: ast.Assign) -> ast.Assign:  # noqa: N802
@@ -102,11 +80,6 @@ class _Order(ast.NodeTransformer):
             node.value = _seen(node.value)
         return node
 
-    def visit_YieldFrom(self, node: ast.YieldFrom) -> ast.YieldFrom:  # noqa: N802
-        self.generic_visit(node)
-        node.value = _seen(node.value)
-        return node
-
     def visit_BinOp(self, node: ast.BinOp) -> ast.BinOp:  # noqa: N802
         self.generic_visit(node)
         if isinstance(node.op, ast.Mod) and isinstance(node.left, (ast.Constant, ast.JoinedStr)):  # a text
@@ -115,6 +88,25 @@ class _Order(ast.NodeTransformer):
             else:
                 node.right = _seen(node.right)
         return node
+
+
+def _seeing(field: str) -> Callable[[_Order, Any], Any]:
+    """Return the method that visits a node, and hands what it has in this field to ORDER."""
+    def visit(self: _Order, node: Any) -> Any:
+        self.generic_visit(node)
+        setattr(node, field, _seen(getattr(node, field)))
+        return node
+    return visit
+
+
+for _name, _field in (('For', 'iter'), ('comprehension', 'iter'), ('FormattedValue', 'value'), ('YieldFrom', 'value')):
+    setattr(_Order, 'visit_' + _name, _seeing(_field))
+
+
+def _look_past(generators: List[ast.comprehension]) -> None:
+    """Take the calls of ORDER from a comprehension whose order does not matter."""
+    for generator in generators:
+        generator.iter = _unseen(generator.iter)
 
 
 def _has_key(node: ast.Call) -> bool:

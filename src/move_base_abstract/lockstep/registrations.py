@@ -47,10 +47,6 @@ class Registrations:
         there = {name for name, _ in self._publishers}
         return sorted(pair for pair in pairs if pair[0] in there)
 
-    def has_gone(self, node: str) -> bool:
-        """Return whether a node was a participant and no longer is."""
-        return node in self._gone
-
     def only_gone_serve(self, service: str, state: List[List[List[Any]]]) -> bool:
         """Return whether a service is registered, in ``state``, only by nodes that no longer take part."""
         nodes = [node for name, nodes in state[2] if name == service for node in nodes]

@@ -23,14 +23,10 @@ from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from .loops import Looking, holds
 from .open_waits import OWED
-from .task import Task, _make_lock, is_current, release
+from .task import Task, TurnLost, _make_lock, is_current, release
 from .wire import NEVER
 
 _Thread_start = threading.Thread.start
-
-
-class TurnLost(Exception):
-    """The participant has left lockstep while this thread waited."""
 
 
 class Scheduler(Looking):

@@ -43,7 +43,8 @@ def _read(path: StrPath) -> bytes:
     except (OSError, ValueError) as error:
         why = getattr(error, 'strerror', None) or str(error)
     if why:
-        raise _refusal(path, why)
+        raise ConfigurationError('parameter /time_master/lockstep_secret_file: got {!r}; allowed: a file that only its '
+                                 'owner can read: {}'.format(path, why))
     return secret
 
 
@@ -53,8 +54,3 @@ def _objection(status: stat_result) -> str:
     if status.st_uid != os.geteuid():
         return 'it belongs to another user'
     return 'others may use it too; chmod 600 changes that' if status.st_mode & (stat.S_IRWXG | stat.S_IRWXO) else ''
-
-
-def _refusal(path: StrPath, why: str) -> ConfigurationError:
-    return ConfigurationError('parameter /time_master/lockstep_secret_file: got {!r}; allowed: a file that only its '
-                              'owner can read: {}'.format(path, why))

@@ -8,6 +8,10 @@ from typing import Any, Tuple
 _make_lock = threading._allocate_lock  # type: ignore[attr-defined]
 
 
+class TurnLost(Exception):
+    """The participant has left lockstep while this thread waited."""
+
+
 class Task:
     """The state of one thread: what it waits for, and the lock that is released to let it go on."""
 

@@ -9,7 +9,7 @@ import threading
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.engine.simulation import Simulation
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from ..lockstep.exchange import rollback
 from ..messages import outlets

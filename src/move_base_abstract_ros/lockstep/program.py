@@ -9,7 +9,7 @@ import types
 from importlib.machinery import SourceFileLoader
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple
 
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from ..replacing import rospy_start
 from ..replacing.replaced import replace
@@ -97,7 +97,8 @@ class _Joining:
         self._rank = options.rank
         self._is_node = False
         self._is_strict = options.strict
-        self._followers: Tuple[Any, ...] = (told, native, files, turns.install(), objects.install())
+        turns.install()
+        objects.install()
         self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
     def install(self) -> None:
@@ -124,7 +125,7 @@ class _Joining:
     def _follow(self, joined: Optional[Participant]) -> None:
         if joined is not None and self._is_strict:
             joined.be_strict()
-        for follower in self._followers:
+        for follower in (told, native, files):
             follower.follow(joined)
         if joined is not None and not address_layout.is_as_wanted(os.environ):
             joined.label(address_layout.LABEL)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Callable, ContextManager, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from tf2_msgs.msg import TFMessage
 
@@ -42,6 +42,10 @@ class _Hub:
         self._collected: Optional[List[Make]] = None
 
     def send(self, key: str, make: Make) -> None:
+        """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :meth:`batch`.
+
+        ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
+        """
         with self._lock:
             if self._latest is not None:
                 rollback.changes_entry(self._latest, key)
@@ -52,19 +56,23 @@ class _Hub:
                 self._collected.append(make)
 
     def tell_newcomers(self) -> None:
+        """Send each new listener the latest transforms of all frames, from now on."""
         with self._lock:
             if self._latest is None:
                 self._latest = {}
 
     def forget(self, key: str) -> None:
+        """Stop sending the transforms of ``key`` to new listeners."""
         with self._lock:
             if self._latest is not None:
                 self._latest.pop(key, None)
 
     def is_heard(self) -> int:
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf."""
         return NOBODY if self._outlet is None else self._outlet.is_heard()
 
     def hearers(self) -> List[Tuple[str, str]]:
+        """Return ('/tf', name) of each node that hears /tf."""
         return [] if self._outlet is None else self._outlet.hearers()
 
     def _greet(self, peer_publish: Publish) -> None:
@@ -74,6 +82,7 @@ class _Hub:
 
     @contextmanager
     def batch(self) -> Iterator[None]:
+        """Give a context that collects all transforms sent meanwhile, and publishes them as one message."""
         with self._lock:
             self._collected = []
             try:
@@ -89,41 +98,10 @@ class _Hub:
         self._outlet.send(_packer(makes))
 
 
-_HUB = _Hub()
-
-
 def _packer(makes: Sequence[Make]) -> Pack:
     return lambda _seq: packing.transforms([transform for make in makes for transform in make()])
 
 
-def send(key: str, make: Make) -> None:
-    """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :func:`batch`.
-
-    ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
-    """
-    _HUB.send(key, make)
-
-
-def is_heard() -> int:
-    """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf."""
-    return _HUB.is_heard()
-
-
-def hearers() -> List[Tuple[str, str]]:
-    """Return ('/tf', name) of each node that hears /tf."""
-    return _HUB.hearers()
-
-
-def tell_newcomers() -> None:
-    """Send each new listener the latest transforms of all frames, from now on."""
-    _HUB.tell_newcomers()
-
-
-def forget(key: str) -> None:
-    """Stop sending the transforms of ``key`` to new listeners."""
-    _HUB.forget(key)
-
-
-def batch() -> ContextManager[None]:
-    """Return a context that collects all transforms sent meanwhile, and publishes them as one message."""
-    return _HUB.batch()
+_HUB = _Hub()
+batch, forget, hearers, is_heard, send, tell_newcomers = (
+    _HUB.batch, _HUB.forget, _HUB.hearers, _HUB.is_heard, _HUB.send, _HUB.tell_newcomers)

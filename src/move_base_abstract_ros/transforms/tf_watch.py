@@ -34,6 +34,7 @@ class _Watch:
         self._thread: Any = None
 
     def claim(self, robot: str, frames: Sequence[str]) -> None:
+        """Warn from now on if another node publishes one of ``frames``, the frames of ``robot`` in tf."""
         with self._lock:
             self._claims.update(dict.fromkeys(frames, robot))
             if self._thread is None:
@@ -42,6 +43,7 @@ class _Watch:
                 self._thread.start()
 
     def release(self, frames: Sequence[str]) -> None:
+        """Stop watching ``frames``."""
         with self._lock:
             for frame in frames:
                 self._claims.pop(frame, None)
@@ -89,13 +91,4 @@ def _publishers() -> Set[str]:
 
 
 _WATCH = _Watch()
-
-
-def claim(robot: str, frames: Sequence[str]) -> None:
-    """Warn from now on if another node publishes one of ``frames``, the frames of ``robot`` in tf."""
-    _WATCH.claim(robot, frames)
-
-
-def release(frames: Sequence[str]) -> None:
-    """Stop watching ``frames``."""
-    _WATCH.release(frames)
+claim, release = _WATCH.claim, _WATCH.release

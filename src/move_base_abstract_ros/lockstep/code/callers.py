@@ -46,11 +46,12 @@ def _place(filename: str) -> Tuple[str, bool]:
 
 
 @lru_cache(maxsize=None)
-def _is_machines(filename: str) -> bool:
+def is_of_program(filename: str) -> bool:
+    """Return whether the code of a file sees the run's clocks and chance, not the machine's."""
     name, is_stdlib = _place(filename)
     if filename.endswith(_PROGRAMS):
-        return False
-    return not name or name in _MACHINES if is_stdlib else name in _ROS
+        return True
+    return name not in ('', *_MACHINES) if is_stdlib else name not in _ROS
 
 
 @lru_cache(maxsize=None)
@@ -68,7 +69,7 @@ def asker(frame: Any) -> Any:
 
 def sees_run(frame: Any) -> bool:
     """Return whether the code of a frame sees the run's clocks and chance, not the machine's."""
-    return frame is not None and not _is_machines(frame.f_code.co_filename)
+    return frame is not None and is_of_program(frame.f_code.co_filename)
 
 
 def is_own(frame: Any) -> bool:

@@ -15,15 +15,15 @@ class NoticedPlaces:
 
     def __init__(self) -> None:
         self.participant: Any = None
-        self._places: Dict[Tuple[str, str, int, str], bool] = {}
+        self._texts: Dict[str, bool] = {}
         # an ordinary lock, not one that gives the turn away
         self._lock = threading._allocate_lock()  # type: ignore[attr-defined]
 
     def follow(self, participant: Any) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         self.participant = participant
-        for place in list(self._places):
-            self._say(place)
+        for text in list(self._texts):
+            self._say(text)
 
     def is_ordered(self) -> bool:
         """Return whether the actions of the calling thread have the same order in each run."""
@@ -47,20 +47,20 @@ class NoticedPlaces:
 
     def tell_place(self, place: Optional[Tuple[str, int]], what: str, why: str) -> None:
         """Report once that ``what`` is done at ``place`` (file, line). If ``place`` is None, do nothing."""
-        if place is None or self.is_over():
-            return
-        noticed = (what, *place, why)
-        with self._lock:
-            if noticed in self._places:
-                return
-            self._places[noticed] = True
-        if self.participant is not None:
-            self._say(noticed)
+        if place is not None and not self.is_over():
+            self.tell_text('{} in {}, line {}: {}'.format(what, *place, why))
 
-    def _say(self, place: Tuple[str, str, int, str]) -> None:
+    def tell_text(self, text: str) -> None:
+        """Warn of ``text`` once, and label the run with it."""
+        with self._lock:
+            if text in self._texts:
+                return
+            self._texts[text] = True
+        self._say(text)
+
+    def _say(self, text: str) -> None:
         participant = self.participant
         if participant is not None:
-            text = '{} in {}, line {}: {}'.format(*place)
             rospy.logwarn('%s: %s', participant.members.own_name, text)
             participant.label(text)
 

@@ -8,64 +8,43 @@ from __future__ import annotations
 import builtins
 import sys
 import weakref
-from typing import AbstractSet, Any, List, Set, Tuple
-
-import rospy
+from typing import AbstractSet, Any, Set, Tuple
 
 from move_base_abstract.lockstep.object_order import BASES, ORDER
 from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
 
+from .labels import told
+
 _SHOWN = 3  # number of classes that a warning names
 
 
-def install() -> Order:
-    """Make the program's classes and loops call this module, before its first line runs. Return the Order."""
-    order = Order()
+_told: Set[Tuple[str, int]] = set()  # the places that have been labelled
+
+
+def install() -> None:
+    """Make the program's classes and loops call this module, before its first line runs."""
     setattr(builtins, BASES, bases_of)
-    setattr(builtins, ORDER, order.see)
-    return order
+    setattr(builtins, ORDER, _see)
 
 
-class Order:
-    """Checks the sets through which the program goes."""
+def _see(value: Any) -> Any:
+    """Return ``value``, through which the program goes. If its order is by addresses, warn once for each place."""
+    kind = type(value)
+    is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
+    if is_set and len(value) > 1:
+        frame = sys._getframe(1)
+        place = frame.f_code.co_filename, frame.f_lineno
+        if place not in _told:
+            _look(value, place)
+    return value
 
-    def __init__(self) -> None:
-        self._participant: Any = None
-        self._told: Set[Tuple[str, int]] = set()
-        self._early: List[str] = []
 
-    def follow(self, participant: Any) -> None:
-        """Report to ``participant`` from now on."""
-        self._participant = participant
-        for text in self._early:
-            self._tell(text)
-
-    def see(self, value: Any) -> Any:
-        """Return ``value``, through which the program goes. If its order is by addresses, warn once for each place."""
-        kind = type(value)
-        is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
-        if is_set and len(value) > 1:
-            frame = sys._getframe(1)
-            place = frame.f_code.co_filename, frame.f_lineno
-            if place not in self._told:
-                self._look(value, place)
-        return value
-
-    def _look(self, value: AbstractSet[Any], place: Tuple[str, int]) -> None:
-        kinds = sorted({'{0.__module__}.{0.__qualname__}'.format(type(one)) for one in value
-                        if is_hashed_by_address(one)})
-        if not kinds:
-            return
-        self._told.add(place)
-        shown = kinds[:_SHOWN] + ['...'] * (len(kinds) > _SHOWN)
-        text = ('{}, line {}: goes through a set of objects that Python hashes by their address ({}): its order '
-                'differs from run to run; a list or a dict keeps the order in which it was filled'.format(
-                    *place, ', '.join(shown)))
-        if self._participant is None:
-            self._early.append(text)
-        else:
-            self._tell(text)
-
-    def _tell(self, text: str) -> None:
-        rospy.logwarn('%s: %s', rospy.get_name(), text)
-        self._participant.label(text)
+def _look(value: AbstractSet[Any], place: Tuple[str, int]) -> None:
+    kinds = sorted({'{0.__module__}.{0.__qualname__}'.format(type(one)) for one in value if is_hashed_by_address(one)})
+    if not kinds:
+        return
+    _told.add(place)
+    shown = kinds[:_SHOWN] + ['...'] * (len(kinds) > _SHOWN)
+    told.tell_text('{}, line {}: goes through a set of objects that Python hashes by their address ({}): its order '
+                   'differs from run to run; a list or a dict keeps the order in which it was filled'.format(
+                       *place, ', '.join(shown)))

@@ -17,7 +17,9 @@ import rospy
 
 from move_base_abstract.lockstep.instrument import ACT, CALLED, CALLS, COMPUTES, LOOK, TIMES
 from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
+
+from .labels import told
 
 #: number of iterations in a row, without a wait and without sending anything, for a loop that may compute
 PATIENCE = 1000000
@@ -28,33 +30,27 @@ LONG_PATIENCE = 10000000
 LOOKING: Dict[Any, bool] = {}
 
 
-def install() -> Turns:
-    """Make the program's loops call this module, before its first line runs. Return the Turns."""
+def install() -> None:
+    """Make the program's loops call this module, before its first line runs."""
     turns = Turns()
     setattr(builtins, LOOK, turns.look)
     setattr(builtins, ACT, turns.act)
     setattr(builtins, CALLED, turns.called)
-    return turns
 
 
 class Turns:
     """The functions that the program's loops call."""
 
     def __init__(self) -> None:
-        self._participant: Any = None
         self._waiting: Set[Tuple[str, int]] = set()
         self._late = 0
-
-    def follow(self, participant: Any) -> None:
-        """Follow the loops of ``participant`` from now on."""
-        self._participant = participant
 
     def look(self, kind: int, line: int) -> None:
         """Count an iteration of a loop of this ``kind``, which begins in this ``line``; it may give the turn away.
 
         :raises TurnLost: if lockstep is over, and the loop waits for ever.
         """
-        participant = self._participant
+        participant = told.participant
         if participant is None:
             return
         scheduler = participant.scheduler
@@ -74,7 +70,7 @@ class Turns:
 
     def act(self, computes: bool) -> None:
         """Note that such a loop is about to do more than look; ``computes`` says whether it computes."""
-        participant = self._participant
+        participant = told.participant
         if participant is not None and participant.scheduler.is_mine():
             task = participant.scheduler.current()
             task.idle_turns = 0
@@ -100,10 +96,8 @@ class Turns:
             if turns < patience:
                 return False
             self._waiting.add(place)
-            text = ('the loop in {}, line {}, went round {:,} times without a wait; it is taken for one that waits by '
-                    'looking, and time goes on at it'.format(filename, line, patience))
-            rospy.logwarn('%s: %s', rospy.get_name(), text)
-            self._participant.label(text)
+            told.tell_text('the loop in {}, line {}, went round {:,} times without a wait; it is taken for one that '
+                           'waits by looking, and time goes on at it'.format(filename, line, patience))
         return True
 
     def _end(self) -> None:

@@ -5,6 +5,7 @@ import _thread
 import socket
 import struct
 import time
+from contextlib import suppress
 from typing import Any, Tuple
 
 from move_base_abstract.lockstep import wire
@@ -43,6 +44,11 @@ class Connection:
                 self._socket.sendall(data)
         except OSError as error:
             raise Closed(str(error)) from None
+
+    def try_to_send(self, data: bytes) -> None:
+        """Send whole frames; do nothing if the connection has ended."""
+        with suppress(Closed):
+            self.send(data)
 
     def receive(self) -> Tuple[int, bytes]:
         """Wait for a frame and return (type, body).

@@ -30,18 +30,11 @@ class Deliveries:
         self._topics = topics
         # (a subscription's implementation, its Delivery), for subscriptions that do not hear all
         self._told: List[Tuple[Any, Delivery]] = []
-        self._client_type = None
 
     def install(self) -> None:
         """Follow callbacks of subscriptions, and those of action clients."""
         self._follow_callbacks()
-        try:
-            from actionlib.action_client import ActionClient
-        except ImportError:
-            pass  # then the program does not use it
-        else:
-            self._client_type = ActionClient
-            self._follow_clients()
+        self._follow_clients()
         for impl in registration.get_topic_manager().subs.values():
             self._look_at(impl)
 
@@ -104,14 +97,15 @@ class Deliveries:
 
     def _chosen_by(self, callback: Any) -> Delivery:
         """Return which messages (Delivery) have an effect on a callback."""
+        from actionlib.action_client import ActionClient  # only now: the locks that it makes are replaced ones
         client, function = getattr(callback, '__self__', None), getattr(callback, '__func__', None)
         if _puts_transforms_by(client, function):
             return Delivery.LATER
-        if self._client_type is None or not isinstance(client, self._client_type):
+        if not isinstance(client, ActionClient):
             return Delivery.ALL
-        if function is self._client_type._status_cb:
+        if function is ActionClient._status_cb:
             return Delivery.NEWS
-        if function is self._client_type._feedback_cb and not getattr(client.manager, 'hears_feedback', False):
+        if function is ActionClient._feedback_cb and not getattr(client.manager, 'hears_feedback', False):
             return Delivery.NOTHING
         return Delivery.ALL
 

@@ -117,15 +117,19 @@ def _add_onlooker(impl: Any, connection: Any) -> bool:
     if impl.queue_size is not None:
         connection = rospy.topics.QueuedConnection(connection, impl.queue_size)
     rospy.topics._TopicImpl.add_connection(impl, connection)
+    greet(impl, connection, _own_listeners(impl))
+    return True
 
+
+def greet(impl: Any, connection: Any, listeners: Sequence[Any]) -> None:
+    """Tell a publisher's ``listeners`` of a new connection, and send the latched message over it, if there is one."""
     def publish_single(data: bytes) -> None:
         impl.publish(data, connection_override=connection)
-    for listener in _own_listeners(impl):
+    for listener in listeners:
         listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
     if impl.is_latch and impl.latch is not None:
         with impl.publock:
             impl.publish(impl.latch, connection_override=connection)
-    return True
 
 
 def _remove_onlooker(impl: Any, connection: Any) -> None:

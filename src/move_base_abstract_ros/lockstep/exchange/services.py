@@ -17,8 +17,7 @@ import rospy
 from rospy.impl import registration, tcpros_service
 
 from move_base_abstract.lockstep import wire
-from move_base_abstract.lockstep.scheduler import TurnLost
-from move_base_abstract.lockstep.task import _make_lock
+from move_base_abstract.lockstep.task import TurnLost, _make_lock
 
 from ...replacing.replaced import replace
 from ..ros_master.master_calls import aside
@@ -70,9 +69,9 @@ class Services:
         if self._offered.pop(number, None) is not None:
             self._participant.add(wire.unserve(number))
 
-    def on_called(self, number: int, caller: int, call: int, data: bytes) -> Callable[..., Any]:
-        """Return the function that handles a participant's call and reports the response."""
-        return lambda: self._handle(number, caller, call, data)
+    def handlers(self) -> Dict[int, Callable[..., None]]:
+        """Return {kind of a grant's item: function of its values, to be called in the turn}."""
+        return {wire.CALL_IN: self._handle, wire.ANSWER: self._take_answer, wire.FOUND: self._found.add}
 
     def _handle(self, number: int, caller: int, call: int, data: bytes) -> None:
         service = self._offered.get(number)
@@ -119,17 +118,10 @@ class Services:
         finally:
             del self._calls[number]
 
-    def on_answered(self, number: int, status: int, data: bytes) -> Callable[..., Any]:
-        """Return the function that hands the answer to the thread that waits for it."""
-        def take() -> None:
-            if number in self._calls:
-                self._calls[number][1] = (status, data)
-                self._participant.scheduler.wake(self._calls[number][0])
-        return take
-
-    def on_found(self, name: str) -> Callable[..., Any]:
-        """Return the function that notes that a service is offered for which a thread waits."""
-        return lambda: self._found.add(name)
+    def _take_answer(self, number: int, status: int, data: bytes) -> None:
+        if number in self._calls:
+            self._calls[number][1] = (status, data)
+            self._participant.scheduler.wake(self._calls[number][0])
 
     def wait_for(self, name: str, timeout_ns: Optional[int]) -> bool:
         """Wait until a participant or another node offers the service; return False if it is not there in time.

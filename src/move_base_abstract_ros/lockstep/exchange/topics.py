@@ -5,7 +5,7 @@ Connections to all other nodes are rospy's own.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Sequence, Set, Tuple
 
 from rospy.impl import registration
 from rospy.impl.registration import Registration
@@ -96,36 +96,31 @@ class Topics:
             self._participant.add(wire.unadvertise(number))
             self._links.pop(number, None)
 
-    # --- items of grants: each method returns the function to be called in the turn ----------------------------------
+    # --- items of grants --------------------------------------------------------------------------------------------
 
-    def on_publisher(self, number: int, member: int, type_name: str, md5: str, latched: bool,
-                     definition: str) -> Callable[..., Any]:
-        """Connect to a participant that publishes a topic to which this node listens."""
-        return lambda: self._connect_publisher(number, member, {
-            'callerid': self._participant.members.names.get(member, ''), 'topic': self._names[number],
-            'type': type_name, 'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
+    def handlers(self) -> Dict[int, Callable[..., None]]:
+        """Return {kind of a grant's item: function of its values, to be called in the turn}."""
+        return {wire.PUBLISHER: self._connect_publisher, wire.NO_PUBLISHER: self._disconnect_publisher,
+                wire.SUBSCRIBER: self._connect_subscriber, wire.NO_SUBSCRIBER: self._disconnect_subscriber,
+                wire.DELIVER: self._deliver, wire.DELIVERY_CHOSEN: self._note_delivery}
 
-    def _connect_publisher(self, number: int, member: int, header: Mapping[str, str]) -> None:
+    def _connect_publisher(self, number: int, member: int, type_name: str, md5: str, latched: bool,
+                           definition: str) -> None:
         impl = registration.get_topic_manager().get_subscriber_impl(self._names[number])
         if impl is not None and (number, member) not in self._publisher_links:
-            link = PublisherLink(self._participant, number, impl, member, header)
+            link = PublisherLink(self._participant, number, impl, member, {
+                'callerid': self._participant.members.names.get(member, ''), 'topic': self._names[number],
+                'type': type_name, 'md5sum': md5, 'latching': '1' if latched else '0',
+                'message_definition': definition})
             self._publisher_links[number, member] = link
             with impl.c_lock:
                 impl.connections = impl.connections + [link]
-
-    def on_no_publisher(self, number: int, member: int) -> Callable[..., Any]:
-        """Disconnect from a participant that stops publishing the topic."""
-        return lambda: self._disconnect_publisher(number, member)
 
     def _disconnect_publisher(self, number: int, member: int) -> None:
         link = self._publisher_links.pop((number, member), None)
         if link is not None and not link._impl.closed:
             with link._impl.c_lock:
                 link._impl.connections = [other for other in link._impl.connections if other is not link]
-
-    def on_subscriber(self, number: int, member: int) -> Callable[..., Any]:
-        """Connect a participant that listens to a topic that this node publishes."""
-        return lambda: self._connect_subscriber(number, member)
 
     def _connect_subscriber(self, number: int, member: int) -> None:
         link = self._links.get(number)
@@ -136,19 +131,7 @@ class Topics:
         with impl.c_lock:
             if link not in impl.connections:
                 impl.connections = impl.connections + [link]
-        one = link.for_one(member)
-
-        def publish_single(data: bytes) -> None:
-            impl.publish(data, connection_override=one)
-        for listener in impl.subscriber_listeners:
-            listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
-        if impl.is_latch and impl.latch is not None:
-            with impl.publock:
-                impl.publish(impl.latch, connection_override=one)
-
-    def on_no_subscriber(self, number: int, member: int) -> Callable[..., Any]:
-        """Disconnect a participant that stops listening to the topic."""
-        return lambda: self._disconnect_subscriber(number, member)
+        rospy_topics.greet(impl, link.for_one(member), impl.subscriber_listeners)
 
     def _disconnect_subscriber(self, number: int, member: int) -> None:
         link = self._links.get(number)
@@ -163,11 +146,8 @@ class Topics:
         for listener in impl.subscriber_listeners:
             listener.peer_unsubscribe(impl.resolved_name, count)
 
-    def on_delivery_chosen(self, number: int, member: int, what: wire.Delivery) -> Callable[[], None]:
-        """Note which of this node's messages on a topic (wire.Delivery) have an effect on a participant."""
-        return lambda: self._note_delivery(number, member, what)
-
     def _note_delivery(self, number: int, member: int, what: wire.Delivery) -> None:
+        """Note which of this node's messages on a topic (wire.Delivery) have an effect on a participant."""
         link = self._links.get(number)
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed or member not in link.members:
@@ -177,13 +157,10 @@ class Topics:
             if hasattr(listener, 'begins_to_hear'):
                 listener.hears_less() if what == wire.Delivery.NOTHING else listener.begins_to_hear()
 
-    def on_deliver(self, number: int, member: int, data: bytes) -> Callable[..., Any]:
-        """Take a participant's message."""
-        def deliver() -> None:
-            link = self._publisher_links.get((number, member))
-            if link is not None:
-                link.take(data)
-        return deliver
+    def _deliver(self, number: int, member: int, data: bytes) -> None:
+        link = self._publisher_links.get((number, member))
+        if link is not None:
+            link.take(data)
 
     # --- other nodes ------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable
 
 import rospy
 
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.runs.failures import UNCAUGHT, words_of
 
 from ...replacing.replaced import replace

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import uuid
 import zlib
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 from move_base_abstract.lockstep.machine_view import Entropy
 
@@ -22,6 +22,7 @@ from ..code.labels import told
 
 _STRAY = 'draws in a thread that lockstep does not order'
 _BITS = 32  # number of bytes that seed a generator
+_LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'  # of names of temporary files
 _MULTICAST = 1 << 40  # bit in the node of uuid.uuid1: the node is not an address of hardware
 
 
@@ -107,24 +108,11 @@ def _dated_identifier(machine: Callable[..., Any], chance: _Chance,
     return uuid1
 
 
-class _Names:
-    """Names of temporary files, of the form of tempfile's names."""
-
-    _LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'
-
-    def __init__(self, draw: Any) -> None:
-        self._draw = draw
-
-    def __iter__(self) -> Any:
-        return self
-
-    def __next__(self) -> str:
-        number = int.from_bytes(self._draw(8), 'little')
-        letters = []
-        for _ in range(8):
-            number, place = divmod(number, len(self._LETTERS))
-            letters.append(self._LETTERS[place])
-        return ''.join(letters)
+def _names(draw: Callable[[int], bytes]) -> Iterator[str]:
+    """Yield names of temporary files, of the form of tempfile's names."""
+    while True:
+        number = int.from_bytes(draw(8), 'little')
+        yield ''.join(_LETTERS[number // len(_LETTERS) ** place % len(_LETTERS)] for place in range(8))
 
 
 def _naming(machine: Callable[..., Any], chance: _Chance) -> Callable[..., Any]:
@@ -134,7 +122,7 @@ def _naming(machine: Callable[..., Any], chance: _Chance) -> Callable[..., Any]:
             frame = frame.f_back
         if not is_own(frame):
             return machine()
-        return _Names(lambda size: _or_else(chance.draw(size, frame), os.urandom, size))
+        return _names(lambda size: _or_else(chance.draw(size, frame), os.urandom, size))
     return names
 
 

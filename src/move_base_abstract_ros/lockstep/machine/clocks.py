@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Callable, Optional
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep import machine_view as view
 from move_base_abstract.lockstep.loops import TIME_STEP_NS
-from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ...replacing.replaced import replace
 from ..code.callers import asker, is_own, sees_run
@@ -17,8 +16,6 @@ from ..code.labels import told
 
 if TYPE_CHECKING:
     from move_base_abstract.lockstep.machine_view import SeenClocks
-
-    from ..participation.taking_part import Participant
 
 _STRAY = 'reads a clock in a thread that lockstep does not order'
 _KINDS = {'time': view.DATE, 'monotonic': view.UPTIME, 'perf_counter': view.UPTIME, 'process_time': view.PROCESSOR,
@@ -59,7 +56,10 @@ class _Clocks:
             return None
         participant = told.participant
         if told.is_ordered():
-            self._look(participant)
+            if participant is None:
+                self._clocks.look()
+            else:
+                participant.scheduler.look(TIME_STEP_NS)
         elif not is_own(frame):
             return None
         else:
@@ -75,15 +75,6 @@ class _Clocks:
     def start(self, kind: str) -> int:
         """Return what a clock of a kind showed at the start [ns]."""
         return self._clocks.start(kind)
-
-    def _look(self, participant: Optional[Participant]) -> None:
-        if participant is None:
-            self._clocks.look()
-            return
-        try:
-            participant.scheduler.look(TIME_STEP_NS)
-        except TurnLost:
-            pass  # lockstep is over
 
     def add_sleep(self, seconds: float) -> None:
         """Move the clocks on by ``seconds``, for which the program has slept in wall time."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 from urllib.parse import parse_qs, unquote
 
 from move_base_abstract.lockstep import wire
@@ -27,7 +27,7 @@ class Files:
     """The files that this process has opened; each is reported once."""
 
     def __init__(self) -> None:
-        self._noted: Dict[Any, Any] = {}
+        self._noted: Dict[Tuple[Any, str], bool] = {}
         self._participant = None
 
     def follow(self, participant: Any) -> None:

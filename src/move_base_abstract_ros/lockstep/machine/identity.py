@@ -16,7 +16,7 @@ from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.machine_view import DATE, UPTIME
 
 from ...replacing.replaced import replace
-from ..code.callers import sees_run
+from ..code.callers import is_of_program
 from ..code.labels import told
 
 CORES = 4
@@ -56,18 +56,10 @@ def _is_foreign(frame: Any) -> bool:
 def _recording(make: Any, clocks: Any) -> Callable[..., Any]:
     def record(*args: Any, **kwds: Any) -> Any:
         made = make(*args, **kwds)
-        if told.is_ordered() and sees_run(_Source(made.pathname)):
+        if told.is_ordered() and is_of_program(made.pathname):
             now_ns = clocks.now(DATE)
             made.created = now_ns / NS_PER_S
             made.msecs = float(now_ns % NS_PER_S // 1000000)
             made.relativeCreated = (clocks.now(UPTIME) - clocks.start(UPTIME)) / 1e6
         return made
     return record
-
-
-class _Source:
-    """Stands in for a frame of which only the file is known."""
-
-    def __init__(self, filename: str) -> None:
-        self.f_code = self
-        self.co_filename = filename

@@ -11,13 +11,12 @@ import atexit
 import ctypes
 import os
 import sys
-from typing import TYPE_CHECKING, Any
-
-import rospy
+from typing import TYPE_CHECKING, Any, Optional
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep import machine_view as view
-from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.scheduler import Scheduler
+from move_base_abstract.lockstep.task import TurnLost
 
 from ..code.labels import told
 from ..code.own_code import is_library
@@ -95,7 +94,7 @@ class Native:
     def _end(self) -> None:
         self.cells[_MAY_CALL] = 0
 
-    def follow(self, participant: Participant) -> None:
+    def follow(self, participant: Optional[Participant]) -> None:
         """Report to ``participant`` from now on; None if the time master is not in lockstep any more."""
         if participant is None:
             if self.cells is not None:
@@ -150,15 +149,12 @@ class Native:
 
 
 def _tell(what: Any, path: str, offset: Any) -> None:
-    participant = told.participant
     if what in _OF_OWN and (not path or path.startswith(_SYSTEMS) or is_library(os.path.realpath(path))):
         return
-    if participant is None or told.is_over():
+    if told.participant is None or told.is_over():
         return
     place = '{}+{:#x}'.format(os.path.basename(path), offset) if path else 'code without a file'
-    text = '{} ({})'.format(WORDS[what].format(_limit(), _LIMIT), place)
-    rospy.logwarn('%s: %s', participant.members.own_name, text)
-    participant.label(text)
+    told.tell_text('{} ({})'.format(WORDS[what].format(_limit(), _LIMIT), place))
 
 
 def _look_away(step_ns: int) -> None:

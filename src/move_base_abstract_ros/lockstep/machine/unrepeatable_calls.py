@@ -97,12 +97,12 @@ def install() -> None:
     replace('rosgraph.masterapi.Master.getParam', _asking_master)
     replace('_posixsubprocess.fork_exec', _spawning)
     replace('concurrent.futures._base.Future.__hash__', lambda _hash: Numbered.__hash__)
-    for name in ('os.listdir', 'os.scandir'):
-        replace(name, lambda machine, name=name: _IN_ORDER[name](machine))
-        in_order = getattr(os, name[len('os.'):])
+    for name, kind in (('listdir', sorted), ('scandir', _Scan)):
+        replace('os.' + name, lambda machine, kind=kind: _listing(machine, kind))
+        in_order = getattr(os, name)
         os.supports_fd.add(in_order)
         if sys.version_info < (3, 11):  # pathlib has kept the function from the time of its import
-            replace('pathlib._NormalAccessor.' + name[len('os.'):], lambda _machine, by=in_order: staticmethod(by))
+            replace('pathlib._NormalAccessor.' + name, lambda _machine, by=in_order: staticmethod(by))
     sys.addaudithook(_audit)
 
 
@@ -178,12 +178,12 @@ def _selecting(select_: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def _listing(listdir: Callable[..., Any]) -> Callable[..., Any]:
-    """Return ``os.listdir`` that sorts the names; otherwise their order is the file system's."""
-    def in_order(path: str = '.') -> List[str]:
+def _listing(machine: Callable[..., Any], in_order: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``os.listdir`` or ``os.scandir`` with the entries in order; otherwise their order is the file system's."""
+    def call(path: str = '.') -> Any:
         _tell_of_device(path, sys._getframe(1))
-        return sorted(listdir(path))
-    return in_order
+        return in_order(machine(path))
+    return call
 
 
 def _tell_of_device(path: str, frame: Any) -> None:
@@ -214,16 +214,6 @@ class _Scan:
     def close(self) -> None:
         """Close it, as the result of os.scandir."""
         self._entries = iter(())
-
-
-def _scanning(scandir: Callable[..., Any]) -> Callable[..., Any]:
-    def in_order(path: str = '.') -> _Scan:
-        _tell_of_device(path, sys._getframe(1))
-        return _Scan(scandir(path))
-    return in_order
-
-
-_IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
 
 
 def _audit(event: Any, arguments: Any) -> None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Type
 
 import rospy
 
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from ...process.process_end import leave
 from ...replacing.replaced import replace

@@ -4,12 +4,14 @@ With a window (:mod:`move_base_abstract.lockstep.window`) it goes through severa
 """
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
-from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.scheduler import Scheduler
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.window import Window
 
 from ..exchange.connection import Closed
@@ -52,7 +54,8 @@ class Rounds:
         self._has_mail = False
         self._told = ''
         self._delay = self._begin = None
-        self._handlers: Dict[int, Callable[..., Any]] = {}
+        self._handlers: Dict[int, Callable[..., None]] = {}
+        self._at_once: Dict[int, Callable[..., None]] = {}
 
     def prepare(self, name: str) -> None:
         """Read how reports of the node ``name`` are delayed, before it says hello.
@@ -61,9 +64,13 @@ class Rounds:
         """
         self._delay, self._begin = make_delay(name), make_beginning(name)
 
-    def begin(self, handlers: Dict[int, Callable[..., Any]]) -> None:
-        """Wait for the first grant; ``handlers`` is {kind of a grant's item: function that handles it}."""
-        self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
+    def begin(self, handlers: Dict[int, Callable[..., None]], at_once: Dict[int, Callable[..., None]]) -> None:
+        """Wait for the first grant.
+
+        ``handlers`` is {kind of a grant's item: function of its values, to be called in the turn}; the functions of
+        ``at_once`` are called before.
+        """
+        self._handlers, self._at_once = handlers, {**at_once, wire.HAPPENED: self._on_happened}
         self.await_grant()
 
     def set_source(self, source: LockstepClock, foresees: Callable[[], bool]) -> None:
@@ -225,11 +232,12 @@ class Rounds:
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = self.scheduler.shown_ns[0] = now_ns
             set_rostime(now_ns)
-        actions = []
+        actions: List[Callable[..., Any]] = []
         for item in items:
-            action = self._handlers[item[0]](*item[1:])
-            if action is not None:
-                actions.append(action)
+            if item[0] in self._at_once:
+                self._at_once[item[0]](*item[1:])
+            else:
+                actions.append(partial(self._handlers[item[0]], *item[1:]))
         return actions
 
     def _on_happened(self, count: int) -> None:
@@ -238,7 +246,4 @@ class Rounds:
 
     def knock(self) -> None:
         """Ask the time master for a grant. For any thread."""
-        try:
-            self._connection.send(wire.frame(wire.KNOCK))
-        except Closed:
-            pass
+        self._connection.try_to_send(wire.frame(wire.KNOCK))

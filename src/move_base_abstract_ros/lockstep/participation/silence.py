@@ -9,7 +9,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import move_base_abstract
-from move_base_abstract.lockstep.wire import NEVER
+from move_base_abstract.lockstep import wire
 
 if TYPE_CHECKING:
     from .taking_part import Participant
@@ -29,7 +29,7 @@ def watch(participant: Participant, limit_ns: int) -> None:
 
     ``limit_ns`` [ns, wall] may be NEVER.
     """
-    if limit_ns < NEVER:
+    if limit_ns < wire.NEVER:
         threading.Thread.start(threading.Thread(target=_watch, args=(participant, limit_ns * 1e-9), daemon=True,
                                                 name='lockstep_silence'))
 
@@ -43,7 +43,7 @@ def _watch(participant: Participant, limit: float) -> None:
             round_number, since = granted, now
         elif granted is not None and granted != told and now - since >= limit:
             told = granted
-            participant.tell_busy(granted, stack(participant.scheduler.turn_ident))
+            participant.connection.try_to_send(wire.busy(granted, stack(participant.scheduler.turn_ident)))
 
 
 def stack(ident: Any) -> Any:

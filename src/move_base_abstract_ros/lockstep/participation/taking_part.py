@@ -12,11 +12,9 @@ import rospy
 
 from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.lockstep import wire
-from move_base_abstract.lockstep.scheduler import TurnLost
-from move_base_abstract.lockstep.task import _make_lock
+from move_base_abstract.lockstep.task import TurnLost, _make_lock
 
 from ..exchange.access import secret
-from ..exchange.connection import Closed
 from ..exchange.services import Services
 from ..exchange.topics import Topics
 from . import finish, silence
@@ -130,13 +128,11 @@ class Participant:
                 return
         if self.parameters is not None and (self.is_told_to_end or not (holds_turn and self.rounds.is_granted)):
             self.parameters.flush()
-        try:
-            if holds_turn and self.rounds.is_granted:
-                self.connection.send(wire.report(self.rounds.number, True, wire.NEVER, 0, self.rounds.take_items()))
-            else:
-                self.connection.send(wire.leave(reason))
-        except Closed:
-            pass
+        if holds_turn and self.rounds.is_granted:
+            last = wire.report(self.rounds.number, True, wire.NEVER, 0, self.rounds.take_items())
+        else:
+            last = wire.leave(reason)
+        self.connection.try_to_send(last)
         self.scheduler.close()
         self.connection.close(self.is_told_to_end)
         self.charge.close()
@@ -148,10 +144,7 @@ class Participant:
         if self.scheduler.is_closed or self.is_told_to_end:
             return
         self.is_told_to_end = True
-        try:
-            self.connection.send(wire.stopping(reason))
-        except Closed:
-            pass
+        self.connection.try_to_send(wire.stopping(reason))
 
     def _leave_in_turn(self, reason: str) -> None:
         """Leave in a round, after the last messages of shutdown hooks. Do not wait longer than the leave limit."""
@@ -168,13 +161,6 @@ class Participant:
 
     # --- for the other modules --------------------------------------------------------------------------------------
 
-    def tell_busy(self, round_number: int, where: str) -> None:
-        """Tell the time master where in its code the thread with the turn is. For any thread."""
-        try:
-            self.connection.send(wire.busy(round_number, where))
-        except Closed:
-            pass
-
     def present(self, name: str, uri: str, rank: Optional[int]) -> None:
         """Say hello and wait for the first grant, which gives the turn to the calling thread.
 
@@ -185,12 +171,7 @@ class Participant:
         self.members.uris[name] = uri
         self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret()))
         self.members.names[0] = name
-        topics, services = self.topics, self.services
-        self.rounds.begin({
-            wire.PUBLISHER: topics.on_publisher, wire.NO_PUBLISHER: topics.on_no_publisher,
-            wire.SUBSCRIBER: topics.on_subscriber, wire.NO_SUBSCRIBER: topics.on_no_subscriber,
-            wire.DELIVER: topics.on_deliver, wire.DELIVERY_CHOSEN: topics.on_delivery_chosen,
-            wire.CALL_IN: services.on_called, wire.ANSWER: services.on_answered, wire.FOUND: services.on_found,
+        self.rounds.begin({**self.topics.handlers(), **self.services.handlers()}, {
             wire.CHANGED: self._forget_parameters})
         self.scheduler.adopt_caller(threading.current_thread().name)
 
@@ -225,10 +206,7 @@ class Participant:
         """Leave the run and end the node, with an error unless the run has ended ``as_wished``."""
         if not self.scheduler.is_closed:
             self.scheduler.close()
-            try:
-                self.connection.send(wire.leave(reason))
-            except Closed:
-                pass
+            self.connection.try_to_send(wire.leave(reason))
             self.connection.close()
             self.charge.close()
             # Not in this thread, since a shutdown hook may wait for it.

@@ -99,6 +99,10 @@ class Words:
         return words
 
 
+def _past(excluded: Sequence[Any]) -> List[str]:
+    return [*PAST_LOCKSTEP, *(topic for topic in excluded if topic.startswith('/'))]
+
+
 def past_lockstep(arguments: Sequence[str], namespace: str,
                   excluded: Sequence[Any] = ()) -> Tuple[List[str], List[str]]:
     """Return the topics of a recorder that bypass lockstep: (those left out if it takes part, those that it names).
@@ -108,8 +112,7 @@ def past_lockstep(arguments: Sequence[str], namespace: str,
     :param excluded: the topics that the time master excludes.
     """
     from rosgraph.names import ns_join  # only here: the launcher of a binary needs none of it
-    words = Words(arguments)
-    past = [*PAST_LOCKSTEP, *(topic for topic in excluded if topic.startswith('/'))]
+    words, past = Words(arguments), _past(excluded)
     if words.finds:
         return [*past, _TIME_MASTERS[:-2] + '...'], []
     return [], [topic for topic in words.topics
@@ -124,8 +127,7 @@ def without_past_lockstep(arguments: Any, excluded: Any = ()) -> Any:
     words = Words(arguments)
     if not words.finds:
         return list(arguments)
-    past = [*PAST_LOCKSTEP, *(topic for topic in excluded if topic.startswith('/'))]
-    return words.without([*map(re.escape, past), _TIME_MASTERS])
+    return words.without([*map(re.escape, _past(excluded)), _TIME_MASTERS])
 
 
 def behind_front_end(path: str, arguments: Any) -> Any:

@@ -15,7 +15,7 @@ import rospy.core
 
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.parameters import MISSING, PendingParameters, in_order, search
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from .master_calls import Answer, aside
 

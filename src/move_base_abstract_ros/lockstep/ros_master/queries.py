@@ -9,11 +9,12 @@ An answer names participants, and of the other nodes those that offer something.
 """
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Set, Tuple
 
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from .master_calls import Answer, aside
 
@@ -62,9 +63,11 @@ class Queries:
 
     def answers(self) -> Dict[str, Callable[..., Answer]]:
         """Return {method: answer(ask, *arguments)}."""
-        return {'getPublishedTopics': self._after_others(self._published), 'getTopicTypes':
-                self._after_others(self._types), 'getSystemState': self._after_others(self._state),
-                'lookupNode': self._after_others(self._node), 'lookupService': self._after_others(self._service)}
+        answers: Dict[str, Callable[..., Answer]] = {
+            'getPublishedTopics': partial(self._topics, Registrations.published),
+            'getTopicTypes': partial(self._topics, Registrations.topics), 'getSystemState': self._state,
+            'lookupNode': self._node, 'lookupService': self._service}
+        return {method: self._after_others(answer) for method, answer in answers.items()}
 
     def _after_others(self, answer: Callable[..., Answer]) -> Callable[..., Answer]:
         def ask_who(ask: Callable[[], Answer], *arguments: str) -> Answer:
@@ -86,19 +89,11 @@ class Queries:
         state = state if code == 1 else [[], [], []]
         return Registrations(state, self._participant.members.there, self._participant.members.gone), state
 
-    def _published(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
+    def _topics(self, shown: Callable[..., List[List[str]]], ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, pairs = ask()
         if code == 1:
             there, _ = self._registrations()
-            pairs = there.published(pairs)
-            self._tell(there.strangers({name for name, _ in pairs}))
-        return [code, message, pairs]
-
-    def _types(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
-        code, message, pairs = ask()
-        if code == 1:
-            there, _ = self._registrations()
-            pairs = there.topics(pairs)
+            pairs = shown(there, pairs)
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
 

@@ -19,9 +19,8 @@ from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.machine_view import UPTIME
 from move_base_abstract.lockstep.open_waits import WORK
-from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.stable_hash import Numbered
-from move_base_abstract.lockstep.task import _make_lock
+from move_base_abstract.lockstep.task import TurnLost, _make_lock
 from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing.replaced import replace
@@ -216,10 +215,7 @@ class _Selector:
         step_ns = STEP_NS
         if self._loop._scheduled:
             step_ns = min(step_ns, max(1, seconds_to_ns(self._loop._scheduled[0].when() - self._loop.time())))
-        try:
-            scheduler.look(step_ns)
-        except TurnLost:
-            pass  # lockstep is over
+        scheduler.look(step_ns)
 
     def wake(self) -> bool:
         """Wake the loop for another thread; return False if the thread must write to the loop's socket, too."""

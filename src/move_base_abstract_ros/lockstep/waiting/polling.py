@@ -16,7 +16,6 @@ import rospy.rostime
 import rospy.topics
 
 from move_base_abstract.lockstep.loops import STEP_NS, TIME_STEP_NS
-from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .waits import replace_within
 
@@ -32,19 +31,15 @@ _ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
 
 def install(participant: Participant) -> None:
     """Count the looks of the application's threads."""
+    from actionlib import action_client, simple_action_client  # only now: the locks that it makes are replaced ones
     scheduler = participant.scheduler
-    for function in (rospy.core.is_shutdown, rospy.topics.Topic.get_num_connections):
+    for function in (rospy.core.is_shutdown, rospy.topics.Topic.get_num_connections,
+                     simple_action_client.SimpleActionClient.get_state,
+                     action_client.ClientGoalHandle.get_comm_state, action_client.ClientGoalHandle.get_goal_status):
         _count(function, scheduler, STEP_NS)
     for function in (rospy.client.get_param, rospy.client.has_param):
         _count(function, scheduler, STEP_NS, _Parameters(scheduler).weight_of)
     _count(rospy.rostime.get_rostime, scheduler, TIME_STEP_NS)
-    try:
-        from actionlib import action_client, simple_action_client
-    except ImportError:
-        return  # then the program does not use it
-    for function in (simple_action_client.SimpleActionClient.get_state,
-                     action_client.ClientGoalHandle.get_comm_state, action_client.ClientGoalHandle.get_goal_status):
-        _count(function, scheduler, STEP_NS)
 
 
 class _Parameters:
@@ -69,10 +64,7 @@ def _count(function: Callable[..., Any], scheduler: Scheduler, step_ns: int,
     def counting(original: Callable[..., Any]) -> Callable[..., Any]:
         def look(*args: Any, **kwds: Any) -> Any:
             if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):
-                try:
-                    scheduler.look(step_ns, weight_of(*args, **kwds) if weight_of else 1)
-                except TurnLost:
-                    pass  # lockstep is over, as the answer says
+                scheduler.look(step_ns, weight_of(*args, **kwds) if weight_of else 1)
             return original(*args, **kwds)
         return look
     replace_within(function, counting)

@@ -14,7 +14,7 @@ import time
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
 
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock, Process, clock
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing.replaced import replace

@@ -16,7 +16,7 @@ import rospy.timer
 from rospy.impl import tcpros_service
 
 from move_base_abstract.lockstep.loops import STEP_NS
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing import replaced
@@ -29,32 +29,25 @@ if TYPE_CHECKING:
 
 def install(participant: Participant) -> None:
     """Replace the waits. Call this once."""
+    from actionlib import action_client, simple_action_client  # only now: the locks that it makes are replaced ones
     scheduler = participant.scheduler
     waits = _Waits(participant)
-    replace(rospy.timer.sleep, waits.sleep, lambda: not scheduler.is_mine())
-    replace(rospy.client.spin, waits.spin, lambda: not scheduler.is_mine())
-    replace(rospy.client.wait_for_message, waits.wait_for_message, lambda: not scheduler.is_mine())
-    replace(tcpros_service.wait_for_service, waits.wait_for_service, lambda: not scheduler.is_mine())
+    for function, hook in (
+            (rospy.timer.sleep, waits.sleep), (rospy.client.spin, waits.spin),
+            (rospy.client.wait_for_message, waits.wait_for_message),
+            (tcpros_service.wait_for_service, waits.wait_for_service),
+            (action_client.ActionClient.wait_for_server, waits.wait_for_server),
+            (simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result)):
+        _replace(function, hook, scheduler)
     replaced.replace('rospy.impl.tcpros_service.ServiceImpl.spin',
                      lambda _spin: lambda self: rospy.spin() if not self.done else None)
-    _install_actionlib(waits, scheduler)
 
 
-def _install_actionlib(waits: _Waits, scheduler: Scheduler) -> None:
-    try:
-        from actionlib import action_client, simple_action_client
-    except ImportError:
-        return  # then the program does not use it
-    replace(action_client.ActionClient.wait_for_server, waits.wait_for_server, lambda: not scheduler.is_mine())
-    replace(simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result,
-             lambda: not scheduler.is_mine())
-
-
-def replace(function: Callable[..., Any], hook: Callable[..., Any], is_foreign: Callable[[], bool]) -> None:
-    """Make ``function`` do what ``hook`` does, except in threads for which ``is_foreign()`` returns True."""
+def _replace(function: Callable[..., Any], hook: Callable[..., Any], scheduler: Scheduler) -> None:
+    """Make ``function`` do what ``hook`` does, in the thread that has the turn."""
     def make(original: Callable[..., Any]) -> Callable[..., Any]:
         def call(*args: Any, **kwds: Any) -> Any:
-            return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
+            return hook(*args, **kwds) if scheduler.is_mine() else original(*args, **kwds)
         return call
     replace_within(function, make)
 
@@ -110,16 +103,9 @@ class _Waits:
             except TurnLost:
                 until_shutdown()
         elif self._scheduler.is_mine():
-            self._look()
+            self._scheduler.look(STEP_NS)  # a loop of sleeps for 0 s waits by looking
         if rospy.core.is_shutdown():
             raise rospy.ROSInterruptException('ROS shutdown request')
-
-    def _look(self) -> None:
-        """Sleep for 0 s; a loop of such sleeps waits by looking."""
-        try:
-            self._scheduler.look(STEP_NS)
-        except TurnLost:
-            pass  # lockstep is over
 
     def spin(self) -> None:
         """Stand in for rospy.spin."""
@@ -133,19 +119,15 @@ class _Waits:
         except KeyboardInterrupt:
             rospy.core.signal_shutdown('keyboard interrupt')
 
-    def _until(self, condition: Callable[[], object], timeout: Optional[float], what: str) -> bool:
-        try:
-            return self._scheduler.wait_until(condition, self._wake_ns(timeout), what)
-        except TurnLost:
-            until_shutdown()
-            raise rospy.ROSInterruptException('rospy shutdown') from None
-
     def wait_for_message(self, topic: str, topic_type: Type[Any], timeout: Optional[float] = None) -> Any:
         """Stand in for rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
         messages: List[Any] = []
         subscriber = rospy.Subscriber(topic, topic_type, messages.append)
         try:
-            if not self._until(lambda: messages, timeout, 'a message on {}'.format(topic)):
+            with _until_shutdown():
+                is_there = self._scheduler.wait_until(lambda: messages, self._wake_ns(timeout),
+                                                      'a message on {}'.format(topic))
+            if not is_there:
                 raise rospy.ROSException('timeout exceeded while waiting for message on topic {}'.format(topic))
         finally:
             subscriber.unregister()
@@ -157,11 +139,8 @@ class _Waits:
         timeout_ns = None if timeout is None else to_ns(timeout)
         if timeout_ns == 0:
             raise ValueError('timeout must be non-zero')
-        try:
+        with _until_shutdown():
             is_found = self._participant.services.wait_for(name, timeout_ns)
-        except TurnLost:
-            until_shutdown()
-            raise rospy.ROSInterruptException('rospy shutdown') from None
         if not is_found:
             raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
 
@@ -189,6 +168,16 @@ class _Waits:
         except TurnLost:
             until_shutdown()
             return bool(condition())
+
+
+@contextmanager
+def _until_shutdown() -> Iterator[None]:
+    """Give a context for a wait: if lockstep ends in it, it waits for the node's end, as rospy does."""
+    try:
+        yield
+    except TurnLost:
+        until_shutdown()
+        raise rospy.ROSInterruptException('rospy shutdown') from None
 
 
 def until_shutdown() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Set
 import rospy
 
 from move_base_abstract.lockstep.loops import STEP_NS
-from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.task import TurnLost
 
 from ...replacing.replaced import replace
 from ..code.callers import own_frame
@@ -43,12 +43,7 @@ def install(sleep: str, take_part: Callable[..., Any], clocks: Any) -> Callable[
 def _look(sched_yield: Any) -> None:
     """Let other threads go first, as in a sleep of 0 s."""
     participant = told.participant
-    if participant is None or not participant.scheduler.is_mine():
-        sched_yield()
-        return
-    try:
-        participant.scheduler.look(STEP_NS)
-    except TurnLost:
+    if participant is None or not participant.scheduler.is_mine() or not participant.scheduler.look(STEP_NS):
         sched_yield()
 
 
@@ -93,8 +88,7 @@ class _Sleep:
     def _in_turn(self, participant: Participant, seconds: float, frame: Any) -> bool:
         """Sleep in the thread that has the turn; return False if the caller must still sleep in wall time."""
         if not seconds:
-            participant.scheduler.look(STEP_NS)
-            return True
+            return participant.scheduler.look(STEP_NS)
         if not self._is_simulated:
             self._warn(frame)
             settle(participant.scheduler)
@@ -119,10 +113,9 @@ class _Sleep:
         self._slept += seconds
         if self._slept > _LONG_SLEEPS:
             self._is_simulated = True
-            text = 'time.sleep was called for more than {:g} s while simulated time stood at {:.9f} s; from here on ' \
-                   'it takes simulated time, as with --sleep simulated'.format(_LONG_SLEEPS, participant.now_ns * 1e-9)
-            rospy.logwarn('%s: %s', rospy.get_name(), text)
-            participant.label(text)
+            told.tell_text('time.sleep was called for more than {:g} s while simulated time stood at {:.9f} s; from '
+                           'here on it takes simulated time, as with --sleep simulated'.format(
+                               _LONG_SLEEPS, participant.now_ns * 1e-9))
 
 
 def _is_of_ros(frame: Any) -> bool:
