@@ -2,7 +2,7 @@
 
 import pytest
 
-from move_base_abstract.lockstep.installed import _tops, is_installed
+from move_base_abstract_ros.lockstep.code.own_code import _tops, is_installed
 
 
 @pytest.fixture

@@ -37,5 +37,5 @@ def test_who_takes_no_part_and_is_shown_is_told():
 def test_who_comes_back_is_there():
     back = Registrations(STATE, ['/one', '/two', '/left'], ['/left'])
     assert ['/of_left', ['/left']] in back.state()[0]
-    assert not back.only_gone_serve('/serve', STATE)
-    assert there().only_gone_serve('/serve', STATE) and not there().only_gone_serve('/nobodys', STATE)
+    assert not back.only_gone_serve('/serve')
+    assert there().only_gone_serve('/serve') and not there().only_gone_serve('/nobodys')

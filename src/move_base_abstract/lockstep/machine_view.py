@@ -7,7 +7,7 @@ sleeps. This module needs no ROS, has no threads and reads no clock.
 from __future__ import annotations
 
 import random
-from typing import Any, Optional
+from typing import MutableSequence, Optional
 
 from ..common.units import NS_PER_S
 
@@ -27,19 +27,19 @@ class SeenClocks:
     ``slept_ns``: a sequence of one number, which is how far the clocks have gone on besides simulated time [ns].
     """
 
-    def __init__(self, seed: int, is_simulated: bool, slept_ns: None = None) -> None:
+    def __init__(self, seed: int, is_simulated: bool, slept_ns: Optional[MutableSequence[int]] = None) -> None:
         date_ns = EPOCH_NS + seed % SEEDS * NS_PER_S
         self._starts = {DATE: date_ns, UPTIME: UPTIME_NS, PROCESSOR: 0}
         if is_simulated:
             self._starts = dict.fromkeys(self._starts, 0)
-        self._slept_ns = [0] if slept_ns is None else slept_ns
+        self._slept_ns: MutableSequence[int] = [0] if slept_ns is None else slept_ns
         self._looks = 0
 
     def read(self, kind: str, now_ns: int) -> int:
         """Return the reading [ns] of a clock of this kind at the simulated time ``now_ns`` [ns] (0 before the run)."""
         return self._starts[kind] + now_ns + self._slept_ns[0]
 
-    def start(self, kind: Any) -> Any:
+    def start(self, kind: str) -> int:
         """Return the reading [ns] of a clock of this kind before the run."""
         return self._starts[kind]
 
@@ -70,7 +70,7 @@ class Entropy:
     def __init__(self, text: str) -> None:
         self._generator = random.Random(text)
 
-    def draw(self, size: int) -> Optional[bytes]:
+    def draw(self, size: int) -> bytes:
         """Return the next ``size`` bytes.
 
         :raises ValueError: if ``size`` is negative.

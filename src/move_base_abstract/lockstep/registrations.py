@@ -25,6 +25,7 @@ class Registrations:
         self._present = frozenset(present)
         self._gone = frozenset(gone) - self._present
         publishers, subscribers, services = state
+        self._registered = services
         offered = {node for name, nodes in publishers if name != _OF_EACH_NODE for node in nodes}
         offered |= {node for name, nodes in services if not name.endswith(_SERVICES_OF_EACH_NODE) for node in nodes}
         self._shown = self._present.union(KNOWN) | (offered - self._gone)
@@ -47,9 +48,9 @@ class Registrations:
         there = {name for name, _ in self._publishers}
         return sorted(pair for pair in pairs if pair[0] in there)
 
-    def only_gone_serve(self, service: str, state: List[List[List[Any]]]) -> bool:
-        """Return whether a service is registered, in ``state``, only by nodes that no longer take part."""
-        nodes = [node for name, nodes in state[2] if name == service for node in nodes]
+    def only_gone_serve(self, service: str) -> bool:
+        """Return whether a service is registered only by nodes that no longer take part."""
+        nodes = [node for name, nodes in self._registered if name == service for node in nodes]
         return bool(nodes) and self._gone.issuperset(nodes)
 
     def strangers(self, topics: Optional[Set[str]] = None) -> List[str]:

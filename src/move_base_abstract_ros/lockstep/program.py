@@ -46,7 +46,8 @@ def run(kind: str, path: str, arguments: Sequence[str], options: argparse.Namesp
     :param options: the launcher's options.
     """
     if not _has_master():
-        _execute(kind, path, arguments, _compile, lambda _source: {})
+        _execute(kind, path, arguments, lambda source, path: compile(source, path, 'exec', dont_inherit=True),
+                 lambda _source: {})
         return
     threads.replace_locks()
     own_code.install()
@@ -75,10 +76,6 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     garbage.install()
     threads.watch_start(before_node.take_part)
     native.install(start, seen, sleep)
-
-
-def _compile(source: str, path: str) -> Any:
-    return compile(source, path, 'exec', dont_inherit=True)
 
 
 def _has_master() -> bool:

@@ -9,7 +9,6 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any, List, Optional, Set
 
-import rosgraph
 import rospy
 import tf2_ros
 from tf2_msgs.msg import TFMessage
@@ -18,6 +17,7 @@ from move_base_abstract.common.errors import FrameError
 
 from .. import lockstep
 from ..messages import conversions
+from .tf_watch import publishers
 
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
@@ -49,7 +49,7 @@ class _EarlyFrames:
         """Wait for all onlookers that publish static transforms; these are latched, so each of them sends some."""
         # The transforms of participants come in a later round.
         takes_part = lockstep.participant().members.is_member  # type: ignore[union-attr]
-        expected = {name for name in _publishers(_STATIC) if not takes_part(name)}
+        expected = {name for name in publishers(_STATIC) if not takes_part(name)}
         deadline = time.monotonic() + _STATIC_SECONDS
         while not expected <= self._heard and not rospy.is_shutdown():
             if time.monotonic() > deadline:
@@ -64,18 +64,13 @@ class _EarlyFrames:
         self._heard.add(message._connection_header['callerid'])
 
 
-_early: List[Any] = []
+_early: List[_EarlyFrames] = []
 
 
 def listen_to_static_frames() -> None:
     """Receive all static transforms of nodes that do not take part. Call this in the first round. May block."""
     _early.append(_EarlyFrames())
     _early[0].wait()
-
-
-def _publishers(topic: str) -> List[str]:
-    published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
-    return [node for name, nodes in published if name == topic for node in nodes]
 
 
 class TfLookup:

@@ -52,7 +52,7 @@ class _Watch:
         for pause in itertools.chain(_FIRST_PAUSES, itertools.repeat(_PAUSE)):
             if self._end.wait(pause):
                 return
-            new = _publishers() - self._known
+            new = publishers(*TOPICS) - self._known
             if new:
                 self._known |= new
                 self._listen(new)
@@ -81,13 +81,13 @@ class _Watch:
                               robot, node, frame, transform.header.frame_id)
 
 
-def _publishers() -> Set[str]:
-    """Return the names of the other nodes that publish tf; an empty set if the ROS master does not answer."""
+def publishers(*topics: str) -> Set[str]:
+    """Return the names of the other nodes that publish ``topics``; an empty set if the ROS master does not answer."""
     try:
         published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
     except (OSError, rosgraph.MasterException):
         return set()
-    return {node for topic, nodes in published if topic in TOPICS for node in nodes} - {rospy.get_name()}
+    return {node for topic, nodes in published if topic in topics for node in nodes} - {rospy.get_name()}
 
 
 _WATCH = _Watch()

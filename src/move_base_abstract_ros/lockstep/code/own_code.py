@@ -10,19 +10,19 @@ not kept: Python's own files of compiled modules stay as they are.
 from __future__ import annotations
 
 import ast
+import csv
 import os
 import re
 import sys
 import sysconfig
 from functools import lru_cache
 from importlib import machinery
-from typing import Any, Dict
+from typing import Any, Dict, FrozenSet, Set
 
 import rospy
 
 import move_base_abstract
 from move_base_abstract.lockstep.call_rewriting import ask
-from move_base_abstract.lockstep.installed import is_installed
 from move_base_abstract.lockstep.instrument import dotted, hand_over_called, instrument
 from move_base_abstract.lockstep.object_order import follow_order
 
@@ -31,6 +31,8 @@ from .turns import LOOKING
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
 _GENERATED = re.compile(r'(^|/)(msg|srv|cfg)/')
+_SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
+_LARGEST = 16 * 1024 * 1024  # the most bytes that are read of a list of installed files
 #: the folders of this package
 OWN = (os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 2)) + '/',
        os.path.dirname(move_base_abstract.__file__) + '/')
@@ -55,6 +57,38 @@ def _is_of_workspace(filename: str, folder: str) -> bool:
     return not _GENERATED.search(filename[len(folder):]) and not os.path.isdir(os.path.join(folder, 'rospy')) and any(
         prefix and filename.startswith(prefix + os.sep) and os.path.exists(os.path.join(prefix, '.catkin'))
         for prefix in prefixes)
+
+
+def is_installed(path: str) -> bool:
+    """Return whether the file or folder ``path`` was installed as a part of a distribution, in any folder.
+
+    An installer (``pip install --target``) leaves a folder ``NAME.dist-info`` beside the files, with a list (RECORD).
+    """
+    folder, name = os.path.split(path.rstrip(os.sep))
+    while name:
+        if name in _tops(folder):
+            return True
+        folder, name = os.path.split(folder)
+    return False
+
+
+@lru_cache(maxsize=None)
+def _tops(folder: str) -> FrozenSet[str]:
+    """Return the names of files and folders in ``folder`` that are listed by the distributions in it."""
+    try:
+        infos = sorted(name for name in os.listdir(folder) if name.endswith('.dist-info'))
+    except OSError:
+        return frozenset()
+    return frozenset(name for info in infos for name in _listed(os.path.join(folder, info, 'RECORD')))
+
+
+def _listed(path: str) -> Set[str]:
+    try:
+        with open(path, encoding='utf-8', errors='replace', newline='') as stream:
+            rows = csv.reader(stream.read(_LARGEST).splitlines())
+            return {row[0].partition('/')[0] for row in rows if row} - _SHARED
+    except (OSError, csv.Error):
+        return set()
 
 
 def install() -> None:

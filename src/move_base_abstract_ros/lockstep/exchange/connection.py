@@ -86,8 +86,7 @@ class Connection:
         except OSError:
             pass
         if not at_exit:
-            self._socket.close()
-            own_cores.restore()
+            self.forget()
 
     def forget(self) -> None:
         """Close the connection in this process only, a forked child, whose parent goes on using it."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 import datetime
 import sys
 import time
-from typing import TYPE_CHECKING, Any, Callable, Optional
+from functools import partial
+from typing import TYPE_CHECKING, Any, Callable, MutableSequence, Optional
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep import machine_view as view
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 
 _STRAY = 'reads a clock in a thread that lockstep does not order'
 _KINDS = {'time': view.DATE, 'monotonic': view.UPTIME, 'perf_counter': view.UPTIME, 'process_time': view.PROCESSOR,
-          'thread_time': view.PROCESSOR}
+          'thread_time': view.PROCESSOR, 'clock_gettime': None}
 _SPLIT = ('localtime', 'gmtime', 'ctime')  # without an argument they are about the present
 
 
-def install(seed: int, is_simulated: bool, slept_ns: Any) -> _Clocks:
+def install(seed: int, is_simulated: bool, slept_ns: MutableSequence[int]) -> _Clocks:
     """Make the program see the run's clocks, from before its first line. Return these clocks.
 
     ``seed`` is the run's; ``is_simulated`` says whether time.sleep takes simulated time; ``slept_ns`` is that of
@@ -31,10 +32,9 @@ def install(seed: int, is_simulated: bool, slept_ns: Any) -> _Clocks:
     """
     clocks = _Clocks(view.SeenClocks(seed, is_simulated, slept_ns))
     for name, kind in _KINDS.items():
-        replace('time.' + name, lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns / NS_PER_S))
-        replace('time.{}_ns'.format(name), lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns))
-    for name, in_unit in (('time.clock_gettime', lambda ns: ns / NS_PER_S), ('time.clock_gettime_ns', lambda ns: ns)):
-        replace(name, lambda machine, in_unit=in_unit: _ClockOfKernel(clocks, machine, in_unit))
+        for suffix, in_unit in (('', lambda ns: ns / NS_PER_S), ('_ns', lambda ns: ns)):
+            replace('time.{}{}'.format(name, suffix),
+                    lambda machine, kind=kind, in_unit=in_unit: _Clock(clocks, kind, machine, in_unit))
     for name in _SPLIT:
         replace('time.' + name, lambda machine: _Split(clocks, machine, machine, 0))
     for name, place in (('time.asctime', 0), ('time.strftime', 1)):
@@ -80,16 +80,16 @@ class _Clocks:
         """Move the clocks on by ``seconds``, for which the program has slept in wall time."""
         self._clocks.add_sleep(seconds_to_ns(seconds))
 
-    def date_ns(self, frame: str) -> Any:
+    def date_ns(self, frame: Any) -> Optional[int]:
         """Return the date [ns] that the code of a frame sees; None if it sees the machine's."""
         return self.read(view.DATE, frame)
 
-    def moment(self, kind: Any, name: str, frame: str) -> Any:
+    def moment(self, kind: Any, name: str, frame: Any) -> Callable[..., Any]:
         """Return the function that replaces the method ``name``, which asks for the present, of ``kind``.
 
         ``kind`` is datetime or date, or derived from them; ``name`` is 'now', 'utcnow' or 'today'.
         """
-        def present(zone: Optional[str] = None) -> Any:
+        def present(zone: Optional[datetime.tzinfo] = None) -> Any:
             now_ns = self.read(view.DATE, frame)
             if now_ns is None:
                 return getattr(kind, name)(*([] if zone is None else [zone]))
@@ -97,36 +97,24 @@ class _Clocks:
             if name == 'utcnow':
                 return kind.fromtimestamp(seconds, datetime.timezone.utc).replace(tzinfo=None)
             return kind.fromtimestamp(seconds) if zone is None else kind.fromtimestamp(seconds, zone)
-
-        def today() -> Any:
-            return present()
-        if name == 'now':
-            return lambda tz=None: present(tz)
-        return today
+        return (lambda tz=None: present(tz)) if name == 'now' else partial(present, None)
 
 
 class _Clock:
-    """A clock of the module time. It is not a function, so that it can be an attribute of a class, as the original."""
+    """A clock of the module time, of a kind, or by its number in the kernel if the kind is None.
+
+    It is not a function, so that it can be an attribute of a class, as the original.
+    """
 
     __slots__ = ('_clocks', '_kind', '_machine', '_in_unit')
 
-    def __init__(self, clocks: _Clocks, kind: str, machine: Callable[..., Any], in_unit: Callable[..., Any]) -> None:
+    def __init__(self, clocks: _Clocks, kind: Optional[str], machine: Callable[..., float],
+                 in_unit: Callable[[int], float]) -> None:
         self._clocks, self._kind, self._machine, self._in_unit = clocks, kind, machine, in_unit
 
-    def __call__(self) -> float:
-        now_ns = self._clocks.read(self._kind, sys._getframe(1))
-        return self._machine() if now_ns is None else self._in_unit(now_ns)
-
-
-class _ClockOfKernel:
-    """Replaces time.clock_gettime and time.clock_gettime_ns."""
-
-    def __init__(self, clocks: _Clocks, machine: Callable[..., Any], in_unit: Callable[..., Any]) -> None:
-        self._clocks, self._machine, self._in_unit = clocks, machine, in_unit
-
-    def __call__(self, clock_id: int, /) -> Any:
-        machine = self._machine(clock_id)
-        now_ns = self._clocks.read(view.kind_of(clock_id), sys._getframe(1))
+    def __call__(self, *clock_id: int) -> float:
+        machine = self._machine(*clock_id)
+        now_ns = self._clocks.read(self._kind or view.kind_of(*clock_id), sys._getframe(1))
         return machine if now_ns is None else self._in_unit(now_ns)
 
 

@@ -18,7 +18,8 @@ import sys
 import threading
 import time
 import types
-from typing import Any, Callable, List, Optional, Sequence, Tuple
+from contextlib import AbstractContextManager
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -192,21 +193,15 @@ def _tell_of_device(path: str, frame: Any) -> None:
         told.tell(own_frame(frame), 'open', 'of {}: what the machine says there differs from run to run'.format(path))
 
 
-class _Scan:
+class _Scan(Iterator[Any], AbstractContextManager):
     """Replaces the result of os.scandir, with the entries in the order of their names."""
 
     def __init__(self, entries: Any) -> None:
         with entries:
             self._entries = iter(sorted(entries, key=lambda entry: entry.name))
 
-    def __iter__(self) -> Any:
-        return self
-
     def __next__(self) -> Any:
         return next(self._entries)
-
-    def __enter__(self) -> _Scan:
-        return self
 
     def __exit__(self, *_error: Any) -> None:
         self.close()

@@ -21,8 +21,8 @@ def install() -> None:
     """Collect garbage by rounds from now on. The program can still switch that off and on by gc.disable and enable."""
     gc.disable()
     _state.is_ours = True
-    replace('gc.disable', lambda _disable: _stop)
-    replace('gc.enable', lambda _enable: _go_on)
+    for name, is_wanted in (('gc.disable', False), ('gc.enable', True)):
+        replace(name, lambda _original, by=is_wanted: lambda: setattr(_state, 'is_wanted', by))
 
 
 def due() -> List[Callable[..., Any]]:
@@ -34,13 +34,3 @@ def due() -> List[Callable[..., Any]]:
         return []
     generation = next(generation for rounds, generation in _EVERY if _state.rounds % rounds == 0)
     return [lambda: gc.collect(generation)]
-
-
-def _stop() -> None:
-    """Stand in for gc.disable."""
-    _state.is_wanted = False
-
-
-def _go_on() -> None:
-    """Stand in for gc.enable."""
-    _state.is_wanted = True

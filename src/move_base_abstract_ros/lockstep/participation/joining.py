@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 import time
 from types import SimpleNamespace
 from typing import Optional
@@ -21,7 +23,7 @@ from ..ros_master.master_calls import calls
 from ..ros_master.parameters import Parameters
 from ..ros_master.queries import Queries
 from ..waiting import polling, threads, waits
-from . import finish, fork
+from . import finish
 from .taking_part import Participant
 
 _state = SimpleNamespace(joined=None)
@@ -77,7 +79,7 @@ def take_part(name: str, uri: str, rank: Optional[int], own_threads: bool = True
     outcomes.install(joining)
     stating.tell_to(lambda row: joining.log(name, statements.ROW, row))
     finish.install(joining)
-    fork.install(joining)
+    _follow_forks(joining)
     _follow_master_calls(joining, own_threads)
     _state.joined = joining
     return joining
@@ -88,6 +90,31 @@ def _follow_master_calls(joining: Participant, asks: bool) -> None:
     master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
     parameters = joining.parameters = Parameters(joining, master)
     calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **parameters.answers()})
+
+
+def _follow_forks(joining: Participant) -> None:
+    """Make a child that is forked (multiprocessing, os.fork) take no part, and not speak for its parent.
+
+    SIGTERM ends it, like any process that handles no signals. Otherwise it would inherit rospy's handler, which ends no
+    process. ``with multiprocessing.Pool()`` ends its workers by SIGTERM: with rospy's handler it would sometimes wait
+    for them for ever (without lockstep, too), and the run with it.
+    """
+    before = threading.local()
+
+    def hold() -> None:
+        before.mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+
+    def go_on() -> None:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before.mask)
+
+    def let_go() -> None:
+        joining.scheduler.abandon()
+        joining.connection.forget()
+        if getattr(signal.getsignal(signal.SIGTERM), '__module__', None) == rospy.core.__name__:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        go_on()  # a signal that came meanwhile ends the child
+
+    os.register_at_fork(before=hold, after_in_parent=go_on, after_in_child=let_go)
 
 
 def node_is_there(joining: Participant) -> None:

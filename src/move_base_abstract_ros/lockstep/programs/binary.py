@@ -23,7 +23,7 @@ _CHANCE = 'MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE'
 _STRICT = 'MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT'
 #: (name, value) of the variable by which a program that is linked to the library looks on all the same
 LOOKS_ON = ('MOVE_BASE_ABSTRACT_LOOKS_ON', '1')
-_PRELOAD = 'LD_PRELOAD'
+PRELOAD = 'LD_PRELOAD'
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 # Of the ELF format, 64 bits, little endian.
 _HEADER = struct.Struct('<16sHHIQQQIHHHHHH')
@@ -66,7 +66,7 @@ def prepare(path: str, rank: int, sleep: Any, environment: Any) -> Any:
                          'preload a library into it'.format(path))
     result = dict(environment)
     result.pop(LOOKS_ON[0], None)
-    result[_PRELOAD] = _preloaded(SHIM, environment)
+    result[PRELOAD] = preloaded(SHIM, environment)
     if rank is not None:
         result[_RANK] = str(rank)
     result[_SLEEP] = sleep
@@ -78,11 +78,15 @@ def loopback_only(environment: Any) -> Tuple[str, str]:
 
     :raises ValueError: as :func:`find_shim` does.
     """
-    return _PRELOAD, _preloaded(_LOOPBACK_ONLY, environment)
+    return PRELOAD, preloaded(_LOOPBACK_ONLY, environment)
 
 
-def _preloaded(library: str, environment: Any) -> str:
-    return ' '.join([find_shim(environment, library)] + environment.get(_PRELOAD, '').split())
+def preloaded(library: str, environment: Mapping[str, str]) -> str:
+    """Return the value of PRELOAD with a library before all others.
+
+    :raises ValueError: as :func:`find_shim` does.
+    """
+    return ' '.join([find_shim(environment, library), *environment.get(PRELOAD, '').replace(':', ' ').split()])
 
 
 def node_name(path: str, arguments: Sequence[str], environment: Any) -> str:

@@ -6,13 +6,11 @@ have it. :mod:`native` is its Python side.
 from __future__ import annotations
 
 import ctypes
-import os
 from typing import Dict
 
 from . import binary
 
 LIBRARY = 'libmove_base_abstract_python_shim.so'
-_PRELOAD = 'LD_PRELOAD'
 _CELLS = 'move_base_abstract_native_cells'
 
 
@@ -23,12 +21,10 @@ def is_loaded() -> bool:
 
 def preload(environment: Dict[str, str]) -> bool:
     """Add the library to the environment of a Python that is about to start; return whether that is a change."""
-    words = environment.get(_PRELOAD, '').replace(':', ' ').split()
-    if any(os.path.basename(word) == LIBRARY for word in words):
+    if LIBRARY in environment.get(binary.PRELOAD, ''):
         return False  # the system has not loaded it into this process, so it will not load it into the next one
     try:
-        path = binary.find_shim(environment, LIBRARY)
+        environment[binary.PRELOAD] = binary.preloaded(LIBRARY, environment)
     except ValueError:
         return False
-    environment[_PRELOAD] = ' '.join([path, *words])
     return True

@@ -10,7 +10,7 @@ An answer names participants, and of the other nodes those that offer something.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Set, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Set
 
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
@@ -82,17 +82,18 @@ class Queries:
                 return ask()
         return ask_who
 
-    def _registrations(self) -> Tuple[Registrations, List[List[List[Any]]]]:
-        """Return (the Registrations to be shown, the state that the ROS master knows)."""
-        with aside():
-            code, _, state = self._master.getSystemState(self._participant.members.own_name)
-        state = state if code == 1 else [[], [], []]
-        return Registrations(state, self._participant.members.there, self._participant.members.gone), state
+    def _registrations(self, state: Any = None) -> Registrations:
+        """Return what of the ROS master's ``state`` is to be shown; None: of its present state."""
+        if state is None:
+            with aside():
+                code, _, found = self._master.getSystemState(self._participant.members.own_name)
+            state = found if code == 1 else [[], [], []]
+        return Registrations(state, self._participant.members.there, self._participant.members.gone)
 
     def _topics(self, shown: Callable[..., List[List[str]]], ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, pairs = ask()
         if code == 1:
-            there, _ = self._registrations()
+            there = self._registrations()
             pairs = shown(there, pairs)
             self._tell(there.strangers({name for name, _ in pairs}))
         return [code, message, pairs]
@@ -100,7 +101,7 @@ class Queries:
     def _state(self, ask: Callable[[], Answer], *_arguments: str) -> Answer:
         code, message, state = ask()
         if code == 1:
-            there = Registrations(state, self._participant.members.there, self._participant.members.gone)
+            there = self._registrations(state)
             state = there.state()
             self._tell(there.strangers())
         return [code, message, state]
@@ -114,8 +115,7 @@ class Queries:
         return ask()
 
     def _service(self, ask: Callable[[], Answer], _caller: str, service: str) -> Answer:
-        there, state = self._registrations()
-        if there.only_gone_serve(service, state):
+        if self._registrations().only_gone_serve(service):
             return [-1, 'no provider', '']
         return ask()
 
