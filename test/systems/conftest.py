@@ -44,7 +44,7 @@ def launch_of_the_file(request):
         yield None
         return
     from launched import launched
-    with launched(text, getattr(request.module, 'OWN_NODE', None)) as ros:
+    with launched(text, *(getattr(request.module, name, None) for name in ('OWN_NODE', 'FACTOR'))) as ros:
         yield ros
 
 

@@ -1,6 +1,7 @@
 """The launch file with which a test file begins, on a ROS master of its own; the test's process is a node of it.
 
     LAUNCH_FILE = '<launch> ... </launch>'   # in a test file: started before its first test, ended after its last
+    FACTOR = 20                              # of a time master that is started first; without it there is none
     OWN_NODE = 'name'                        # the name of the test's own node; without it there is none
 """
 import os
@@ -18,6 +19,8 @@ from move_base_abstract_ros.launching import plan, roles, ros_master
 GUARD = 60.0  # s, wall; only ends a start that would never end
 QUIET = 0.5  # s, wall
 FOLDER = os.path.dirname(os.path.abspath(__file__))
+TIME_MASTER = ('<include file="$(find move_base_abstract)/launch/time_master.launch">'
+               '<arg name="factor" value="{}"/></include>')
 
 
 class Launched(Loopback):
@@ -65,8 +68,13 @@ class Launched(Loopback):
 
 
 @contextmanager
-def launched(text, node):
-    """Give a ROS master of this process, with what a launch file names; ``node``: the name of its own node, or None."""
+def launched(text, node, factor=None):
+    """Give a ROS master of this process, with what a launch file names, after a time master with ``factor``, or none.
+
+    ``node``: the name of the process's own node, or None.
+    """
+    if factor is not None:
+        text = text.replace('<launch>', '<launch>' + TIME_MASTER.format(factor), 1)
     with Launched() as ros:
         ros.adopt()
         ros.launch(text)

@@ -15,6 +15,7 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
+from rosgraph_msgs.msg import Log
 from rospy.impl.registration import get_topic_manager
 from waiting import GUARD, wait_for
 
@@ -24,6 +25,7 @@ SPEED = 2.0  # m/s, as in the .test files
 ACCEPTED = 'This goal has been accepted by the simple action server'
 ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'
 BAD_QUATERNION = 'Aborting on goal because it was sent with an invalid quaternion'
+REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
 
 LoadMap = getattr(nav_msgs.srv, 'LoadMap', None)  # Debian 11's nav_msgs has none
@@ -91,6 +93,11 @@ class Record:
                 self._changed.wait(left)
 
 
+def warned(log, *words):
+    """Return the text of the first warning with all ``words`` in ``log``, a Record of /rosout."""
+    return log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words)).msg
+
+
 def _publishers(topic):
     """Return the names of the nodes that publish ``topic``."""
     published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
@@ -144,6 +151,13 @@ class RawClient:
     def ending(self, goal_id):
         """Wait for the result of ``goal_id`` and return its message."""
         return self.result.wait_for(lambda message: message.status.goal_id.id == goal_id)
+
+    def drive(self, pose, goal_id=None):
+        """Send ``pose`` and wait for its end; return ((state, text), how long it was active [ns])."""
+        goal_id = self.send(pose, goal_id)
+        start_ns = active_since_ns(self, goal_id)
+        ended = self.ending(goal_id)
+        return (ended.status.status, ended.status.text), ended.header.stamp.to_nsec() - start_ns
 
     def endings(self, goal_id):
         """Return [(status, text)] of all results of ``goal_id`` so far."""

@@ -13,9 +13,6 @@ from move_base_abstract.srv import SetPose
 
 LAUNCH_FILE = """
 <launch>  <!-- tf, pose topics and teleports of the built-in simulator -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="10"/>
-  </include>
   <group ns="robot_0">
     <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
       <rosparam>
@@ -39,9 +36,8 @@ LAUNCH_FILE = """
   </group>
 </launch>
 """
+FACTOR = 10
 OWN_NODE = 'backend_builtin_test'
-
-REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
 
 class BuiltinBackend(unittest.TestCase):

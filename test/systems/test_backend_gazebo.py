@@ -7,19 +7,15 @@ import unittest
 
 import rospy
 import warm
-from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from robot_harness import GUARD, Record, go, pose_stamped, simple_client
+from robot_harness import GUARD, REACHED, Record, go, pose_stamped, simple_client, warned
 from rosgraph_msgs.msg import Log
 
 from move_base_abstract_ros.loopback import find_executable
 
 LAUNCH_FILE = """
 <launch>  <!-- the backend gazebo with a stand-in for its service in the test, since Debian has neither simulator -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="10"/>
-  </include>
   <group ns="robot_0">
     <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
       <env name="PYTHONPATH" value="$(find move_base_abstract)/test/data/gazebo_fake:$(env PYTHONPATH)"/>
@@ -43,12 +39,12 @@ LAUNCH_FILE = """
   </group>
 </launch>
 """
+FACTOR = 10
 OWN_NODE = 'gazebo'
 
 INSTALLED = importlib.util.find_spec('gazebo_msgs') is not None
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'data', 'gazebo_fake'))
 SERVICE = '/gazebo/set_model_state'
-REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
 
 class Gazebo:
@@ -93,11 +89,8 @@ class GazeboBackend(unittest.TestCase):
         cls.log = Record('/rosout', Log)
         cls.robots = [simple_client(f'/robot_{k}') for k in (0, 1)]
 
-    def warning(self, *words):
-        return self.log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words))
-
     def test_1_robots_work_and_warn_while_there_is_no_gazebo(self):
-        self.warning("model 'robot_0' could not be placed", SERVICE)
+        warned(self.log, "model 'robot_0' could not be placed", SERVICE)
         self.assertEqual(go(self.robots[0], pose_stamped(3.0, 4.0)), REACHED)
 
     def test_2_a_gazebo_that_comes_late_learns_where_the_robot_is(self):
@@ -106,7 +99,7 @@ class GazeboBackend(unittest.TestCase):
         self.assertEqual((state.reference_frame, state.pose.position.z), ('world', 0.0))
 
     def test_3_a_model_that_gazebo_does_not_know_is_warned_about_and_holds_nobody_up(self):
-        self.warning("model 'husky' could not be placed", 'does not exist')
+        warned(self.log, "model 'husky' could not be placed", 'does not exist')
         self.assertEqual(go(self.robots[0], pose_stamped(5.0, 4.0)), REACHED)
         self.gazebo.wait_for('robot_0', 5.0, 4.0)
         self.gazebo.models.add('husky')

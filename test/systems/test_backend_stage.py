@@ -6,10 +6,9 @@ import unittest
 import rosgraph
 import rospy
 import tf2_ros
-from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from robot_harness import GUARD, Record, go, pose_stamped, simple_client, to_transform
+from robot_harness import GUARD, REACHED, Record, go, pose_stamped, simple_client, to_transform, warned
 from rosgraph_msgs.msg import Clock, Log
 
 from move_base_abstract.motion.geometry import Pose2D
@@ -130,9 +129,6 @@ class StageBackend(unittest.TestCase):
             time.sleep(PERIOD)
         self.fail(f'{child} did not come to ({x}, {y}) in the map; tf has it at {position}')
 
-    def warning(self, *words):
-        return self.log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words))
-
     def test_1_stage_is_told_the_start_pose_in_its_own_world(self):
         self.assert_at(self.commands[0].wait_for(), -12.0, 6.0, QUARTER_TURN)
 
@@ -143,7 +139,7 @@ class StageBackend(unittest.TestCase):
         self.assert_at(Record('/robot_0/robot_pose', PoseStamped).wait_for().pose, 1.0, 2.0, 0.0)
 
     def test_3_a_goal_moves_the_robot_in_stage_and_tf_follows_stages_truth(self):
-        self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
+        self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), REACHED)
         self.commands[0].wait_for(lambda pose: abs(pose.position.x + 16.0) + abs(pose.position.y - 9.0) < 1e-6)
         self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
 
@@ -151,7 +147,7 @@ class StageBackend(unittest.TestCase):
         self.stages[0].is_silent = True
         time.sleep(1.0)  # until the messages under way have come
         self.commands[0].clear()
-        self.assertEqual(go(self.simple, pose_stamped(4.0, 9.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
+        self.assertEqual(go(self.simple, pose_stamped(4.0, 9.0)), REACHED)
         self.assertEqual(self.commands[0].messages, [])
         truths = Record(f'/{self.stages[0].name}/base_pose_ground_truth', Odometry)
         self.stages[0].is_silent = False
@@ -159,7 +155,7 @@ class StageBackend(unittest.TestCase):
         heard = len(truths.messages)
         truths.wait_for(lambda _: len(truths.messages) > heard + 10)
         self.assertIn(len(self.commands[0].messages), (1, 2, 3))  # some answers may cross; at rest there is none
-        self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
+        self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), REACHED)
         self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
 
     def test_4_what_stage_publishes_is_left_to_it(self):
@@ -180,7 +176,7 @@ class StageBackend(unittest.TestCase):
     def test_6_a_stage_that_does_not_follow_is_told_of_once(self):
         self.stages[0].follows = False
         go(self.simple, pose_stamped(20.0, 6.0))
-        text = self.warning('robot_0', 'Stage does not follow').msg
+        text = warned(self.log, 'robot_0', 'Stage does not follow')
         self.assertIn('16.00 m', text)
         self.assertNotIn('no node subscribes', text)
         time.sleep(3.0)
@@ -198,6 +194,6 @@ class StageBackend(unittest.TestCase):
             self.assertIn('time_master:=false', text)
 
     def test_8_a_stage_with_another_clock_is_told_of_and_tf_is_dated_as_it_dates(self):
-        text = self.warning('robot_2: Stage dates its odometry', 's before /clock').msg
+        text = warned(self.log, 'robot_2: Stage dates its odometry', 's before /clock')
         self.assertGreaterEqual(float(text.split('odometry ')[1].split()[0]), BEHIND_NS // 10 ** 9)
         self.wait_for_tf('robot_2/base_link', 7.0, 0.0)

@@ -22,13 +22,8 @@ from waiting import wait_for
 
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH_FILE = """
-<launch>  <!-- the first goal of clients that start before the servers -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="20"/>
-  </include>
-</launch>
-"""
+LAUNCH_FILE = '<launch></launch>'
+FACTOR = 20
 OWN_NODE = 'first_goal_test'
 
 

@@ -11,6 +11,7 @@ from nav_msgs.srv import GetPlan, SetMap
 from robot_harness import (
     GUARD,
     NO_PLAN,
+    REACHED,
     LoadMap,
     RawClient,
     Record,
@@ -24,9 +25,6 @@ from move_base_abstract_ros.maps.map_listener import MapListener
 
 LAUNCH_FILE = """
 <launch>  <!-- a map with a block in it, and a fleet whose robots use the map in different ways -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="20"/>
-  </include>
   <include file="$(find move_base_abstract)/launch/map.launch">
     <arg name="map" value="$(find move_base_abstract)/test/data/blocks.yaml"/>
   </include>
@@ -47,11 +45,11 @@ LAUNCH_FILE = """
   </node>
 </launch>
 """
+FACTOR = 20
 OWN_NODE = 'map_goals_test'
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data')
 FREE, OCCUPIED, UNKNOWN, OFF = (1.25, 0.25), (2.25, 0.25), (4.25, 0.25), (10.0, 0.0)
-REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 REFUSED = (GoalStatus.ABORTED, NO_PLAN)
 OFF_THE_MAP = 'The goal sent to the navfn planner is off the global costmap. Planning will always fail to this goal.'
 

@@ -14,13 +14,8 @@ from robot_process import Started
 
 from move_base_abstract_ros.loopback import find_executable
 
-LAUNCH_FILE = """
-<launch>  <!-- the test starts map servers of its own with good and bad arguments -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="10"/>
-  </include>
-</launch>
-"""
+LAUNCH_FILE = '<launch></launch>'
+FACTOR = 10
 OWN_NODE = 'map_server_test'
 
 BLOCKS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data', 'blocks.yaml')

@@ -22,9 +22,6 @@ from move_base_abstract_ros.markers.world_markers import OUTLINE, SIGN
 
 LAUNCH_FILE = """
 <launch>  <!-- robots as markers: one message for all robots of a process -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="5"/>
-  </include>
   <node pkg="move_base_abstract" type="fleet" name="fleet" required="true">
     <rosparam>
       defaults: {max_speed: 2.0, marker_size: 2.0}
@@ -38,6 +35,7 @@ LAUNCH_FILE = """
   </node>
 </launch>
 """
+FACTOR = 5
 OWN_NODE = 'markers_test'
 
 TOPIC = '/move_base_abstract/markers'

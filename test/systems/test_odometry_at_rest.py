@@ -8,14 +8,12 @@ from robot_harness import Record
 
 LAUNCH_FILE = """
 <launch>  <!-- a robot whose odometry goes on while it stands; runs in lockstep are on ROS masters of their own -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="10"/>
-  </include>
   <node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0" required="true">
     <rosparam>{max_speed: 1.0, start_x: 1.0}</rosparam>
   </node>
 </launch>
 """
+FACTOR = 10
 OWN_NODE = 'odometry_at_rest_test'
 
 MS = 1_000_000  # ns

@@ -11,9 +11,6 @@ from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stampe
 
 LAUNCH_FILE = """
 <launch>  <!-- the topics that RViz shows for a robot without costmaps and planner -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="2"/>
-  </include>
   <group ns="robot_0">
     <param name="footprint" value="[[0.5, 0.25], [-0.5, 0.25], [-0.5, -0.25], [0.5, -0.25]]"/>
     <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
@@ -27,6 +24,7 @@ LAUNCH_FILE = """
   </group>
 </launch>
 """
+FACTOR = 2
 OWN_NODE = 'planner_views_test'
 
 MOVE_BASE = '/robot_0/move_base'

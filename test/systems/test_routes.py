@@ -8,7 +8,7 @@ from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseActionFeedback
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
-from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+from robot_harness import GUARD, NO_PLAN, REACHED, RawClient, Record, go, pose_stamped, simple_client
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.map_files import load_map, read_description
@@ -19,9 +19,6 @@ from move_base_abstract.srv import CloseZone, SetZoneLimit
 
 LAUNCH_FILE = """
 <launch>  <!-- the farm yard, and robots that drive around its buildings -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="20"/>
-  </include>
   <include file="$(find move_base_abstract)/launch/map.launch"/>
   <node pkg="move_base_abstract" type="fleet" name="fleet" output="screen" required="true">
     <rosparam subst_value="true">
@@ -42,13 +39,13 @@ LAUNCH_FILE = """
   </node>
 </launch>
 """
+FACTOR = 20
 OWN_NODE = 'routes_test'
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 MAPS = os.path.join(ROOT, 'maps')
 LANES = os.path.join(ROOT, 'config', 'lanes', 'farm_yard.yaml')
 START, GOAL, WALL, FAR = (10.0, 4.0), (10.0, 20.0), (10.0, 12.0), (-5.0, 4.0)
-REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
 
 def yard():
@@ -80,13 +77,11 @@ class Routes(unittest.TestCase):
         odometry = Record('/{}/odom'.format(robot), Odometry)
         feedback = Record('/{}/move_base/feedback'.format(robot), MoveBaseActionFeedback)
         client = RawClient('/' + robot)
-        goal_id = client.send(pose_stamped(*GOAL))
-        start_ns = active_since_ns(client, goal_id)
-        ended = client.ending(goal_id)
-        self.assertEqual((ended.status.status, ended.status.text), REACHED)
+        ended, took_ns = client.drive(pose_stamped(*GOAL))
+        self.assertEqual(ended, REACHED)
         places = [message.pose.pose.position for message in odometry.messages] + [
             message.feedback.base_position.pose.position for message in feedback.messages]
-        return ended.header.stamp.to_nsec() - start_ns, [(place.x, place.y) for place in places]
+        return took_ns, [(place.x, place.y) for place in places]
 
     def test_it_drives_around_the_building_for_as_long_as_the_plain_fleet(self):
         stopping = {'corners': 'stop', 'turn_rate': 1.0, 'acceleration': 1.0}
@@ -108,12 +103,7 @@ class Routes(unittest.TestCase):
     def test_it_keeps_to_the_lanes_for_as_long_as_in_the_plain_fleet(self):
         pen = (43.0, 11.0)
         corners, duration_ns = travelled(pen, routes='lanes', use_map=False, lanes=LANES)
-        client = RawClient('/laner')
-        goal_id = client.send(pose_stamped(*pen))
-        start_ns = active_since_ns(client, goal_id)
-        ended = client.ending(goal_id)
-        self.assertEqual((ended.status.status, ended.status.text), REACHED)
-        self.assertEqual(ended.header.stamp.to_nsec() - start_ns, duration_ns)
+        self.assertEqual(RawClient('/laner').drive(pose_stamped(*pen)), (REACHED, duration_ns))
         self.assertGreater(duration_ns, 9.0 / 0.4 * 1e9)  # since the last lane is slow
         plan = points(rospy.wait_for_message('/laner/move_base/NavfnROS/plan', Path, GUARD))
         self.assertEqual((plan[0], plan[-1]), (START, pen))

@@ -8,15 +8,12 @@ from actionlib_msgs.msg import GoalStatus
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from move_base_msgs.msg import RecoveryStatus
-from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+from robot_harness import GUARD, NO_PLAN, REACHED, RawClient, Record, go, pose_stamped, simple_client
 from robot_process import RobotProcess
 from tf2_msgs.msg import TFMessage
 
 LAUNCH_FILE = """
 <launch>  <!-- parameters and remaps as existing move_base set-ups have them -->
-  <include file="$(find move_base_abstract)/launch/time_master.launch">
-    <arg name="factor" value="20"/>
-  </include>
   <group ns="husky">  <!-- without a map -->
     <node pkg="move_base_abstract" type="move_base" name="move_base" required="true">
       <rosparam>
@@ -52,9 +49,9 @@ LAUNCH_FILE = """
   </group>
 </launch>
 """
+FACTOR = 20
 OWN_NODE = 'setups_test'
 
-REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 REFUSED = (GoalStatus.ABORTED, NO_PLAN)
 DWA = 'dwa_local_planner/DWAPlannerROS'
 _names = ('/r{}'.format(number) for number in itertools.count())
@@ -116,9 +113,7 @@ class Recoveries(unittest.TestCase):
         client = RawClient('/quick')
         announced = Record.fresh('/quick/move_base/recovery_status', RecoveryStatus)
         for _ in range(2):
-            goal_id = client.send(pose_stamped(50.0))
-            start_ns = active_since_ns(client, goal_id)
-            self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, 15_000_000_000)
+            self.assertEqual(client.drive(pose_stamped(50.0))[1], 15_000_000_000)
             announced.wait_for(lambda message: message.recovery_behavior_name == 'aggressive_reset')
             self.assertEqual([message.recovery_behavior_name for message in announced.messages],
                              ['conservative_reset', 'aggressive_reset'])
@@ -160,9 +155,7 @@ class ParameterServer(unittest.TestCase):
             if change:
                 planner.update_configuration(change)
             place += 8.0
-            goal_id = client.send(pose_stamped(place))
-            start_ns = active_since_ns(client, goal_id)
-            self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, int(8e9 / speed), change)
+            self.assertEqual(client.drive(pose_stamped(place))[1], int(8e9 / speed), change)
         self.assertEqual(rospy.get_param(robot.private + '/DWAPlannerROS'), {'max_vel_x': 1.0, 'max_vel_trans': 0.5})
 
     def test_what_is_set_by_reconfigure_is_there_after_a_restart_and_nothing_else_is(self):
