@@ -1,5 +1,4 @@
 """The world that bench/world measures: a map of blocks, stations in its streets, scenarios with one part or all."""
-import os
 import random
 
 import lane_net
@@ -93,15 +92,3 @@ def make_lanes(robots, folder):
     scenario['robots'] = [{'name': f'robot_{index}', 'start_x': x, 'start_y': y}
                           for index, (x, y) in enumerate(stations)]
     return scenario, stations
-
-
-def write_map(occupancy, folder):
-    """Write the files of a map into ``folder``; return the path of its description."""
-    rows = np.where(occupancy.cells[::-1] == 0, 254, 0).astype(np.uint8)
-    with open(os.path.join(folder, 'world.pgm'), 'wb') as stream:
-        stream.write('P5\n{} {}\n255\n'.format(*occupancy.cells.shape[::-1]).encode() + rows.tobytes())
-    description = os.path.join(folder, 'world.yaml')
-    with open(description, 'w', encoding='utf-8') as stream:
-        stream.write(f'image: world.pgm\nresolution: {RESOLUTION}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n'
-                     'occupied_thresh: 0.65\nfree_thresh: 0.196\n')
-    return description

@@ -5,7 +5,6 @@ import math
 import os
 from typing import Any, List, NamedTuple, Tuple
 
-import numpy as np
 import yaml
 
 from move_base_abstract.common import own_files
@@ -14,13 +13,12 @@ from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
 from move_base_abstract.common.units import seconds_to_ns
-from move_base_abstract.maps.map_files import load_map, read_description
+from move_base_abstract.maps.map_files import load_map, read_description, write_map
 from move_base_abstract.scenario import Scenario, read_scenario
 
 from .movingai import Cell, Problem, is_free
 
 FOLDER = own_files.FolderKind('MAPF scenario', ['scenario.yaml', 'map.yaml', 'map.pgm'])
-_FREE, _OCCUPIED = 254, 0
 _RADIUS = 0.35  # cells
 
 
@@ -61,28 +59,19 @@ def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: floa
                 raise ConfigurationError('problem {}: {}: got column {}, row {}; allowed: a free cell of the map'
                                          .format(number, what, *cell))
     head = '# Made by: {}\n'.format(words)
-    rows, columns = grid.blocked.shape
     robots = []
     for number, problem in enumerate(problems):
         x, y = grid.place(problem.start)
         robots.append({'name': 'agent_{}'.format(number), 'start_x': x, 'start_y': y})
     marker = FOLDER.make(folder)
     try:
-        with own_files.whole_file(os.path.join(folder, 'map.pgm'), 'wb') as stream:
-            stream.write('P5\n{} {}\n255\n'.format(columns, rows).encode()
-                         + np.where(grid.blocked, _OCCUPIED, _FREE).astype(np.uint8).tobytes())
-        _write(folder, 'map.yaml', head, {'image': 'map.pgm', 'resolution': grid.size, 'origin': [0.0, 0.0, 0.0],
-                                          'negate': 0, 'occupied_thresh': 0.65, 'free_thresh': 0.196})
-        _write(folder, 'scenario.yaml', head, {
-            'defaults': {'max_speed': grid.size / seconds, 'robot_radius': _RADIUS * grid.size, 'log_motion': True},
-            'robots': robots})
+        write_map(folder, 'map', grid.blocked, grid.size, head=head)
+        defaults = {'max_speed': grid.size / seconds, 'robot_radius': _RADIUS * grid.size, 'log_motion': True}
+        with own_files.whole_file(os.path.join(folder, 'scenario.yaml'), encoding='utf-8') as stream:
+            stream.write(head + yaml.safe_dump({'defaults': defaults, 'robots': robots}, sort_keys=False,
+                                               default_flow_style=None, width=120))
     finally:
         os.close(marker)
-
-
-def _write(folder: str, name: str, head: str, content: Any) -> None:
-    with own_files.whole_file(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
-        stream.write(head + yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120))
 
 
 def read_folder(folder: str, seed: Any = None) -> Site:

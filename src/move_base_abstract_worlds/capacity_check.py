@@ -24,11 +24,9 @@ from move_base_abstract.traffic.safe_states import needs_of
 from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_on_lanes, with_groups
 
 from .findings import Finding
-from .ways import MOST_WAYS, leg_between
+from .ways import MOST_WAYS, leg_between, too_many
 
 if TYPE_CHECKING:
-    import networkx as nx
-
     from move_base_abstract.traffic.way import Crossing
 
     from .world import Drivers, World
@@ -48,9 +46,8 @@ def check_capacities(world: World) -> Iterator[Finding]:
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.has_zones or rules.blocks > 1)))
         if len(pairs) > MOST_WAYS:
-            yield Finding('not_checked', 'capacities', 'robots with zones that have a capacity, or with blocks, have '
-                          '{} ways between nodes, starts and places, more than {}'.format(len(pairs), MOST_WAYS),
-                          os.path.basename(world.path), 'check a scenario with fewer of them')
+            yield too_many(world, 'capacities', 'robots with zones that have a capacity, or with blocks, have {} ways '
+                           'between nodes, starts and places,'.format(len(pairs)))
             pairs = []
         for begin, end in pairs:
             for one, other, held, late in areas.arrows(drivers, begin, end):
@@ -215,12 +212,12 @@ def _pairs(world: World, drivers: Drivers,
                              if node != other))
 
 
-def _parts(arrows: nx.DiGraph) -> List[List[int]]:
+def _parts(arrows: networkx.DiGraph) -> List[List[int]]:
     """Return the sets of areas that circles connect, each sorted, in the order of their first areas."""
     return sorted(sorted(part) for part in networkx.strongly_connected_components(arrows) if len(part) > 1)
 
 
-def _least_circle(world: World, areas: Areas, arrows: nx.DiGraph, part: Sequence[int]) -> Iterator[Finding]:
+def _least_circle(world: World, areas: Areas, arrows: networkx.DiGraph, part: Sequence[int]) -> Iterator[Finding]:
     """Yield the Finding of the least circle in a part, if there are enough robots for it, and no guard."""
     graph = arrows.subgraph(part)
     best, circle = len(world.starts) + 1, None
@@ -261,7 +258,7 @@ def _sum(areas: Areas, circle: Sequence[int]) -> int:
     return sum(areas.capacity(number) for number in circle)
 
 
-def _is_possible(areas: Areas, graph: nx.DiGraph, circle: Any) -> bool:
+def _is_possible(areas: Areas, graph: networkx.DiGraph, circle: Any) -> bool:
     """Return whether a circle can fill: its last robot is let in, and no guard keeps out robots that it needs."""
     if not any(graph.edges[one, other]['late'] for one, other in zip(circle, circle[1:] + circle[:1])):
         return False
@@ -270,7 +267,7 @@ def _is_possible(areas: Areas, graph: nx.DiGraph, circle: Any) -> bool:
     return all(areas.capacity(guard) >= _sum(areas, circle) for guard in sorted(guards))
 
 
-def _any_circle(areas: Areas, graph: nx.DiGraph, most: int) -> Tuple[None, bool]:
+def _any_circle(areas: Areas, graph: networkx.DiGraph, most: int) -> Tuple[None, bool]:
     """Return (a circle that can fill with ``most`` robots, or None; whether there were too many circles to try)."""
     for number, circle in enumerate(networkx.simple_cycles(graph)):
         if number == _MOST_CIRCLES:

@@ -1,14 +1,13 @@
 """Check charge: chargers that robots cannot reach with their first charge, and places too far from any charger."""
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.energy.consumption import LegEnergy
 
 from .findings import Finding, listed
-from .ways import MOST_WAYS, leg_between
+from .ways import MOST_WAYS, leg_between, too_many
 
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
@@ -27,9 +26,8 @@ def check_charge(world: World) -> Iterator[Finding]:
     if not chargers or not groups:
         return
     if (len(starts) + 2 * len(places) * len(groups)) * len(chargers) > MOST_WAYS:
-        yield Finding('not_checked', 'charge', '{} robots, {} places and {} chargers are more than {} ways'.format(
-            len(starts), len(places), len(chargers), MOST_WAYS), os.path.basename(world.path),
-            'check a scenario with fewer of them')
+        yield too_many(world, 'charge', '{} robots, {} places and {} chargers are'.format(
+            len(starts), len(places), len(chargers)))
         return
     needs = [[energy_between(drivers, start.spec.settings.start, charger.pose) for charger in chargers]
              for drivers, start in starts]

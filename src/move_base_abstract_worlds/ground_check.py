@@ -8,7 +8,7 @@ from move_base_abstract.maps.way_clearance import way_clearance
 
 from .findings import Finding, listed
 from .net_check import node_place
-from .ways import MOST_WAYS, alike
+from .ways import MOST_WAYS, alike, too_many
 
 if TYPE_CHECKING:
     from move_base_abstract.maps.lane_map import LaneMap
@@ -72,9 +72,7 @@ def _targets(world: World) -> Iterator[Finding]:
     targets = [target for target in world.targets if target.what != 'charger' or batteries]
     groups = [(drivers, starts) for drivers in world.drivers for starts in alike(drivers)]
     if len(targets) * len(groups) > MOST_WAYS:
-        yield Finding('not_checked', 'ways', '{} robots and {} places are more than {} ways'.format(
-            len(world.starts), len(targets), MOST_WAYS), os.path.basename(world.path),
-            'check a scenario with fewer robots')
+        yield too_many(world, 'ways', '{} robots and {} places are'.format(len(world.starts), len(targets)))
         return
     for target in targets:
         refused: List[Any] = []

@@ -10,6 +10,7 @@ import yaml
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_files import write_map
 
 if TYPE_CHECKING:
     import random
@@ -19,7 +20,6 @@ FOLDER = own_files.FolderKind('scenario', ['scenario.yaml', 'lanes.yaml', 'map.y
 DISPATCHER = {'policy': 'nearest', 'charge_below': 0.3, 'charge_until': 0.9, 'charge_when_idle': 0.6}
 _DEADLINE = 600.0  # s, from the arrival of an order
 _MOST_CELLS = 4_000  # along a side of the map
-_FREE, _OCCUPIED = 254, 0
 
 
 @dataclass
@@ -123,17 +123,13 @@ def _write_map(folder: str, head: str, site: Site) -> None:
     left, low, right, high = site.box
     resolution = 0.1 * 2 ** max(0, int(np.ceil(np.log2(max(right - left, high - low) / 0.1 / _MOST_CELLS))))
     columns, rows = (int(round(side / resolution)) for side in (right - left, high - low))
-    shades = np.full((rows, columns), _FREE, np.uint8)  # the first row is in the south
+    blocked = np.zeros((rows, columns), bool)  # the first row is in the south
     for x_min, y_min, x_max, y_max in site.walls:
         begin = [int(round(value / resolution)) for value in (x_min - left, y_min - low)]
         end = [int(round(value / resolution)) for value in (x_max - left, y_max - low)]
-        shades[max(0, begin[1]):max(0, end[1]), max(0, begin[0]):max(0, end[0])] = _OCCUPIED
-    shades[[0, -1]] = shades[:, [0, -1]] = _OCCUPIED
-    with own_files.whole_file(os.path.join(folder, 'map.pgm'), 'wb') as stream:
-        stream.write('P5\n{} {}\n255\n'.format(columns, rows).encode() + shades[::-1].tobytes())
-    _write(folder, 'map.yaml', head + _yaml({
-        'image': 'map.pgm', 'resolution': resolution, 'origin': [left, low, 0.0], 'negate': 0, 'occupied_thresh': 0.65,
-        'free_thresh': 0.196}))
+        blocked[max(0, begin[1]):max(0, end[1]), max(0, begin[0]):max(0, end[0])] = True
+    blocked[[0, -1]] = blocked[:, [0, -1]] = True
+    write_map(folder, 'map', blocked[::-1], round(resolution, 3), (round(left, 3), round(low, 3)), head)
 
 
 def _write(folder: str, name: str, text: str) -> None:

@@ -12,8 +12,6 @@ from move_base_abstract.maps.lane_planner import LaneWays
 from .findings import Finding, listed
 
 if TYPE_CHECKING:
-    import networkx as nx
-
     from move_base_abstract.maps.lane_map import LaneMap
 
     from .world import World
@@ -28,7 +26,7 @@ def check_net(world: World) -> Iterator[Finding]:
         yield from _off_net(world, net)
 
 
-def graph_of(net: LaneMap) -> nx.DiGraph:
+def graph_of(net: LaneMap) -> networkx.DiGraph:
     """Return the directed graph of a LaneMap: one edge for each direction in which a lane may be driven."""
     graph = networkx.DiGraph()
     graph.add_nodes_from(net.nodes)
@@ -44,7 +42,7 @@ def node_place(net: LaneMap, name: str) -> str:
     return '{}: nodes[{}]'.format(os.path.basename(net.source), list(net.nodes).index(name))
 
 
-def _dead_ends(net: LaneMap, graph: nx.DiGraph) -> Iterator[Finding]:
+def _dead_ends(net: LaneMap, graph: networkx.DiGraph) -> Iterator[Finding]:
     """Yield a Finding for each part of the net that robots can enter and never leave.
 
     Such a part is a strongly connected component without a lane that leads out of it.
@@ -62,7 +60,7 @@ def _dead_ends(net: LaneMap, graph: nx.DiGraph) -> Iterator[Finding]:
                       'two-way', points)
 
 
-def _unreachable(world: World, net: LaneMap, graph: nx.DiGraph) -> Iterator[Finding]:
+def _unreachable(world: World, net: LaneMap, graph: networkx.DiGraph) -> Iterator[Finding]:
     """Yield a Finding for each node to which no lanes lead from the start of some robot."""
     reached = dict.fromkeys(net.nodes, 0)
     without: Any = {name: [] for name in net.nodes}

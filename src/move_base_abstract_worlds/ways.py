@@ -1,6 +1,7 @@
 """Ways and legs of robots before they drive, by the planners and laws that they will use."""
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any, Dict, List
 
 import networkx
@@ -10,15 +11,22 @@ from move_base_abstract.maps.lane_planner import LaneWays
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.motion.route import CornerLaw
 
+from .findings import Finding
 from .net_check import graph_of
 
 if TYPE_CHECKING:
     from move_base_abstract.common.geometry import Pose2D
 
-    from .world import Drivers, Start
+    from .world import Drivers, Start, World
 
 #: the largest number of ways that one check computes; if there are more, it says that it was not made
 MOST_WAYS = 100_000
+
+
+def too_many(world: World, name: str, what: str) -> Finding:
+    """Return the Finding that a check was not made, because ``what`` ('3 robots have', for example) too many ways."""
+    return Finding('not_checked', name, '{} more than {} ways'.format(what, MOST_WAYS), os.path.basename(world.path),
+                   'check a scenario with fewer of them')
 
 
 def leg_between(drivers: Drivers, begin: Pose2D, goal: Pose2D) -> Any:

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_files import write_map
 from move_base_abstract.motion.calibration import make_calibration, read_calibration
 from move_base_abstract_calibration import command, encounter_fit, encounter_report
 from move_base_abstract_calibration.law import Durations
@@ -66,9 +67,7 @@ def write_recording(folder, rows):
         lines.append(','.join(map(str, ['m', robot, number, *start, *goal, *goal, send, result, result - send, state,
                                         0, 0, 0])))
     (folder / 'legs.csv.gz').write_bytes(gzip.compress(('\n'.join(lines) + '\n').encode()))
-    (folder / 'hall.pgm').write_bytes(b'P5\n300 100\n255\n' + b'\xfe' * 30000)
-    (folder / 'hall.yaml').write_text('{image: hall.pgm, resolution: 0.1, origin: [0, 0, 0], negate: 0, '
-                                      'occupied_thresh: 0.65, free_thresh: 0.196}\n')
+    write_map(str(folder), 'hall', np.zeros((100, 300), bool), 0.1)
 
 
 HEAD_ON = [(0, 1, (2.0, 5.0, 0.0), (28.0, 5.0, 0.0), 0.0, 40.0, 3),

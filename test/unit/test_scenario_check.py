@@ -11,6 +11,7 @@ import yaml
 from PIL import Image
 
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.maps.map_files import write_map
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract_worlds import command
 from move_base_abstract_worlds.check import findings_of
@@ -35,12 +36,7 @@ def world_file(folder, net=None, **scenario):
 
 def map_file(folder, rows, resolution=1.0):
     """Write a map of text, '#' occupied, the first row in the north; return its path."""
-    shades = np.array([[0 if cell == '#' else 254 for cell in row] for row in rows], np.uint8)
-    Image.fromarray(shades).save(folder / 'ground.png')
-    (folder / 'ground.yaml').write_text(yaml.safe_dump({
-        'image': 'ground.png', 'resolution': resolution, 'origin': [0, 0, 0], 'negate': 0, 'occupied_thresh': 0.65,
-        'free_thresh': 0.196}))
-    return folder / 'ground.yaml'
+    return write_map(str(folder), 'ground', np.array([[cell == '#' for cell in row] for row in rows]), resolution)
 
 
 def found(path, map_path=None):
