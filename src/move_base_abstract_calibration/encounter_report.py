@@ -44,7 +44,7 @@ def calibrate_encounters(folders: Sequence[str], name: str,
     radius = RADIUS if calibration.encounters is None else calibration.encounters.radius
     legs: List[MetLeg] = []
     for folder in folders:
-        legs += _numbered_from(len(legs), met_legs(folder, calibration, radius, robot_radius))
+        legs += met_legs(folder, calibration, radius, robot_radius, len(legs))
     fitted = fit_encounters(legs, raw, radius)
     values = {key: value for key, value in raw.items() if key not in ('format', 'source')}
     values[ENCOUNTERS] = {**fitted.values, 'source': _source(legs, fitted)}
@@ -75,12 +75,6 @@ def map_scores(legs: Sequence[MetLeg], calibration: Values, radius: float) -> Li
             more = sum(mean_seconds(leg, fitted.values, radius) for leg in asked)
             found.append(MapScore(name, len(asked), with_them - without, measured / (alone + more), measured / alone))
     return found
-
-
-def _numbered_from(first: int, legs: Sequence[MetLeg]) -> List[MetLeg]:
-    """Return ``legs`` with the numbers of the legs that they met raised by ``first``, to append them to a list."""
-    return [leg._replace(meetings=tuple(one._replace(other=None if one.other is None else first + one.other)
-                                        for one in leg.meetings)) for leg in legs]
 
 
 def _renumbered(chosen: Sequence[MetLeg], legs: Sequence[MetLeg]) -> List[MetLeg]:

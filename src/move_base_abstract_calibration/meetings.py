@@ -58,12 +58,13 @@ class MetLeg(NamedTuple):
     cut: bool = False
 
 
-def met_legs(folder: Union[str, Path], calibration: Calibration, radius: float, robot_radius: float) -> List[MetLeg]:
+def met_legs(folder: Union[str, Path], calibration: Calibration, radius: float, robot_radius: float,
+             first: int = 0) -> List[MetLeg]:
     """Return a :class:`MetLeg` for each leg of the recordings in ``folder`` that counts.
 
     ``folder``: it has missions.csv and legs.csv.gz, and the maps that do not ship; examples/reality/README.md explains
     them. ``calibration``: that of the robots; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: the distance of
-    ways from occupied cells.
+    ways from occupied cells; ``first``: the number of the first leg in the list of all legs.
 
     :raises ConfigurationError: if a file cannot be read, or a leg is of a mission that is not in missions.csv.
     """
@@ -84,7 +85,7 @@ def met_legs(folder: Union[str, Path], calibration: Calibration, radius: float, 
         ways = _ways(name, folder, robot_radius)
         motions = {robot: _motions(legs, calibration, ways, radius)
                    for robot, legs in sorted(missions.get(run, {}).items())}
-        found += _of_mission(name, motions, radius, len(found))
+        found += _of_mission(name, motions, radius, first + len(found))
     return found
 
 

@@ -14,12 +14,13 @@ from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.scenario import check_frame, counted_places, make_robot
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
 from move_base_abstract.tasks.room import Rooms
+from move_base_abstract.traffic.control import Traffic
 
 from ..markers import world_markers
 from ..replacing.bulk_registration import bulk_registration
 from ..robot.move_base_server import MoveBaseServer
 from ..robot.names import RobotNames
-from .traffic_interface import TrafficInterface, make_traffic
+from .traffic_interface import TrafficInterface
 
 if TYPE_CHECKING:
     from move_base_abstract.scenario import RobotSpec, Scenario
@@ -48,7 +49,7 @@ class FleetServer:
         self._namespace = namespace
         self._host = host
         self._defaults = scenario.defaults
-        self._traffic = make_traffic(host.clock.simulation, scenario)
+        self._traffic = Traffic(host.clock.simulation, scenario.zones, scenario.traffic)
         self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
         self._robots: Dict[str, MoveBaseServer] = {}
         self._frames: Dict[str, str] = {}  # {tf frame: name of its robot}

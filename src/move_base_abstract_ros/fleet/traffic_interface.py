@@ -8,26 +8,19 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.msg import ZoneState, ZoneStates
 from move_base_abstract.srv import CloseZone, CloseZoneResponse, SetZoneLimit, SetZoneLimitResponse
-from move_base_abstract.traffic.control import Traffic
 
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet
 from ..messages.packing import of_message
 
 if TYPE_CHECKING:
-    from move_base_abstract.engine.simulation import Simulation
-    from move_base_abstract.scenario import Scenario
     from move_base_abstract.traffic.area import AreaState
+    from move_base_abstract.traffic.control import Traffic
 
     from ..clocks.timing import Clock
     from ..messages.packing import Pack
 
 _MOST_PLACES = 2 ** 32 - 1  # the largest capacity that a message can hold
-
-
-def make_traffic(simulation: Simulation, scenario: Scenario) -> Traffic:
-    """Return the :class:`Traffic` of a scenario's zones and lanes."""
-    return Traffic(simulation, scenario.zones, scenario.traffic)
 
 
 class TrafficInterface:

@@ -61,7 +61,7 @@ def _server(host, rooms, values, index, robot):
         ns = rospy.resolve_name('/'.join(part for part in (robot, values['task']) if part))
         name = robot.strip('/') or rospy.get_namespace().strip('/') or rospy.get_name().strip('/')
         server = WorkServer(ns, name, index, host, rooms, values, stream)
-    host.add_robot()
+    host.robot_count += 1
     return server
 
 

@@ -11,15 +11,14 @@ from move_base_abstract.faults.failures import REQUEST, check_request
 from move_base_abstract.goals.events import ChargePassed, Charging, Failed, Held, Repaired
 from move_base_abstract.srv import Fail, FailResponse
 
-from . import diagnostics
 from .battery_server import BatteryServer
+from .diagnostics import RobotDiagnostics, of_condition
 
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.faults.condition import Condition
 
-    from .diagnostics import RobotDiagnostics
     from .host import Host
     from .names import RobotNames
 
@@ -39,8 +38,7 @@ class ConditionServer:
         self._diagnostics: Optional[RobotDiagnostics] = None
         self._battery: Optional[BatteryServer] = None
         if not condition.is_ordinary:
-            self._diagnostics = host.diagnostics().add(robot_index, names.robot,
-                                                       lambda: diagnostics.of_condition(condition))
+            self._diagnostics = RobotDiagnostics(host, robot_index, names.robot, lambda: of_condition(condition))
         if condition.battery is not None:
             self._battery = BatteryServer(names, settings, host, robot_index, condition.battery)
         stream.subscribe('condition', {

@@ -14,7 +14,6 @@ from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat
 
 if TYPE_CHECKING:
-    from move_base_abstract.config.rates import Rates
     from move_base_abstract.faults.condition import Condition
 
     from .host import Host
@@ -31,29 +30,23 @@ class Diagnostics:
     def __init__(self, host: Host) -> None:
         self.outlet = Outlet('/diagnostics', DiagnosticArray, queue_size=100)
         self.heartbeat = Heartbeat(host, _FREQUENCY, _RATE_CAP)
-        self._rates = host.rates
-
-    def add(self, robot_index: int, name: str, tell: Callable[[], Told]) -> RobotDiagnostics:
-        """Add the robot ``name``; return its RobotDiagnostics.
-
-        ``tell()`` returns (level, text, {key: value}), as for a DiagnosticStatus.
-        """
-        return RobotDiagnostics(self, self._rates, robot_index, name, tell)
 
 
 class RobotDiagnostics:
-    """The status of one robot, in messages of its own, so that they keep their place in the order of all messages."""
+    """The status of one robot, in messages of its own, so that they keep their place in the order of all messages.
 
-    def __init__(self, shared: Diagnostics, rates: Rates, robot_index: int, name: str,
-                 tell: Callable[[], Told]) -> None:
-        self._shared = shared
-        self._rates = rates
+    ``tell()`` returns (level, text, {key: value}), as for a DiagnosticStatus.
+    """
+
+    def __init__(self, host: Host, robot_index: int, name: str, tell: Callable[[], Told]) -> None:
+        self._shared = shared = host.diagnostics()
+        self._rates = host.rates
         self._robot_index = robot_index
         self._name = name
         self._tell = tell
         self._latest: Optional[Told] = None
         shared.heartbeat.add(self.send, shared.outlet.is_heard)
-        self._told = rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
+        self._told = host.rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
 
     def changed(self, now_ns: int) -> None:
         """Publish the condition at ``now_ns`` [ns] if it differs from the last one that was published."""

@@ -34,9 +34,9 @@ _PUBLICATIONS_PER_SECOND = 500.0  # wall; the limit for all robots of a process 
 class ActionOptions:
     """actionlib's own parameters. The queue sizes count messages; the frequency is in Hz of simulated time."""
 
-    pub_queue_size: int = 50
-    sub_queue_size: int = 50
-    status_frequency: float = 5.0
+    pub_queue_size: int
+    sub_queue_size: int
+    status_frequency: float
 
 
 def read_action_options(status_frequency: float) -> ActionOptions:
@@ -47,15 +47,15 @@ def read_action_options(status_frequency: float) -> ActionOptions:
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
     raw = {_FREQUENCY: status_frequency}
-    for name in ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size'):
+    queues = ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size')
+    for name in queues:
         if rospy.has_param(name):
             raw[name] = rospy.get_param(name)
     frequency = rospy.search_param(_FREQUENCY)
     if frequency:
         raw[_FREQUENCY] = rospy.get_param(frequency)
     values = read_table(raw, ACTIONLIB, rospy.get_namespace())
-    sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
-                                                                   'actionlib_server_sub_queue_size')]
+    sizes = [values[name] if values[name] > 0 else 50 for name in queues]
     return ActionOptions(sizes[0], sizes[1], values[_FREQUENCY])
 
 
@@ -68,8 +68,8 @@ class Host:
     :raises ConfigurationError: if one of actionlib's parameters is not allowed, or the clock has not started.
     """
 
-    def __init__(self, clock: Clock, timing: Timing,
-                 is_crowded: bool = False, zones: Sequence[Zone] = (), encounters: Optional[Encounters] = None) -> None:
+    def __init__(self, clock: Clock, timing: Timing, is_crowded: bool = False, zones: Sequence[Zone] = (),
+                 encounters: Optional[Encounters] = None) -> None:
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
@@ -81,7 +81,7 @@ class Host:
         self.is_crowded = is_crowded
         self.zones = zones
         self.encounters = encounters
-        self._robot_count = 0
+        self.robot_count = 0  # of those that share the limit of publications
         self.surroundings = Surroundings()
         self._has_warned = False  # about goals beyond the recorded legs of a calibration
         self.rates = Rates(clock.hearers.rates_changed)
@@ -97,14 +97,6 @@ class Host:
         if not self._has_warned:
             self._has_warned = True
             rospy.logwarn(WARNING.format(event.robot, event.words))
-
-    def add_robot(self) -> None:
-        """Count one more robot, which shares the limit of publications."""
-        self._robot_count += 1
-
-    def remove_robot(self) -> None:
-        """Count one robot less."""
-        self._robot_count -= 1
 
     def tf_heartbeat(self, frequency: float, rate_cap: float) -> Heartbeat:
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
@@ -124,4 +116,4 @@ class Host:
 
     def shortest_period(self) -> float:
         """Return the shortest time [s, wall] between two publications of one robot, if all robots publish alike."""
-        return self._robot_count / _PUBLICATIONS_PER_SECOND
+        return self.robot_count / _PUBLICATIONS_PER_SECOND

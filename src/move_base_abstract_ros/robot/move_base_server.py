@@ -82,7 +82,7 @@ class MoveBaseServer:
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
         clock.follow_restarts(self._restart)
-        host.add_robot()  # last, so that a robot whose settings are refused does not count
+        host.robot_count += 1  # last, so that a robot whose settings are refused does not count
 
     def _set_up(self, robot_index: int) -> None:
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
@@ -142,8 +142,7 @@ class MoveBaseServer:
                                                  values['priority'])
         self.condition.begin(self._clock.simulation.now_ns)
 
-    def _make_scans(self, robot: Robot,
-                    backend: Backend) -> Optional[ScanPublisher]:
+    def _make_scans(self, robot: Robot, backend: Backend) -> Optional[ScanPublisher]:
         if not self._settings.laser.rate:
             return None
         from .scan_publisher import ScanPublisher  # imported here, because only robots with a laser need numpy
@@ -181,7 +180,7 @@ class MoveBaseServer:
             tf_watch.release(self._frames_told)
             self._markers.close()
             self._clock.leave_restarts(self._restart)
-        self._host.remove_robot()
+        self._host.robot_count -= 1
 
     def reset(self) -> None:
         """Set everything but the time as at the start: the start pose, the first limits, no goals."""
@@ -231,7 +230,7 @@ class MoveBaseServer:
 
     def _show(self) -> None:
         with self._clock.lock:
-            self._publisher.show(self._clock.now_ns())
+            self._publisher.place(self._clock.now_ns())
 
     def _compare(self, _event: Departed) -> None:
         robot, law = self.navigator.robot, self._settings.original

@@ -85,13 +85,9 @@ class Reconfigure:
         self._where = names.private
         self._namespace = names.namespace
         values = settings.values
-        self._move_base_start = {
-            'controller_frequency': values['controller_frequency'], 'planner_patience': values['planner_patience'],
-            'max_planning_retries': values['max_planning_retries'],
-            'recovery_behavior_enabled': values['recovery_behavior_enabled'],
-            'make_plan_add_unreachable_goal': values['make_plan_add_unreachable_goal'],
-            'base_global_planner': values['base_global_planner'],
-            'base_local_planner': values['base_local_planner']}
+        self._move_base_start = {name: values[name] for name in (
+            'controller_frequency', 'planner_patience', 'max_planning_retries', 'recovery_behavior_enabled',
+            'make_plan_add_unreachable_goal', 'base_global_planner', 'base_local_planner')}
         limits = settings.limits
         self._speeds_start = SpeedNames.of(limits.max_speed, settings.speeds)
         self._planner_start = {

@@ -35,8 +35,7 @@ class RobotPublisher:
     """Publishes a robot's poses (by its backend), costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
     def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot: Robot,
-                 backend: Backend, costmaps: CostmapTopics,
-                 stream: Stream) -> None:
+                 backend: Backend, costmaps: CostmapTopics, stream: Stream) -> None:
         simulation = host.clock.simulation
         self._clock = host.clock
         self._robot = robot
@@ -57,8 +56,8 @@ class RobotPublisher:
         self._rates = host.rates
         self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self._rest = self._series_at_rest(settings, host)
-        stream.subscribe('shown', {Departed: self._departed, Stands: self._stands, Aimed: self._aimed,
-                                   WheelsStopped: self._wheels_stopped, Recovery: self._recovers,
+        stream.subscribe('shown', {Departed: self._departed, Stands: lambda event: self._stand(event.time_ns),
+                                   Aimed: self._aimed, WheelsStopped: self._wheels_stopped, Recovery: self._recovers,
                                    Lapse: self._lapsed})
         self._stand(simulation.now_ns)
 
@@ -80,7 +79,7 @@ class RobotPublisher:
     def _departed(self, event: Departed) -> None:
         if self._rest is not None:
             self._rest.stop()
-        self._place(event.time_ns)
+        self.place(event.time_ns)
         if self._updates is not None:
             self._updates.start(event.time_ns)
         else:
@@ -88,17 +87,14 @@ class RobotPublisher:
             if not self._beats:
                 self._clock.hearers.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
 
-    def _stands(self, event: Stands) -> None:
-        self._stand(event.time_ns)
-
     def _stand(self, now_ns: int) -> None:
         if self._updates is not None:
             self._updates.stop()
-        self._place(now_ns)
+        self.place(now_ns)
         if self._rest is not None:
             self._rest.start(now_ns + self._rest.period_ns)
 
-    def _place(self, now_ns: int, is_event: bool = True) -> None:
+    def place(self, now_ns: int, is_event: bool = True) -> None:
         """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
         if self._robot.reported.is_mute:
             return
@@ -113,15 +109,11 @@ class RobotPublisher:
 
     def _lapsed(self, event: Any) -> None:
         self._backend.shift = self._robot.reported.shift
-        self._place(event.time_ns)
+        self.place(event.time_ns)
 
     def _aimed(self, event: Aimed) -> None:
         self._current_goal.send(lambda seq: self._in_global_frame.goal(seq, event.goal, event.height, event.quaternion,
                                                                        event.time_ns))
-
-    def show(self, now_ns: int) -> None:
-        """Publish the robot's pose at ``now_ns`` [ns] once more."""
-        self._place(now_ns)
 
     def _wheels_stopped(self, _event: WheelsStopped) -> None:
         self._cmd_vel.send(_stand_still)
@@ -161,7 +153,7 @@ class RobotPublisher:
 
     def _update(self, due_ns: int, _now_ns: int) -> int:
         if self._pose_throttle.ready():
-            self._place(due_ns, is_event=False)
+            self.place(due_ns, is_event=False)
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _still_stands(self, due_ns: int, _now_ns: int) -> int:
