@@ -31,21 +31,6 @@ class Trace:
 
 # ---- order
 
-def test_events_of_one_instant_come_by_robot_index_and_then_as_they_were_scheduled():
-    trace = Trace()
-    for due_ns, robot_index, name in [(5, 1, 'a'), (5, 0, 'b'), (3, 2, 'c'), (5, 0, 'd'), (4, 9, 'e'), (5, 1, 'f')]:
-        trace.schedule(due_ns, robot_index, name)
-    assert trace.run(5) == [(3, 5, 2, 'c'), (4, 5, 9, 'e'), (5, 5, 0, 'b'), (5, 5, 0, 'd'), (5, 5, 1, 'a'),
-                            (5, 5, 1, 'f')]
-
-
-def test_an_event_happens_once_and_not_before_it_is_due():
-    trace = Trace()
-    trace.schedule(10)
-    assert trace.run(9) == []
-    assert trace.run(10, 10, 11) == [(10, 10, 0, '')]
-
-
 def test_what_is_scheduled_meanwhile_happens_in_its_place():
     trace = Trace()
 
@@ -113,18 +98,6 @@ def test_any_events_come_in_order_at_the_first_instant_not_before_them(plans, in
 
 # ---- cancelling
 
-def test_a_cancelled_event_neither_happens_nor_counts_as_the_next():
-    trace = Trace()
-    first = trace.schedule(1, 0, 'first')
-    trace.schedule(2, 0, 'second')
-    first.cancel()
-    first.cancel()
-    assert trace.queue.next_due_ns() == 2
-    assert trace.run(5) == [(2, 5, 0, 'second')]
-    assert trace.queue.next_due_ns() is None
-    first.cancel()
-
-
 def test_an_event_can_cancel_another_of_the_same_instant_and_itself():
     trace = Trace()
     events = {}
@@ -161,16 +134,6 @@ class SeriesTrace(Trace):
 def test_a_series_needs_a_period(period_ns):
     with pytest.raises(ValueError, match='the period of a series must be > 0 ns, got {}'.format(period_ns)):
         SeriesTrace(period_ns)
-
-
-def test_a_series_says_each_multiple_once():
-    trace = SeriesTrace(10, first_ns=7)
-    assert trace.run(6, 7, 8, 16, 17, 27, 37) == [(7, 7), (17, 17), (27, 27), (37, 37)]
-
-
-def test_a_series_leaves_out_what_the_clock_has_leapt_over_and_returns_to_its_multiples():
-    trace = SeriesTrace(10, first_ns=0)
-    assert trace.run(0, 35, 39, 40, 41, 99, 100) == [(0, 0), (10, 35), (40, 40), (50, 99), (100, 100)]
 
 
 def test_a_series_is_still_on_its_multiples_after_a_billion_of_them():

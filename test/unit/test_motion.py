@@ -4,7 +4,7 @@ import math
 import sys
 
 import pytest
-from hypothesis import assume, example, given, strategies as st
+from hypothesis import example, given, strategies as st
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
@@ -69,21 +69,6 @@ def test_a_trip_accelerates_cruises_and_decelerates():
     times = [-1.0, 0.0, 1.0, 2.0, 6.0, 10.0, 11.0, 12.0, 13.0]
     assert [profile.covered(t) for t in times] == [0.0, 0.0, 0.5, 2.0, 10.0, 18.0, 19.5, 20.0, 20.0]
     assert [profile.speed(t) for t in times] == [0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 1.0, 0.0, 0.0]
-
-
-@given(st.floats(1e-6, 1e4), SPEEDS, ACCELERATIONS)
-def test_a_trip_too_short_for_full_speed_takes_twice_the_root_of_distance_over_acceleration(distance, speed, accel):
-    assume(distance < speed * speed / accel)
-    profile = SpeedProfile(distance, speed, accel)
-    assert profile.seconds == pytest.approx(2.0 * math.sqrt(distance / accel))
-    assert profile.covered(profile.seconds / 2.0) == pytest.approx(distance / 2.0)
-    assert profile.speed(profile.seconds / 2.0) == pytest.approx(math.sqrt(accel * distance))
-
-
-@given(st.floats(1e-6, 1e4), SPEEDS, ACCELERATIONS)
-def test_a_trip_long_enough_for_full_speed_takes_one_ramp_longer_than_at_full_speed(distance, speed, accel):
-    assume(distance >= speed * speed / accel)
-    assert SpeedProfile(distance, speed, accel).seconds == pytest.approx(distance / speed + speed / accel)
 
 
 @given(PROFILES, SHARES)

@@ -5,12 +5,11 @@ import math
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import FRAME, integer, number
-from move_base_abstract.common.parameter_table import Parameter, checked, unknown_names
+from move_base_abstract.common.kinds import number
+from move_base_abstract.common.parameter_table import unknown_names
 from move_base_abstract.common.shown import shown
 from move_base_abstract.config.robot_table import OWN_NAMES
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract.config.upstream import plugin_namespace
 from move_base_abstract.goals.navigator import BadFramePolicy
 from move_base_abstract.goals.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior
 from move_base_abstract.maps.planning import WorldBounds
@@ -212,6 +211,7 @@ FIELDS = [
     ('controller_frequency', 0.0, POSITIVE + ' [Hz, simulated]'),
     ('planner_patience', -1.0, NOT_NEGATIVE + ' [s, simulated]'),
     ('max_planning_retries', -2, 'a whole number >= -1'), ('max_planning_retries', 1.5, 'a whole number >= -1'),
+    ('max_planning_retries', True, 'a whole number >= -1'),
     ('recovery_behavior_enabled', 1, 'true or false'), ('make_plan_add_unreachable_goal', 'yes', 'true or false'),
     ('base_local_planner', 1, 'the name of a plugin'), ('base_global_planner', None, 'the name of a plugin'),
     ('status_list_timeout', -1.0, NOT_NEGATIVE + ' [s, simulated]'), ('marker_topic', '', 'a topic name'),
@@ -243,10 +243,6 @@ def test_no_number_may_be_nan_infinite_a_bool_a_text_or_beyond_all_floats(key, v
 @pytest.mark.parametrize('value', [math.nan, '1', None])
 def test_neither_whole_numbers_nor_booleans_are_guessed(key, value):
     assert refusal_of({key: value}).startswith('parameter {}/{}: got {!r}; allowed: '.format(WHERE, key, value))
-
-
-def test_a_bool_is_not_a_whole_number():
-    assert refusal_of({'max_planning_retries': True}).endswith('got True; allowed: a whole number >= -1')
 
 
 @pytest.mark.parametrize('raw, key', [
@@ -335,12 +331,6 @@ def test_the_groups_of_other_plugins_and_recovery_behaviours_are_known_by_their_
     assert settings.warnings == ['parameter /robot_0/move_base/Other: unknown, not used']
 
 
-@pytest.mark.parametrize('plugin, namespace', [
-    ('dwa_local_planner/DWAPlannerROS', DWA), ('dwa_local_planner::DWAPlannerROS', DWA), (DWA, DWA)])
-def test_a_plugins_namespace_is_the_last_part_of_its_name(plugin, namespace):
-    assert plugin_namespace(plugin) == namespace
-
-
 # ---- the table itself
 
 def test_each_of_our_names_stands_for_one_parameter():
@@ -356,13 +346,3 @@ def test_numbers_become_floats_and_their_limits_belong_to_them():
     with pytest.raises(ValueError):
         number(above=1.0)(1.0)
     assert number(above=1.0)(1.5) == 1.5
-
-
-def test_other_converters_keep_good_values():
-    assert (integer(-1)(-1), FRAME('//map'), FRAME('a/b')) == (-1, 'map', 'a/b')
-
-
-def test_a_conversion_that_fails_says_all_there_is_to_say():
-    with pytest.raises(ConfigurationError) as error:
-        checked('x', 'group/key', Parameter('key', 1, integer(2)), '/ns/')
-    assert str(error.value) == "parameter /ns/group/key: got 'x'; allowed: a whole number >= 2"
