@@ -183,8 +183,8 @@ def test_a_robot_without_a_map_sees_robots_only():
 
 
 @pytest.mark.parametrize('parameters, text', [
-    ({'scan_range_min': 3.0, 'scan_range_max': 3.0}, 'scan_range_min: got 3 with scan_range_max: 3'),
-    ({'scan_angle_min': 1.0, 'scan_angle_max': 0.0}, 'scan_angle_min: got 1 with scan_angle_max: 0'),
+    ({'scan_range_min': 3.0, 'scan_range_max': 3.0}, 'scan_range_min: got 3.0 with scan_range_max: 3'),
+    ({'scan_angle_min': 1.0, 'scan_angle_max': 0.0}, 'scan_angle_min: got 1.0 with scan_angle_max: 0'),
     ({'scan_beams': 0}, 'scan_beams: got 0'), ({'scan_rate': -1.0}, 'scan_rate: got -1.0')])
 def test_impossible_lasers_are_refused(parameters, text):
     with pytest.raises(ConfigurationError, match=text):

@@ -17,10 +17,10 @@ from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
 from .geometry import Pose2D
 from .input_files import open_input
-from .kinds import similar
+from .kinds import error, similar
 from .map_images import ImageRule, MapMode
 from .pnm_files import BYTES_MAX, is_pnm, read_pnm
-from .shown import shown, shown_text
+from .shown import shown_text
 
 if TYPE_CHECKING:
     from .type_names import StrPath
@@ -56,25 +56,21 @@ def read_description(path: StrPath) -> MapDescription:
     :raises ConfigurationError: if it cannot be used; the text names the file, the key, what was got and what is
         allowed.
     """
-    document = _parse(path)
+    document = load_yaml_file(path)
+    if not isinstance(document, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
+            path, type(document).__name__, ', '.join(_REQUIRED)))
     for key in _REQUIRED:
         if key not in document:
             raise ConfigurationError('{}: {}: missing; a map needs the keys {}'.format(path, key, ', '.join(_REQUIRED)))
     resolution = _number(document['resolution'], path, 'resolution', above=0.0, unit=' [m/cell]')
-    rule = ImageRule(_mode(document.get('mode', MapMode.TRINARY.value), path),
+    modes = {mode.value: mode for mode in MapMode}
+    rule = ImageRule(_choice(document.get('mode', MapMode.TRINARY.value), path, 'mode', modes, ', '.join(modes)),
                      _choice(document['negate'], path, 'negate', _FLAGS, '0 or 1'),
                      _number(document['occupied_thresh'], path, 'occupied_thresh'),
                      _number(document['free_thresh'], path, 'free_thresh'))
     return MapDescription(_image_path(document['image'], path), resolution, _origin(document['origin'], path), rule,
                           tuple(_warnings(document, rule, path)))
-
-
-def _parse(path: StrPath) -> Dict[Any, Any]:
-    document = load_yaml_file(path)
-    if not isinstance(document, dict):
-        raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
-            path, type(document).__name__, ', '.join(_REQUIRED)))
-    return document
 
 
 def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, unit: str = '') -> float:
@@ -86,32 +82,26 @@ def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, un
         if not math.isfinite(value) or (above is not None and not value > above):
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise ConfigurationError('{}: {}: got {}; allowed: a finite number{}{}'.format(
-            path, key, shown(raw), '' if above is None else ' > {:g}'.format(above), unit)) from None
+        raise error(f'{path}: {key}', raw, 'a finite number{}{}'.format(
+            '' if above is None else ' > {:g}'.format(above), unit)) from None
     return value
 
 
 def _choice(raw: Any, path: StrPath, key: str, choices: Mapping[Any, _Chosen], allowed: str) -> _Chosen:
     if not isinstance(raw, (bool, int, str)) or raw not in choices:
-        raise ConfigurationError('{}: {}: got {}; allowed: {}'.format(path, key, shown(raw), allowed))
+        raise error(f'{path}: {key}', raw, allowed)
     return choices[raw]
-
-
-def _mode(raw: Any, path: StrPath) -> MapMode:
-    return _choice(raw, path, 'mode', {mode.value: mode for mode in MapMode}, ', '.join(mode.value for mode in MapMode))
 
 
 def _origin(raw: Any, path: StrPath) -> Pose2D:
     if not isinstance(raw, list) or len(raw) != 3:
-        raise ConfigurationError('{}: origin: got {}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
-                                 'corner'.format(path, shown(raw)))
+        raise error(f'{path}: origin', raw, '[x, y, yaw] [m, m, rad], the pose of the lower left corner')
     return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
 
 
 def _image_path(raw: Any, path: StrPath) -> str:
     if not isinstance(raw, str) or not raw:
-        raise ConfigurationError('{}: image: got {}; allowed: the path of an image, relative to this file or '
-                                 'absolute'.format(path, shown(raw)))
+        raise error(f'{path}: image', raw, 'the path of an image, relative to this file or absolute')
     return os.path.join(os.path.dirname(path), raw)
 
 
@@ -143,8 +133,8 @@ def read_pixels(path: StrPath) -> Any:
                                  'other common formats'.format(path)) from None
     except ConfigurationError:
         raise
-    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
-        raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as fault:
+        raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, fault)) from None
 
 
 def _to_channels(path: StrPath, image: Any) -> Any:

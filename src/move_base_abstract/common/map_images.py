@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import ConfigurationError
+from .kinds import error
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,8 +43,7 @@ class ImageRule:
     def __post_init__(self) -> None:
         for name in ('occupied_thresh', 'free_thresh'):
             if not math.isfinite(getattr(self, name)):
-                raise ConfigurationError('{}: got {!r}; allowed: a finite number, 0..1 as a rule'.format(
-                    name, getattr(self, name)))
+                raise error(name, getattr(self, name), 'a finite number, 0..1 as a rule')
 
     def cell_of_shade(self, shade: float) -> int:
         """Return the cell value of an opaque pixel of ``shade`` (0 black .. 255 white, fractions allowed).

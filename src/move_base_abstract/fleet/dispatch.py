@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple, Union
 
 from ..common.arguments import check_function, check_kind, check_method
-from ..common.errors import ConfigurationError
+from ..common.kinds import error
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 from ..orders.dispatcher import Drive, GiveUp, PolicyError
 from ..orders.order import Order, fault_of
@@ -111,7 +111,7 @@ class Dispatch:
         :raises ConfigurationError: if nothing is recorded (``trace=None``).
         """
         if self.fleet.trace is None:
-            raise ConfigurationError('trace: got None, so nothing is known of the past; allowed: a list')
+            raise error('trace', None, 'a list', ', so nothing is known of the past')
         story = Story(self._begin_ns, self.fleet.names)
         for entry in self.fleet.trace:
             story.take(*entry)

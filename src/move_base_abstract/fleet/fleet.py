@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Optional
 
 from ..common.arguments import as_float, as_instant, check_function, check_kind, check_method, check_path
 from ..common.errors import ConfigurationError, TimeError
+from ..common.kinds import error
 from ..common.old_names import warn_of_old
 from ..common.units import NS_PER_S, seconds_to_ns
 from ..encounters.control import make_encounters
@@ -216,7 +217,7 @@ class Fleet:
         check_path(path, 'path')
         trace = self.trace
         if trace is None:
-            raise ConfigurationError('trace: got None, so there is nothing to write; allowed: a list')
+            raise error('trace', None, 'a list', ', so there is nothing to write')
         write_event_log(path, trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..common.errors import ConfigurationError
 from ..common.geometry import Pose2D
+from ..common.kinds import error
 from ..common.map_images import OCCUPIED, UNKNOWN
 from .map_check import Ground
 
@@ -34,16 +35,14 @@ class OccupancyMap:
             raise ConfigurationError('map: got cells of type {} and shape {}; allowed: a 2-D array of int8 that is '
                                      'not empty'.format(cells.dtype, cells.shape))
         if not (resolution > 0.0 and math.isfinite(resolution)):
-            raise ConfigurationError('map: resolution: got {!r}; allowed: a finite number > 0 [m/cell]'.format(
-                resolution))
+            raise error('map: resolution', resolution, 'a finite number > 0 [m/cell]')
         #: the values of the cells, [row from the south, column from the west]; read-only
         self.cells = cells.view()
         self.cells.flags.writeable = False
         with np.errstate(over='ignore', under='ignore'):
             self.resolution = float(np.float32(resolution))
         if not 0.0 < self.resolution < math.inf:
-            raise ConfigurationError('map: resolution: got {!r}; allowed: a number > 0 that 32 bits hold '
-                                     '[m/cell]'.format(resolution))
+            raise error('map: resolution', resolution, 'a number > 0 that 32 bits hold [m/cell]')
         self.origin = origin
         #: the numbers of rows and of columns
         self.height, self.width = cells.shape

@@ -5,9 +5,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Sequence
 
-from ..common.errors import ConfigurationError
-from ..common.kinds import FRAME, TOPIC, integer, number
-from ..common.parameter_table import Parameter
+from ..common.kinds import FRAME, TOPIC, error, integer, number
+from ..common.parameter_table import Parameter, place_of
 from ..motion.geometry import Pose2D
 
 if TYPE_CHECKING:
@@ -68,8 +67,8 @@ def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
     for what, unit in (('angle', 'rad'), ('range', 'm')):
         low, high = values['scan_{}_min'.format(what)], values['scan_{}_max'.format(what)]
         if not low < high:
-            raise ConfigurationError('parameter {0}/scan_{1}_min: got {2:g} with scan_{1}_max: {3:g}; allowed: less '
-                                     'than that [{4}]'.format(where.rstrip('/'), what, low, high, unit))
+            raise error(place_of(where, f'scan_{what}_min'), low, f'less than that [{unit}]',
+                        f' with scan_{what}_max: {high:g}')
     return LaserSettings(values['scan_rate'], values['scan_beams'], values['scan_angle_min'], values['scan_angle_max'],
                          values['scan_range_min'], values['scan_range_max'], values['scan_noise'],
                          Pose2D(values['scan_x'], values['scan_y'], values['scan_yaw']))

@@ -4,9 +4,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, Dict, Mapping, NamedTuple
 
-from ..common.errors import ConfigurationError
-from ..common.kinds import integer, number, one_of
-from ..common.parameter_table import Parameter, checked
+from ..common.kinds import error, integer, number, one_of
+from ..common.parameter_table import Parameter, checked, place_of
 from ..common.ros_names import is_robot_name
 
 MOST_GROUPS = 10_000
@@ -63,6 +62,5 @@ def read_rules(raw: Mapping[str, Any], where: str) -> TrafficRules:
     policy, *others = (checked(raw.get(one.name, one.default), one.name, one, where) for one in TABLE)
     rules = TrafficRules(DeadlockPolicy(policy), *others)
     if rules.lane_price and rules.policy is DeadlockPolicy.AVOID:  # it assumes that a robot keeps its way
-        raise ConfigurationError("parameter {}/lane_price: got {:g} with deadlock: 'avoid'; allowed: 0 with it".format(
-            where.rstrip('/'), rules.lane_price))
+        raise error(place_of(where, 'lane_price'), rules.lane_price, '0 with it', " with deadlock: 'avoid'")
     return rules
