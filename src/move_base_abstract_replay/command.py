@@ -34,8 +34,7 @@ def main(words: Any = None) -> None:
 
 def _parse(words: Any) -> Any:
     parser = argparse.ArgumentParser(prog='replay', description='Make a page from an event log that plays the run '
-                                     'in any '
-                                     'browser, from two logs side by side. Or write the run as ROS messages.',
+                                     'in any browser, from two logs side by side. Or write the run as ROS messages.',
                                      epilog='exit codes: 0 written, 2 a file cannot be read or written')
     parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); give two to compare '
                         'them')
@@ -43,19 +42,16 @@ def _parse(words: Any) -> Any:
     parser.add_argument('--scenario', metavar='FILE', help='the scenario of the run, whose zones, lanes and places are '
                         'shown (default: scenario.yaml beside the log, if it is there and of the same robots)')
     parser.add_argument('-o', '--output', metavar='PAGE',
-                        help='the page (default: {}, unless --mcap or --bag is given). A page that this program '
-                        'made is '
-                        'replaced, no other file is'.format(_PAGE))
+                        help='the page (default: {}, unless --mcap or --bag is given). A page that this program made '
+                        'is replaced, no other file is'.format(_PAGE))
     parser.add_argument('--mcap', metavar='FILE', help='write the run as ROS 1 messages into this new MCAP file')
     parser.add_argument('--bag', metavar='FILE', help='write the run as ROS messages into this new bag')
     parser.add_argument('--rate', type=_RATE, default=10.0, metavar='HZ', help='rate of the poses of moving robots in '
                         '--mcap and --bag [Hz, simulated] (default: %(default)g)')
     parser.add_argument('--frame', default='map', help='frame of the poses in --mcap and --bag (default: %(default)s)')
     options = parser.parse_args(words)
-    if len(options.logs) > 2:
-        parser.error('got {} logs; allowed: one, or two to be compared'.format(len(options.logs)))
     if len(options.logs) > 1 and (options.mcap or options.bag):
-        parser.error('got two logs; allowed with --mcap and --bag: one')
+        parser.error('got {} logs; allowed with --mcap and --bag: one'.format(len(options.logs)))
     if options.output is None and not (options.mcap or options.bag):
         options.output = _PAGE
     return options

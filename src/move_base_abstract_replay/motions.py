@@ -22,6 +22,7 @@ from move_base_abstract.motion.route import CornerLaw, Route
 
 from .charges import Charges
 from .constant_speed import even_pieces
+from .recording import is_number
 from .world import World
 
 if TYPE_CHECKING:
@@ -278,10 +279,4 @@ def _is_close(end: Pose2D, pose: Tuple[float, float, float]) -> bool:
 def _numbers(text: str) -> Optional[Tuple[float, ...]]:
     """Return a JSON array as a tuple of finite floats, or None if it is not one: any program may write such a row."""
     values = json.loads(text)
-    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-        return None
-    try:
-        numbers = tuple(map(float, values))
-    except OverflowError:
-        return None
-    return numbers if all(map(math.isfinite, numbers)) else None
+    return tuple(map(float, values)) if all(map(is_number, values)) else None

@@ -2,23 +2,27 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import jinja2
+import numpy as np
 
 from move_base_abstract.common import own_files
+from move_base_abstract.maps.map_files import load_map, read_description
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.runs import run_difference
 from move_base_abstract.runs.run_difference import told_lines
 from move_base_abstract.runs.states import IDLE, NAMES, STATES
 
-from .map_data import packed_map
 from .packed import Packer
 from .page_data import Run
 from .recording import ReplayError, read_recording
-from .world import World, find_world
+from .world import Box, World, box_of, find_world
 
 if TYPE_CHECKING:
+    from move_base_abstract.common.type_names import StrPath
     from move_base_abstract.runs.run_difference import Difference
     from move_base_abstract.scenario import Scenario
 
@@ -29,6 +33,10 @@ _SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'w
             'timeline', 'event_list', 'player')
 _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2
+_MOST_CELLS = 2048  # along a side of the map
+_UNKNOWN = 255  # on the page; other cells are 0 to 100 as in a nav_msgs/OccupancyGrid
+#: a map: (the text for data.js, its Box, warnings)
+Ground = Tuple[str, Optional[Box], List[Any]]
 
 
 def write_page(logs: Sequence[Path], output: Path, map_file: Any = None,
@@ -44,7 +52,7 @@ def write_page(logs: Sequence[Path], output: Path, map_file: Any = None,
     """
     paths = [str(log) for log in logs]
     if not 1 <= len(paths) <= _MOST_LOGS:
-        raise ReplayError('replay: got {} logs; allowed: one, or two to be compared'.format(len(paths)))
+        raise ReplayError('got {} logs; allowed: one, or two to be compared'.format(len(paths)))
     own_files.check_file(str(output), lambda line: line.startswith(_FIRST_LINE))
     recordings = [read_recording(log) for log in paths]
     world = find_world(scenario, recordings)
@@ -68,7 +76,7 @@ def find_difference(recordings: Sequence[Recording]) -> Tuple[Optional[Differenc
 
 
 def render(recordings: Sequence[Recording],
-           ground: Optional[Tuple[str, Tuple[float, float, float, float], List[Any]]] = None,
+           ground: Optional[Ground] = None,
            difference: Optional[Tuple[Optional[Difference], int]] = None, world: World = World()) -> str:
     """Return the page of one or two Recordings in a World, as text.
 
@@ -76,9 +84,9 @@ def render(recordings: Sequence[Recording],
     """
     runs = [Run(recording, world) for recording in recordings]
     notes = ['{}: {}'.format(run.name, note) if len(runs) > 1 else note for run in runs for note in run.notes]
-    box = _union([run.box for run in runs if run.box])
-    if box and ground:
-        box = _union([box, ground[1]])
+    boxes = [run.box for run in runs if run.box]
+    boxes += [ground[1]] if boxes and ground and ground[1] else []
+    box = box_of(corner for one in boxes for corner in (one[:2], one[2:]))
     first, before = difference or (None, 0)
     about = {'box': box, 'difference': first and {
         'time': first.time_ns, 'event': -1 if any(run.recording.left_out for run in runs) else before}}
@@ -135,9 +143,29 @@ def _told(difference: Difference) -> Dict[str, Union[List[str], int, str]]:
                      for event in (difference.first, difference.second)]}
 
 
-def _union(boxes: Sequence[Sequence[float]]) -> Optional[List[float]]:
-    """Return the box around some boxes (x_min, y_min, x_max, y_max), or None."""
-    if not boxes:
-        return None
-    least, most = zip(*(box[:2] for box in boxes)), zip(*(box[2:] for box in boxes))
-    return [*map(min, least), *map(max, most)]
+def packed_map(path: StrPath) -> Ground:
+    """Return the Ground of the map of a YAML file: its text for data.js, its Box, and warnings.
+
+    :raises ConfigurationError: if it cannot be read; the text names the file.
+    """
+    description = read_description(os.fspath(path))
+    grid = load_map(description)
+    step = -(-max(grid.width, grid.height) // _MOST_CELLS)
+    cells = _coarser(grid.cells, step)
+    packer = Packer()
+    packer.add('cells', 'u1', np.where(cells < 0, _UNKNOWN, cells).astype(np.uint8).tobytes())
+    corners = [grid.origin.compose(Pose2D(x, y)) for x in (0.0, grid.size[0]) for y in (0.0, grid.size[1])]
+    text = packer.text({'columns': cells.shape[1], 'rows': cells.shape[0], 'resolution': grid.resolution * step,
+                        'width': grid.size[0], 'height': grid.size[1],
+                        'origin': [grid.origin.x, grid.origin.y, grid.origin.yaw]})
+    return text, box_of((one.x, one.y) for one in corners), list(description.warnings)
+
+
+def _coarser(cells: np.ndarray, step: int) -> np.ndarray:
+    """Return the cells with each ``step`` by ``step`` of them joined: the most occupied one counts."""
+    if step == 1:
+        return cells
+    rows, columns = (-(-side // step) * step for side in cells.shape)
+    whole = np.full((rows, columns), -1, np.int8)
+    whole[:cells.shape[0], :cells.shape[1]] = cells
+    return whole.reshape(rows // step, step, columns // step, step).max(axis=(1, 3))

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
 
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs.story import Story
@@ -12,7 +12,7 @@ from .motions import Motions
 from .packed import Packer
 from .stays import count_orders, find_phases, find_stays
 from .timelines import find_links, find_timelines
-from .world import World
+from .world import Box, World, box_of
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -171,16 +171,12 @@ def _firsts(groups: Any) -> List[int]:
     return firsts
 
 
-def _box(motions: Motions, links: Sequence[Any], world: World) -> Optional[Tuple[float, float, float, float]]:
-    """Return (x_min, y_min, x_max, y_max) [m] around all robots, the world and a radio's fixed hosts, or None."""
+def _box(motions: Motions, links: Sequence[Any], world: World) -> Optional[Box]:
+    """Return the Box around all robots, the world and a radio's fixed hosts, or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
-              for place in (motion.start, motion.goal)]
-    places += world.points
-    if not places:
-        return None
-    places += [(end['x'], end['y']) for link in links for end in link['ends'] if 'x' in end]
-    return (min(place[0] for place in places), min(place[1] for place in places),
-            max(place[0] for place in places), max(place[1] for place in places))
+              for place in (motion.start, motion.goal)] + world.points
+    return box_of([*places, *((end['x'], end['y']) for link in links for end in link['ends'] if 'x' in end)]) \
+        if places else None
 
 
 def _count(number: int, what: str) -> str:

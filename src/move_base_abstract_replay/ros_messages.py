@@ -4,7 +4,6 @@ from __future__ import annotations
 import heapq
 import io
 import json
-import math
 from typing import Any, Dict, Iterator, List, NamedTuple
 
 from actionlib_msgs.msg import GoalStatus
@@ -19,6 +18,7 @@ from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_of_yaw
 
 from .motions import BACKWARDS, EVEN, LIMITED, make_leg
+from .recording import is_number
 
 EVENTS_TOPIC = '/event_log'  # has each event of the log as a line of JSON
 
@@ -134,7 +134,7 @@ def _goal_ids(recording: Any, motions: Any) -> Any:
 
 
 def _goal(prefix: str, time_ns: int, values: Any, goal_id: str, frame: str) -> Iterator[Any]:
-    if len(values) != 3 or not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
+    if len(values) != 3 or not all(map(is_number, values)):
         return
     message = _stamped(MoveBaseActionGoal(), time_ns, '')
     message.goal_id.id = _plain(goal_id)

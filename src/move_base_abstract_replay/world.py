@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.goals.events import MotionSet
 from move_base_abstract.maps.lane_map import LaneMap
@@ -12,13 +12,13 @@ from move_base_abstract.scenario import read_scenario
 from .recording import ReplayError
 
 if TYPE_CHECKING:
-
-
     from .recording import Recording
 
 _BESIDE = 'scenario.yaml'  # beside a log
 _MAP = 'map.yaml'  # beside a scenario
 _MOST_THINGS = 20_000
+#: (x_min, y_min, x_max, y_max) [m]
+Box = Tuple[float, float, float, float]
 
 
 class Start(NamedTuple):
@@ -110,6 +110,12 @@ def make_world(scenario: Any) -> World:
         row = MotionSet(0, spec.name, settings.start, settings.limits, settings.tolerances).row()
         world.starts[spec.name] = Start(row[3:6], row[6:], settings.battery)
     return world
+
+
+def box_of(points: Iterable[Sequence[float]]) -> Optional[Box]:
+    """Return the Box around points (x, y, ...), None if there are none."""
+    xs_and_ys = list(zip(*(point[:2] for point in points)))
+    return (*map(min, xs_and_ys), *map(max, xs_and_ys)) if xs_and_ys else None
 
 
 def _thing(kind: str, name: str, points: Sequence[Tuple[float, float]], capacity: Optional[int],

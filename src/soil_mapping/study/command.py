@@ -9,14 +9,15 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Dict, List, Sequence, Union
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.options import word_of
 from soil_mapping import config, environment
-from soil_mapping.config import TrialConfig
+from soil_mapping.config import PUBLISHED_CONFIGURATIONS, TrialConfig
+from soil_mapping.ground_truth.readings import MEUSE_FILE
 
 from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
@@ -39,6 +40,18 @@ MISSION = {
     '--dwell-spread': ('dwell_spread_s', 'S', 'each dwell is drawn evenly from dwell - S to dwell + S'),
     '--speed': ('speed', 'V', 'speed of the robots in m/s'),
     '--cell': ('cell_m', 'M', 'edge of a cell of truth and map in m; for synthetic and stretched fields 1 or 2')}
+
+CHOSEN = ('allocation', 'sampling', 'coarse_cells')  # these are factors, or follow from them
+GUARD_S = 300.0  # wall, in addition to the time that the clock needs; ends a trial that would never end
+COLUMNS = {
+    'rmse_kpa': {'title': 'Error of the map (RMSE)', 'unit': 'kPa', 'better': 'lower'},
+    'mean_variance_kpa2': {'title': 'Mean kriging variance', 'unit': 'kPa²', 'better': 'lower'},
+    'samples': {'title': 'Samples', 'better': 'higher'},
+    'distance_m': {'title': 'Distance driven by all robots', 'unit': 'm'},
+    'idle_s': {'title': 'Time without a task, all robots', 'unit': 's', 'better': 'lower'},
+    'waiting_s': {'title': 'Time held up, all robots', 'unit': 's', 'better': 'lower'},
+    'task_s': {'title': 'Mean time of a task', 'unit': 's', 'better': 'lower'},
+}
 
 
 def main(words: Any = None) -> Any:
@@ -135,22 +148,50 @@ def _run(arguments: Any) -> Any:
     from move_base_abstract_experiments.carrying import temporary
     from move_base_abstract_experiments.results import outputs
 
-    from . import experiment, trials
+    from . import trials
     mission = _config(arguments)
     names = groups.chosen(arguments.groups, os.environ.get('STUDY_1X') == '1')
     output = _folder(arguments)
     outputs.OUT.check(output)
     for spec in groups.specs_of(names, mission):
         trials.check(spec, with_imports=False)
-    document = experiment.document(mission, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
-                                   arguments.pictures)
+    content = document(mission, names, arguments.seeds, arguments.scaled_seeds, arguments.verify, arguments.pictures)
     with temporary.folder('move_base_abstract_study_') as folder:
         file = os.path.join(folder, 'experiment.yaml')
         with open(file, 'w', encoding='utf-8') as stream:
-            safe_dump(document, stream, sort_keys=False, allow_unicode=True)
+            safe_dump(content, stream, sort_keys=False, allow_unicode=True)
         bad = sweep.run(file, str(output), arguments.jobs, arguments.scheduler, folder=str(output))
     _report(arguments)
     return 1 if bad else 0
+
+
+def document(mission: TrialConfig, names: Sequence[str], seeds: int, scaled_seeds: int, verify: float = 0.0,
+             pictures: bool = False) -> Dict[str, Union[List[str], Dict[str, Any], str]]:
+    """Return the experiment's file as a mapping.
+
+    mission: its allocation and sampling are not used: they are factors. names: those of groups, of groups.py.
+    seeds: number of seeds, from 0 on. scaled_seeds: the same for the scaled clock, which is slower. verify: share of
+    the trials that run twice. pictures: whether trials draw pictures.
+    """
+    values: Any = mission.to_dict()
+    kind, _, path = values['field'].partition(':')
+    if kind == 'csv':
+        values['field'] = f'csv:{os.path.abspath(path)}'
+    files = [os.path.abspath(path)] if kind == 'csv' else [str(MEUSE_FILE)] if kind == 'meuse' else []
+    slowest = max([mission.budget_s / groups.FACTORS[group] for group in names if group in groups.FACTORS], default=0.0)
+    counts = {group: scaled_seeds if group in groups.FACTORS else seeds for group in names}
+    most = max(counts.values())
+    fewer = {group: count for group, count in counts.items() if count < most}
+    factors: Dict[str, Any] = {'engine': list(names)}
+    for place, name in enumerate(('allocation', 'sampling')):
+        factors[name] = list(dict.fromkeys(each[place] for each in PUBLISHED_CONFIGURATIONS))
+    return {
+        'experiment': 'soil compaction mapping', 'function': 'soil_mapping.study.trials:run',
+        'prepare': 'soil_mapping.study.trials:prepare', 'inputs': files,
+        'args': {**{name: value for name, value in values.items() if name not in CHOSEN}, 'pictures': pictures},
+        'factors': factors, 'replications': {'all': most, **({'engine': fewer} if fewer else {})},
+        'record': {'files': ['*']}, 'metrics': {'columns': COLUMNS},
+        'report': 'soil_mapping.study.sections:sections', 'verify': verify, 'time_limit': GUARD_S + 2.0 * slowest}  # type: ignore[dict-item]
 
 
 def _report(arguments: Any) -> int:

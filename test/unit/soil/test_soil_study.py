@@ -21,8 +21,7 @@ from soil_mapping.ground_truth.field import load_field
 from soil_mapping.results.comparison import differences
 from soil_mapping.results.result import Metrics
 from soil_mapping.results.trial_folder import read_trial, write_files
-from soil_mapping.study import experiment, groups, outcomes, sections, tables, wording
-from soil_mapping.study.command import main
+from soil_mapping.study import command, groups, outcomes, sections, tables, wording
 from soil_mapping.study.provenance_tables import provenance
 from soil_mapping.study.spec import TrialSpec
 
@@ -38,7 +37,7 @@ def run_mesa_trial(*arguments):
 
 def experiment_of(*others, **more):
     """Return the Experiment that `study run` makes, from the text of its file."""
-    document = experiment.document(*others, **more)
+    document = command.document(*others, **more)
     return spec.checked(yaml.safe_load(yaml.safe_dump(document, allow_unicode=True)), '/folder')
 
 
@@ -109,7 +108,7 @@ def test_of_the_scaled_clock_there_may_be_more_seeds_too():
 def test_real_time_is_run_only_when_asked_for():
     assert 'ros-1x' not in groups.chosen(None)
     assert groups.chosen(['ros-1x'], with_1x=True) == ['ros-1x']
-    assert experiment.document(CONFIG, ['ros-1x'], 1, 1)['time_limit'] > 2.0 * CONFIG.budget_s
+    assert command.document(CONFIG, ['ros-1x'], 1, 1)['time_limit'] > 2.0 * CONFIG.budget_s
 
 
 def test_each_group_has_its_engine():
@@ -169,7 +168,7 @@ def test_a_recorded_charge_is_an_input_by_its_content(tmp_path):
 def test_arguments_that_cannot_be_used_are_refused_at_once_and_leave_nothing(tmp_path, monkeypatch, capsys, words,
                                                                              complaint):
     monkeypatch.chdir(tmp_path)
-    assert main(words) == 2
+    assert command.main(words) == 2
     said = capsys.readouterr().err
     assert complaint in said
     assert len(said) < 500
@@ -180,7 +179,7 @@ def test_arguments_that_cannot_be_used_are_refused_at_once_and_leave_nothing(tmp
                                    ['--robots', '10001'], ['--budget', '-1'], ['--speed', 'nan']])
 def test_numbers_that_cannot_be_are_refused_in_a_line_or_two(capsys, words):
     with pytest.raises(SystemExit) as caught:
-        main(['trial', *words])
+        command.main(['trial', *words])
     assert caught.value.code == 2
     assert len(capsys.readouterr().err) < 2000
 
@@ -194,7 +193,7 @@ def test_no_command_touches_what_is_not_its_own(tmp_path, monkeypatch, capsys):
     for words, named in ((['trial', *mesa], 'trial'), (['trial', *mesa, '--output', '.'], ''),
                          (['trial', *mesa, '--output', '.ssh'], '.ssh'), (['run', '--output', '.'], ''),
                          (['run', '--output', 'trial'], 'trial')):
-        assert main(words) == 2, words
+        assert command.main(words) == 2, words
         assert f'study: {tmp_path / named}: ' in capsys.readouterr().err
     assert (tmp_path / '.ssh' / 'id').read_text() == (tmp_path / 'trial').read_text() == 'precious'
     assert len(list(tmp_path.iterdir())) == 2
@@ -203,7 +202,7 @@ def test_no_command_touches_what_is_not_its_own(tmp_path, monkeypatch, capsys):
 def test_an_output_that_cannot_be_written_is_named(tmp_path, capsys):
     (tmp_path / 'file').write_text('x')
     words = ['trial', '--engine', 'mesa', '--budget', '5', '--cell', '2', '--output', str(tmp_path / 'file' / 'trial')]
-    assert main(words) == 1
+    assert command.main(words) == 1
     assert f'{tmp_path}/file/trial' in capsys.readouterr().err
 
 
@@ -293,7 +292,7 @@ def test_without_a_complete_trial_the_study_adds_nothing(tmp_path):
 
 
 def test_a_folder_without_a_study_is_an_error_that_says_what_makes_one(tmp_path, capsys):
-    assert main(['report', '--output', str(tmp_path)]) == 2
+    assert command.main(['report', '--output', str(tmp_path)]) == 2
     assert '`experiment run FILE -o OUT` makes it' in capsys.readouterr().err
 
 
