@@ -6,7 +6,7 @@ import json
 import sys
 import zlib
 from array import array
-from typing import Any, Dict, List, Mapping, Union
+from typing import Any, Dict, List, Mapping
 
 _ALIGNED = 8  # bytes; typed arrays must begin at a multiple of the size of their elements
 
@@ -39,7 +39,7 @@ class Packer:
         self._parts.append(data)
         self._size += len(data)
 
-    def text(self, about: Mapping[str, Union[List[Any], float, str]]) -> str:
+    def text(self, about: Mapping[str, Any]) -> str:
         """Return all columns, and ``about``, a value for JSON, as one text."""
         head = json.dumps({'about': about, 'columns': self._columns}, allow_nan=False).encode()
         head += b' ' * (-(len(head) + 4) % _ALIGNED)

@@ -172,6 +172,11 @@ def outcome_differences(experiment: Experiment) -> Tuple[List[Difference], List[
             [each for metric in outcomes for each in single_differences(experiment, [metric])])
 
 
+def of_metric(metric: Metric, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Difference]:
+    """Return the Differences of a metric between levels, or if there are none those between configurations."""
+    return [each for each in mains if each.metric is metric] or [each for each in singles if each.metric is metric]
+
+
 def interactions(experiment: Experiment) -> List[Difference]:
     """Return, as Differences, how the difference between two levels of a factor changes between two of another one."""
     found = []

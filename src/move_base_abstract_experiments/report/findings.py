@@ -54,8 +54,7 @@ def findings(experiment: Experiment, scales: Mapping[str, Scale], mains: Sequenc
         if is_constant(experiment, metric):
             told = [Finding(metric.title, 'same', constant_text(experiment, metric, scale), None)]
         else:
-            own = [[each for each in kind if each.metric is metric] for kind in (mains, singles)]
-            told = of_differences(experiment, own[0] or own[1], scale)
+            told = of_differences(experiment, effects.of_metric(metric, mains, singles), scale)
             told += [_change(experiment, each, scale) for each in _strongest(changes, metric)]
             told = told or _means(experiment, metric, scale)
         found += [each._replace(is_primary=metric.is_primary)

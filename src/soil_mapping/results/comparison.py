@@ -5,7 +5,7 @@ of METRICS. Both studies of a comparison have the same configurations.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Mapping, NamedTuple, Tuple
 
 import numpy as np
 
@@ -22,6 +22,8 @@ PUBLISHED_TABLE = (  # Table 1 of the TAROS 2023 abstract: first study, second s
     ('TAROS 23 stage_ros trials - 1x sim. speed', 'TAROS 23 stage_ros trials - 15x sim. speed', 0.869587149),
 )
 PUBLISHED_OVERALL_SPEED_UPS = ((10.0, 2.87), (15.0, 14.18))  # nominal factor, simulated s per wall s overall
+#: {configuration: array (trials, metrics)}
+Study = Mapping[str, Any]
 
 
 class Difference(NamedTuple):
@@ -42,8 +44,7 @@ def trial_row(metrics: Metrics) -> List[float]:
     return [float(getattr(metrics, name)) for name in METRICS]
 
 
-def cosine_similarity(first: Mapping[str, Union[List[List[float]], np.ndarray]],
-                      second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> float:
+def cosine_similarity(first: Study, second: Study) -> float:
     """Return the mean over the metrics of the cosine between the studies' vectors of configuration means.
 
     This measure is coarse: it does not depend on scale, and positive vectors are never far apart. Two vectors of zeros
@@ -52,13 +53,12 @@ def cosine_similarity(first: Mapping[str, Union[List[List[float]], np.ndarray]],
     return float(np.mean(metric_cosines(first, second)))
 
 
-def metric_cosines(first: Mapping[str, Union[List[List[float]], np.ndarray]],
-                   second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> np.ndarray:
+def metric_cosines(first: Study, second: Study) -> np.ndarray:
     """Return the cosine of each metric, in the order of METRICS."""
     return _cosines(_means(first, first), _means(second, first))
 
 
-def noise_floor(study: Mapping[str, np.ndarray], trials: int = 10, resamples: int = RESAMPLES, seed: int = 0,
+def noise_floor(study: Study, trials: int = 10, resamples: int = RESAMPLES, seed: int = 0,
                 level: float = 0.95) -> Tuple[float, float]:
     """Return (lower, upper) of the range in which the cosine similarity of two runs of one study lies.
 
@@ -71,11 +71,10 @@ def noise_floor(study: Mapping[str, np.ndarray], trials: int = 10, resamples: in
     chance = generator(seed, Purpose.BOOTSTRAP)
     scores = [np.mean(_cosines(_redrawn_means(study, trials, chance), _redrawn_means(study, trials, chance)))
               for _ in range(resamples)]
-    tail = 50.0 * (1.0 - level)
-    return _range_of(scores, tail)
+    return _range_of(scores, 50.0 * (1.0 - level))
 
 
-def similarity_interval(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray], resamples: int = RESAMPLES,
+def similarity_interval(first: Study, second: Study, resamples: int = RESAMPLES,
                         seed: int = 0, level: float = 0.95) -> Tuple[float, float]:
     """Return (lower, upper) of the bootstrap interval of the cosine similarity of two studies.
 
@@ -91,7 +90,7 @@ def similarity_interval(first: Mapping[str, np.ndarray], second: Mapping[str, np
     return _range_of(scores, 50.0 * (1.0 - level))
 
 
-def differences(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> List[Difference]:
+def differences(first: Study, second: Study) -> List[Difference]:
     """Return a Difference for each configuration and metric; configurations in the order of the first study."""
     found = []
     for name in _names(first, second):
@@ -115,8 +114,7 @@ def bootstrap_interval(first: np.ndarray, second: np.ndarray, comparisons: int =
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     change = (second[chance.integers(len(second), size=(resamples, len(second)))].mean(axis=1)
               - first[chance.integers(len(first), size=(resamples, len(first)))].mean(axis=1))
-    tail = 50.0 * (1.0 - level) / comparisons
-    return tuple(float(bound) for bound in np.percentile(change, (tail, 100.0 - tail)))
+    return _range_of(change, 50.0 * (1.0 - level) / comparisons)
 
 
 def _difference(name: str, metric: str, a: np.ndarray, b: np.ndarray) -> Difference:
@@ -137,20 +135,18 @@ def _ratio(change: float, by: float, if_zero: float) -> float:
     return float(if_zero) if by == 0.0 else float(change / by)
 
 
-def _names(first: Mapping[str, Union[List[List[float]], np.ndarray]],
-           second: Mapping[str, Union[List[List[float]], np.ndarray]]) -> List[str]:
+def _names(first: Study, second: Study) -> List[str]:
     if set(first) != set(second):
         raise ValueError(f'the studies must have the same configurations, got {sorted(first)} and {sorted(second)}')
     return list(first)
 
 
-def _means(study: Mapping[str, Union[List[List[float]], np.ndarray]],
-           like: Mapping[str, Union[List[List[float]], np.ndarray]]) -> np.ndarray:
+def _means(study: Study, like: Study) -> np.ndarray:
     """Return the means of the configurations, shape (configurations, metrics), in the order of the study ``like``."""
     return np.array([_known_means(np.asarray(study[name], dtype=float)) for name in _names(like, study)])
 
 
-def _redrawn_means(study: Mapping[str, np.ndarray], trials: Any, chance: Any) -> np.ndarray:
+def _redrawn_means(study: Study, trials: Any, chance: Any) -> np.ndarray:
     rows = (np.asarray(rows, dtype=float) for rows in study.values())
     return np.array([_known_means(r[chance.integers(len(r), size=trials or len(r))]) for r in rows])
 
@@ -163,10 +159,10 @@ def _known_means(rows: np.ndarray) -> np.ndarray:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _range_of(scores: Sequence[float], tail: float) -> Any:
+def _range_of(scores: Any, tail: float) -> Any:
     """Return the (tail, 100 - tail) percentiles; scores of NaN, from trials without a value, are left out."""
-    known = [score for score in scores if not np.isnan(score)] or [np.nan]
-    return tuple(float(bound) for bound in np.percentile(known, (tail, 100.0 - tail)))
+    known = np.asarray(scores)[~np.isnan(scores)]
+    return tuple(map(float, np.percentile(known if len(known) else [np.nan], (tail, 100.0 - tail))))
 
 
 def _cosines(first: np.ndarray, second: np.ndarray) -> np.ndarray:

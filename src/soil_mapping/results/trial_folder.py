@@ -25,7 +25,7 @@ import json
 import math
 import os
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Sequence, Union, get_type_hints
+from typing import Any, Callable, Dict, Sequence, get_type_hints
 
 import numpy as np
 
@@ -207,7 +207,7 @@ def _read_table(path: str, record: Any) -> Any:
     return [record(*(math.nan if cell == '' else kind(cell) for kind, cell in zip(kinds, row))) for row in rows]
 
 
-def _plain(value: Union[Mapping[str, Union[Dict[str, Union[float, str]], float, str]], float, str]) -> Any:
+def _plain(value: Any) -> Any:
     """Return a value that JSON can represent; NaN and infinities become None."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}

@@ -27,22 +27,15 @@ def findings(experiment: Experiment, mains: Sequence[Difference], singles: Seque
 
     :param mains, singles: effects.outcome_differences of the experiment.
     """
-    return [finding for own in _compared(experiment, mains, singles)
-            for finding in of_differences(experiment, own, SCALE) if finding.verdict != 'same']
+    return [finding for metric in experiment.outcomes
+            for finding in of_differences(experiment, effects.of_metric(metric, mains, singles), SCALE)
+            if finding.verdict != 'same']
 
 
 def tables(experiment: Experiment, mains: Sequence[Difference], singles: Sequence[Difference]) -> List[Optional[Table]]:
     """Return the tables of the same differences."""
-    return [listings.differences(experiment, f'{own[0].metric.title}: differences', own, SCALE, 'tables/endings.csv')
-            for own in _compared(experiment, mains, singles)]
-
-
-def _compared(experiment: Experiment, mains: Sequence[Difference],
-              singles: Sequence[Difference]) -> List[List[Difference]]:
-    """Return for each way of ending its Differences between levels, or else those between configurations."""
-    kinds = [[[each for each in kind if each.metric is metric] for kind in (mains, singles)]
-             for metric in experiment.outcomes]
-    return [own[0] or own[1] for own in kinds if own[0] or own[1]]
+    return [listings.differences(experiment, f'{metric.title}: differences', effects.of_metric(metric, mains, singles),
+                                 SCALE, 'tables/endings.csv') for metric in experiment.outcomes]
 
 
 def table(experiment: Experiment) -> Optional[Table]:
