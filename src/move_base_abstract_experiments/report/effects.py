@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, AbstractSet, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, AbstractSet, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -125,14 +125,19 @@ def main_effects(experiment: Experiment, metrics: Optional[Sequence[Metric]] = N
 
     :param metrics: those of the experiment if None.
     """
-    found = []
+    return _adjusted([_difference(experiment, metric, place, levels, (), pairs)
+                      for metric, place, levels, pairs in _comparisons(experiment, metrics)])
+
+
+def _comparisons(experiment: Experiment, metrics: Optional[Sequence[Metric]]) -> Iterator[Tuple[
+        Metric, int, Tuple[int, int], List[Tuple[int, int]]]]:
+    """Yield (metric, place of a factor, two of its levels, pairs of configurations that differ in these only)."""
     for metric in experiment.metrics if metrics is None else metrics:
         for place, factor in enumerate(experiment.factors):
-            for first, second in itertools.combinations(range(len(factor.levels)), 2):
-                pairs = _pairs(experiment.configurations, place, first, second)
+            for levels in itertools.combinations(range(len(factor.levels)), 2):
+                pairs = _pairs(experiment.configurations, place, *levels)
                 if pairs:
-                    found.append(_difference(experiment, metric, place, (first, second), (), pairs))
-    return _adjusted(found)
+                    yield metric, place, levels, pairs
 
 
 def single_differences(experiment: Experiment, metrics: Optional[Sequence[Metric]] = None) -> List[Difference]:
@@ -142,17 +147,11 @@ def single_differences(experiment: Experiment, metrics: Optional[Sequence[Metric
 
     :param metrics: those of the experiment if None.
     """
-    configurations = experiment.configurations
-    metrics = experiment.metrics if metrics is None else metrics
-    found = []
-    for metric in metrics:
-        for place, factor in enumerate(experiment.factors):
-            for first, second in itertools.combinations(range(len(factor.levels)), 2):
-                for pair in _pairs(configurations, place, first, second):
-                    at = tuple((number, level) for number, level in enumerate(configurations[pair[0]].levels)
-                               if number != place and level is not None)
-                    found.append(_difference(experiment, metric, place, (first, second), at, [pair]))
-    return _adjusted(found or _any_differences(experiment, metrics))
+    found = [_difference(experiment, metric, place, levels, tuple(
+        (number, level) for number, level in enumerate(experiment.configurations[pair[0]].levels)
+        if number != place and level is not None), [pair])
+        for metric, place, levels, pairs in _comparisons(experiment, metrics) for pair in pairs]
+    return _adjusted(found or _any_differences(experiment, experiment.metrics if metrics is None else metrics))
 
 
 def _any_differences(experiment: Experiment, metrics: Sequence[Metric]) -> List[Difference]:
