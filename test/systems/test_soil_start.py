@@ -43,7 +43,7 @@ class Start(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node('soil_start_test')
-        mission_run.START_PAUSE_NS = 1_000_000
+        mission_run.START_PAUSE_S = 0.001
 
     def go(self, *failures):
         events = queue.Queue()
