@@ -15,6 +15,6 @@ def test_a_report_is_no_wider_than_a_telephone(browser, tmp_path):
     experiment_folder.write(tmp_path, {'robots': [1, 2], 'allocation': ['nearest', 'auction']}, 3,
                             lambda configuration, seed: {'makespan_s': 10.0 * configuration['robots'] + seed,
                                                          'goals': 3}, report=f'{__name__}:sections')
-    browser.open(command.write_report(tmp_path), 320, 800, ready="document.readyState === 'complete'")
+    browser.open(command.write(tmp_path)[0], 320, 800, ready="document.readyState === 'complete'")
     assert HEADING in browser.run('return document.body.textContent')
     assert browser.run('return document.documentElement.scrollWidth') <= 320

@@ -46,7 +46,7 @@ class Reader(html.parser.HTMLParser):
 def report(folder, *arguments, **options):
     """Write an experiment and its report; return the page's Reader, with its text on one line."""
     write(folder, *arguments, **options)
-    text = command.write_report(folder).read_text(encoding='utf-8')
+    text = command.write(folder)[0].read_text(encoding='utf-8')
     reader = Reader()
     reader.feed(text)
     assert reader.open == [] and len(set(reader.ids)) == len(reader.ids)
@@ -127,7 +127,7 @@ def test_the_same_folder_gives_the_same_bytes_wherever_it_is(tmp_path):
         report(tmp_path / name, {'method': ['greedy', 'auction'], 'robots': [2, 8]}, 6, usual)
         pages.append({path.relative_to(tmp_path / name): path.read_bytes()
                       for path in sorted((tmp_path / name).rglob('*')) if path.is_file()})
-        command.write_report(tmp_path / name)  # and a second time in its own place
+        command.write(tmp_path / name)  # and a second time in its own place
         assert (tmp_path / name / 'report.html').read_bytes() == list(pages[-1].items())[
             [str(each) for each in pages[-1]].index('report.html')][1]
     assert pages[0] == pages[1]
@@ -266,7 +266,7 @@ def test_a_study_adds_sections_of_its_own(tmp_path):
     assert 'Maps & more' in reader.said and f'About {NASTY}' in reader.said and 'own' in reader.ids
     text = (tmp_path / 'report.html').read_text()
     assert 'currentColor' in text and '<dc:date>' not in text
-    command.write_report(tmp_path)
+    command.write(tmp_path)
     assert (tmp_path / 'report.html').read_text() == text
     command.write(tmp_path, with_own=False)
     assert 'Maps &amp; more' not in (tmp_path / 'report.html').read_text()
@@ -331,7 +331,7 @@ def test_a_trial_of_another_plan_and_one_that_cannot_be_read_count_as_failed(tmp
 def test_what_the_program_did_not_make_stays(tmp_path, capsys, name):
     write(tmp_path, {}, 2, usual)
     if '/' in name:
-        command.write_report(tmp_path)
+        command.write(tmp_path)
     path = tmp_path / name
     path.write_text('mine')
     assert command.main([str(tmp_path)]) == 2

@@ -28,21 +28,15 @@ WAITS = 'waits'  # written only if robots waited for room
 KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in (*NAMES, WAITS)))
 
 
-def write_report(out: Path) -> Path:
-    """Write the report, tables and replays of an experiment into its folder; return the path of report.html.
+def write(out: Union[str, Path], with_own: bool = True) -> Tuple[Path, List[str]]:
+    """Write the report, tables and replays of an experiment into its folder.
 
+    Return the path of report.html, and lines about parts that could not be made.
+
+    :param with_own: whether to add the sections that the plan names under 'report'.
     :raises ConfigurationError: if the folder holds no plan, or a file or folder by one of these names that a report
         has not made.
     :raises OutputError: if something cannot be written.
-    """
-    path, _ = write(out)
-    return path
-
-
-def write(out: Union[str, Path], with_own: bool = True) -> Tuple[Path, List[str]]:
-    """Write the report as write_report does; return the path, and lines about parts that could not be made.
-
-    :param with_own: whether to add the sections that the plan names under 'report'.
     """
     out = Path(out)
     experiment = outcome.read(out)

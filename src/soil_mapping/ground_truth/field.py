@@ -82,26 +82,21 @@ class Field:
 class DrawnField(Field):
     """A Field that is drawn when its values are first used, because drawing takes longer than all other work on it."""
 
-    _draw: Callable[..., Any]
+    draw: Callable[..., Any]  # returns its values
 
     def __init__(self, grid: Grid, source: str, draw: Callable[..., Any]) -> None:
         """draw() returns the values, as in Field."""
-        for name, value in (('grid', grid), ('source', source), ('unit', 'kPa'), ('extent', ''), ('_draw', draw)):
+        for name, value in (('grid', grid), ('source', source), ('unit', 'kPa'), ('extent', ''), ('draw', draw)):
             object.__setattr__(self, name, value)
-
-    @property
-    def draw(self) -> Any:
-        """The function that draws its values and returns them."""
-        return self._draw
 
     def draw_by(self, draw: Any) -> None:
         """Set another function to draw its values, if they are not drawn yet."""
-        object.__setattr__(self, '_draw', draw)
+        object.__setattr__(self, 'draw', draw)
 
     @functools.cached_property
     def values(self) -> np.ndarray:
         """As in Field."""
-        return Field(self._draw(), self.grid, self.source).values
+        return Field(self.draw(), self.grid, self.source).values
 
     def every_second_cell(self) -> DrawnField:
         """As in Field."""

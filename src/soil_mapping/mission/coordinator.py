@@ -76,11 +76,6 @@ class Coordinator:
         return self._start_ns is not None and self._sampling.exhausted and not self._busy_robots() \
             and not any(self._allocator.queues)
 
-    @property
-    def over(self) -> Any:
-        """Whether the mission has ended."""
-        return self._over
-
     def queue(self, robot: int) -> Tuple[Task, ...]:
         """Return the tasks that a robot has not begun, in the order of its way."""
         return tuple(self._allocator.queues[robot])

@@ -112,16 +112,20 @@ class MissionLog:
 
     def arrived(self, robot: int, now_ns: int, place: Place, task: int) -> None:
         """Note the end of a leg; the dwell follows."""
-        self._move(robot, now_ns, place)
+        self.passed(robot, now_ns, place)
         self._note(now_ns, robot, 'arrive', task, place.x, place.y)
 
     def passed(self, robot: int, now_ns: int, place: Place) -> None:
-        """Note a place on the way."""
-        self._move(robot, now_ns, place)
+        """Note a place on the way, or at its end."""
+        old = self._places[robot]
+        driven = math.dist(old, (place.x, place.y)) if place.driven_m is None else place.driven_m
+        self.driven_m[robot] += driven
+        self._places[robot] = (place.x, place.y)
+        self.waypoints.append(Waypoint(now_ns - self._start_ns, robot, place.x, place.y))
 
     def failed(self, robot: int, now_ns: int, place: Place, task: int) -> None:
         """Note that a leg was given up."""
-        self._move(robot, now_ns, place)
+        self.passed(robot, now_ns, place)
         self._become(robot, now_ns, Activity.IDLE)
         self._note(now_ns, robot, 'fail', task, place.x, place.y)
 
@@ -132,7 +136,7 @@ class MissionLog:
 
     def sampled(self, robot: int, now_ns: int, place: Place, task: int, value: float) -> None:
         """Note the end of a dwell and its reading [kPa]."""
-        self._move(robot, now_ns, place)
+        self.passed(robot, now_ns, place)
         self._become(robot, now_ns, Activity.IDLE)
         if task != FIRST_SAMPLE:
             self.task_ns.append(now_ns - self._leg_began_ns[robot])
@@ -163,7 +167,7 @@ class MissionLog:
         for robot, place in enumerate(places):
             if self._activity[robot] is not Activity.IDLE:
                 self._note(now_ns, robot, 'stop', x=place.x, y=place.y)
-            self._move(robot, now_ns, place)
+            self.passed(robot, now_ns, place)
             self._become(robot, now_ns, Activity.IDLE)
         self.duration_ns = now_ns - self._start_ns
         self._note(now_ns, NOBODY, 'end')
@@ -171,13 +175,6 @@ class MissionLog:
     def _note(self, now_ns: int, robot: int, event: str, task: int = FIRST_SAMPLE, x: float = math.nan,
               y: float = math.nan, value: float = math.nan) -> None:
         self.events.append(Event(now_ns - self._start_ns, robot, event, task, float(x), float(y), float(value)))
-
-    def _move(self, robot: int, now_ns: int, place: Place) -> None:
-        old = self._places[robot]
-        driven = math.dist(old, (place.x, place.y)) if place.driven_m is None else place.driven_m
-        self.driven_m[robot] += driven
-        self._places[robot] = (place.x, place.y)
-        self.waypoints.append(Waypoint(now_ns - self._start_ns, robot, place.x, place.y))
 
     def _become(self, robot: int, now_ns: int, activity: Activity) -> None:
         since_ns = max(self._since_ns[robot], self._start_ns)

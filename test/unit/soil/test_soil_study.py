@@ -275,7 +275,7 @@ def test_the_report_says_where_its_figures_come_from(study):
 
 
 def test_the_report_has_the_studys_sections_and_needs_no_other_file(folder):
-    html = report.write_report(folder).read_text()
+    html = report.write(folder)[0].read_text()
     for heading in ('Is it the same?', 'How much does it differ?', 'Error against speed-up', 'Maps of one trial: ROS'):
         assert heading in html
     assert html.count('data:image/png;base64,') == 4
