@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "callers.h"
-#include "chance.h"
 #include "libc/preload.h"
 
 namespace move_base_abstract::native {

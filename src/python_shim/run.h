@@ -48,6 +48,10 @@ inline bool mayCall() { return cell(kMayCall) != 0; }
 /** @return the seed and the node's name, as one text. */
 const char* seedText();
 
+/** @brief Start libc's generators, and the bytes that replace the machine's, from that text. A
+ * library may start libc's generators again from another number. */
+void seedGenerators();
+
 }  // namespace move_base_abstract::native
 
 #endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H

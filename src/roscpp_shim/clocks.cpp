@@ -111,26 +111,31 @@ namespace shim = move_base_abstract::shim;
 namespace policy = shim;
 #include "libc/clocks.h"
 
-namespace ros {
+namespace {
 
-// Like any other wall clock, except for roscpp's own use, such as the stamps of its log.
+/** @return the time of a wall clock, for roscpp's own use, such as the stamps of its log, by the
+ * machine. */
+template <class Time>
+Time readFor(const void* caller, Time (*now)()) {
+  if (shim::isTimers(caller) || !shim::isRoscpps(caller)) {
+    return now();
+  }
+  const shim::Inside inside;
+  return now();
+}
+
+}  // namespace
+
+namespace ros {
 
 WallTime WallTime::now() {
   static auto* const function = shim::real(&WallTime::now, "_ZN3ros8WallTime3nowEv");
-  if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
-    return function();
-  }
-  const shim::Inside inside;
-  return function();
+  return readFor(MOVE_BASE_ABSTRACT_CALLER, function);
 }
 
 SteadyTime SteadyTime::now() {
   static auto* const function = shim::real(&SteadyTime::now, "_ZN3ros10SteadyTime3nowEv");
-  if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
-    return function();
-  }
-  const shim::Inside inside;
-  return function();
+  return readFor(MOVE_BASE_ABSTRACT_CALLER, function);
 }
 
 }  // namespace ros

@@ -91,7 +91,7 @@ void Node::leave(const std::string& reason) {
   // If another thread reads from the connection, that thread closes it.
   const bool is_own = turn().holds();
   const Inside inside;
-  if (!membership_.leave(reason, lockstep::internal::Membership::State::kLeft, !is_own)) {
+  if (!membership_.leave(reason, !is_own)) {
     return;
   }
   endTurns();

@@ -70,7 +70,7 @@ class Node : public lockstep::internal::Program {
 
   Nanoseconds now() const { return membership_.now(); }
   /** @brief Set the time that roscpp shows. @pre The thread has the turn. */
-  void showTime(Nanoseconds time) { setTime(time); }
+  void setTime(Nanoseconds now) override;
   std::uint64_t round() const { return membership_.round(); }
   /** @return the latest round that was granted because no participant had anything left to do. */
   std::uint64_t restRound() const { return rest_round_; }
@@ -81,7 +81,6 @@ class Node : public lockstep::internal::Program {
   // Program
   void lock() override { mutex_.lock(); }
   void unlock() override { mutex_.unlock(); }
-  void setTime(Nanoseconds now) override;
   void handle(const wire::Publisher& item) override;
   void handle(const wire::NoPublisher& item) override;
   void handle(const wire::Subscriber& item) override;

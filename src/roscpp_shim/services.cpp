@@ -52,7 +52,7 @@ class MemberCall : public ros::CallbackInterface {
   MemberCall(Service service, const wire::CallIn& item)
       : service_(std::move(service)),
         caller_(item.caller),
-        caller_name_(node().membership().nameOf(item.caller)),
+        caller_name_(node().membership().memberOf(item.caller).name),
         number_(item.number),
         request_(item.request) {}
 

@@ -67,7 +67,7 @@ class MemberSubscriber : public ros::SubscriberLink {
  public:
   MemberSubscriber(const Topic& topic, std::uint32_t member) : own_topic_(topic), member_(member) {
     topic_ = topic.name;
-    destination_caller_id_ = node().membership().nameOf(member);
+    destination_caller_id_ = node().membership().memberOf(member).name;
     connection_id_ = ros::ConnectionManager::instance()->getNewConnectionID();
     parent_ = ros::TopicManager::instance()->lookupPublication(topic.name);
   }
@@ -105,7 +105,8 @@ class MemberSubscriber : public ros::SubscriberLink {
 class MemberPublisher : public ros::PublisherLink {
  public:
   MemberPublisher(const ros::SubscriptionPtr& subscription, std::uint32_t member)
-      : PublisherLink(subscription, node().membership().uriOf(member), ros::TransportHints()) {}
+      : PublisherLink(subscription, node().membership().memberOf(member).uri,
+                      ros::TransportHints()) {}
 
   boost::shared_ptr<ros::M_string> values() { return header_.getValues(); }
   void count(std::size_t bytes) {
@@ -226,7 +227,7 @@ void handle(const wire::Publisher& item) {
   if (!subscription || topic->senders.count(item.sender) > 0) {
     return;
   }
-  const ros::M_string values = {{"callerid", node().membership().nameOf(item.sender)},
+  const ros::M_string values = {{"callerid", node().membership().memberOf(item.sender).name},
                                 {"topic", topic->name},
                                 {"type", std::string(item.type)},
                                 {"md5sum", std::string(item.md5)},
@@ -268,11 +269,11 @@ void handle(const wire::Deliver& item) {
   const Nanoseconds came = node().membership().came();
   const bool was_kept = came != node().now();
   if (was_kept) {
-    node().showTime(came);  // roscpp takes it as the time of receipt
+    node().setTime(came);  // roscpp takes it as the time of receipt
   }
   handleMessage()(subscription.get(), messageOf(item.payload), true, false, link->values(), link);
   if (was_kept) {
-    node().showTime(node().now());
+    node().setTime(node().now());
   }
 }
 

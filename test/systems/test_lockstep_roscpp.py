@@ -28,6 +28,7 @@ RUNS = Runs()
 SECOND = 10 ** 9
 SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir, 'src', 'roscpp_shim')
 TOPIC_TOOLS = '/usr/lib/topic_tools/'
+LISTENER = Program('listener', own('shim_listener'))
 
 
 def rate(frequency=10.0, ticks=100, **more):
@@ -174,16 +175,16 @@ class LockstepRoscppTest(unittest.TestCase):
 class OutsideTest(unittest.TestCase):
     """Nodes that do not take part, and runs that are not in lockstep."""
 
-    def start(self, ros, *participants, **parameters):
+    def start(self, ros, *participants):
         RUNS.ros = ros
-        return ros.run('time_master', 'time_master',
-                       parameters=dict(mode='lockstep', participants=list(participants),
-                                       note_of_start=self.note_of_start(ros), **parameters))
+        return ros.run('time_master', 'time_master', parameters=dict(
+            mode='lockstep', participants=list(participants), note_of_start=os.path.join(ros.log_dir, 'started')))
 
-    @staticmethod
-    def note_of_start(ros):
-        """Return the path of the file that exists from the start of the clock on."""
-        return os.path.join(ros.log_dir, 'started')
+    def begin(self, ros, *programs):
+        """Start a time master and programs; return them all once the clock has started."""
+        children = [self.start(ros, *('/' + program.name for program in programs)), *map(RUNS.start, programs)]
+        wait_for('the note of the start', lambda: os.path.exists(os.path.join(ros.log_dir, 'started')))
+        return children
 
     def test_where_the_time_master_is_not_in_lockstep_nothing_changes(self):
         with Loopback() as RUNS.ros:
@@ -194,8 +195,7 @@ class OutsideTest(unittest.TestCase):
 
     def test_a_call_from_outside_is_answered_and_labelled(self):
         with Loopback() as ros:
-            master = self.start(ros, '/server')
-            server = RUNS.start(Program('server', own('shim_calls'), work=0.5))
+            master, server = self.begin(ros, Program('server', own('shim_calls'), work=0.5))
             answer = self.call(ros, '/trigger')
             self.assertIn('at 1500000000', answer)
             server.signal(signal.SIGINT)
@@ -213,37 +213,28 @@ class OutsideTest(unittest.TestCase):
 
     def test_others_go_on_when_a_program_is_killed(self):
         with Loopback() as ros:
-            master = self.start(ros, '/listener', '/rate')
-            listener = RUNS.start(Program('listener', own('shim_listener')))
-            child = RUNS.start(rate(frequency=1.0, ticks=20000))
-            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
+            master, listener, child = self.begin(ros, LISTENER, rate(frequency=1.0, ticks=20000))
             listener.signal(signal.SIGKILL)
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertIn("'/listener' died", read(master))
 
     def test_parameters_are_set_over_one_connection(self):
         with Loopback() as ros:
-            self.start(ros, '/board')
-            child = RUNS.start(Program('board', own('shim_board')))
+            _master, child = self.begin(ros, Program('board', own('shim_board')))
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertLess(closed_connections(ros.uri), 20)
 
     def test_a_program_ends_with_its_time_master_whether_that_is_killed_or_ends(self):
         for number in (signal.SIGKILL, signal.SIGTERM):
             with Loopback() as ros:
-                master = self.start(ros, '/rate')
-                child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
-                wait_for('the note of the start', lambda ros=ros: os.path.exists(self.note_of_start(ros)))
+                master, child = self.begin(ros, rate(frequency=1.0, ticks=10 ** 7))
                 master.signal(number)
                 self.assertEqual(child.process.wait(GUARD), 1, read(child))  # although its main function returns 0
                 self.assertRegex(read(child), 'FATAL.*the run is over for /rate')
 
     def test_sigint_ends_a_program_and_nobody_else(self):
         with Loopback() as ros:
-            master = self.start(ros, '/rate', '/listener')
-            listener = RUNS.start(Program('listener', own('shim_listener')))
-            child = RUNS.start(rate(frequency=1.0, ticks=20000))
-            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
+            master, listener, child = self.begin(ros, LISTENER, rate(frequency=1.0, ticks=20000))
             listener.signal(signal.SIGINT)
             self.assertEqual(listener.process.wait(GUARD), 0, read(listener))
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
@@ -251,9 +242,7 @@ class OutsideTest(unittest.TestCase):
 
     def test_a_program_whose_name_is_taken_says_so_and_ends_with_an_error(self):
         with Loopback() as ros:
-            self.start(ros, '/rate')
-            child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
-            wait_for('the note of the start', lambda: os.path.exists(self.note_of_start(ros)))
+            _master, child = self.begin(ros, rate(frequency=1.0, ticks=10 ** 7))
             take_name(ros, '/rate')
             self.assertEqual(child.process.wait(GUARD), 1, read(child))
             self.assertRegex(read(child), 'FATAL.*/rate: another node of its name has taken its place')
@@ -283,8 +272,7 @@ class OutsideTest(unittest.TestCase):
 
     def test_a_program_says_what_was_found_and_what_fits(self):
         with Loopback() as ros:
-            self.start(ros, '/rate')
-            child = RUNS.start(rate(ticks=3))
+            _master, child = self.begin(ros, rate(ticks=3))
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertRegex(read(child), r'lockstep: /rate takes part with roscpp 1\.\d+\.\d+ and glibc 2\.\d+; '
                                           r'what fits: roscpp 1\.\d+ \(built with 1')

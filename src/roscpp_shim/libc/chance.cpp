@@ -18,22 +18,26 @@
 namespace move_base_abstract::shim {
 namespace {
 
-constexpr const char* kStray = "a random number is drawn in a thread that lockstep does not order";
-
 /** @return a number for the run's seed, the node's name and @p purpose. */
 std::uint64_t numberFor(const std::string& purpose) {
   return shim::numberFor(seedText().c_str(), purpose.c_str());
 }
 
+/** @return what the calling thread sees, which is about to draw. */
+Sees drawing(const void* caller) {
+  const Sees whose = sees();
+  if (whose == Sees::kStray) {
+    tell("a random number is drawn in a thread that lockstep does not order", caller);
+  }
+  return whose;
+}
+
 /** @brief Fill a buffer with the run's random bytes. @return false if the machine's are to be used.
  */
 bool fill(void* buffer, std::size_t size, const void* caller) {
-  const Sees whose = sees();
+  const Sees whose = drawing(caller);
   if (whose == Sees::kMachine) {
     return false;
-  }
-  if (whose == Sees::kStray) {
-    tell(kStray, caller);
   }
   static ByteStream* const of_run = new ByteStream(numberFor("entropy"));
   static ByteStream* const of_strays = new ByteStream(numberFor("strays"));
@@ -70,9 +74,7 @@ Result draw(Real<Result()>& function, const void* caller) {
       return static_cast<Result>(::rand_r(&own));
     }
   }
-  if (sees() == Sees::kStray) {
-    tell(kStray, caller);
-  }
+  drawing(caller);
   return function();
 }
 
@@ -87,14 +89,10 @@ __attribute__((constructor)) void seedGenerators() {
 }  // namespace
 
 int openEntropy(const char* path, int flags, const void* caller) {
-  const Sees whose = isEntropy(path) ? sees() : Sees::kMachine;
-  if (whose == Sees::kMachine) {
+  if (!isEntropy(path) || drawing(caller) == Sees::kMachine) {
     return -1;
   }
   const Inside inside;
-  if (whose == Sees::kStray) {
-    tell(kStray, caller);
-  }
   static std::atomic<int> opened{0};
   const int file = fileOf(ByteStream(numberFor("file " + std::to_string(++opened))), flags);
   if (file < 0) {

@@ -64,7 +64,7 @@ void Membership::join() {
   awaitGrant();
 }
 
-bool Membership::leave(const std::string& reason, State as, bool is_asked_to) {
+bool Membership::leave(const std::string& reason, bool is_asked_to) {
   if (isActive() && isReplaced()) {
     fail(name(), kReplaced);
   }
@@ -83,7 +83,7 @@ bool Membership::leave(const std::string& reason, State as, bool is_asked_to) {
   } else {
     link_.send(wire::encode(wire::ParticipantFrame(wire::Leave{reason})));
   }
-  state_ = as;  // after all is sent, as the reading thread closes the connection then
+  state_ = State::kOver;  // after all is sent, as the reading thread closes the connection then
   return true;
 }
 
@@ -379,16 +379,10 @@ bool Membership::isMemberAt(const std::string& uri) {
                      [&uri](const auto& member) { return member.second.uri == uri; });
 }
 
-std::string Membership::nameOf(std::uint32_t member) {
+Membership::Other Membership::memberOf(std::uint32_t number) {
   const Lock lock(program_);
-  const auto found = members_.find(member);
-  return found == members_.end() ? std::string() : found->second.name;
-}
-
-std::string Membership::uriOf(std::uint32_t member) {
-  const Lock lock(program_);
-  const auto found = members_.find(member);
-  return found == members_.end() ? std::string() : found->second.uri;
+  const auto found = members_.find(number);
+  return found == members_.end() ? Other() : found->second;
 }
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -77,15 +77,16 @@ struct Reply {
 class Membership {
  public:
   /**
-   * kReported: waits for a grant. kLeft: has left by itself. kOver: ended by the time master or
-   * ROS.
+   * kReported: waits for a grant. kOver: has left, or was ended by the time master or ROS.
    */
-  enum class State { kNew, kJoining, kTurn, kReported, kLeft, kOver };
+  enum class State { kNew, kJoining, kTurn, kReported, kOver };
+
+  struct Other {
+    std::string name;
+    std::string uri;
+  };
 
   explicit Membership(Program& program) : program_(program) {}
-
-  /** @brief Watch for the reason of a shutdown. Call this before ros::start(). */
-  static void beforeRos() { watchForNamesake(); }
 
   // ---- joining and leaving
   /** @brief Set how the node presents itself. Call this before connect(). */
@@ -101,7 +102,7 @@ class Membership {
    * @return false if there was nothing to leave. Otherwise the thread that reads from the
    * connection must finish() it.
    */
-  bool leave(const std::string& reason, State as = State::kLeft, bool is_asked_to = false);
+  bool leave(const std::string& reason, bool is_asked_to);
   /** @brief Close the connection when the time master has read all bytes. */
   void finish() { link_.finish(leave_limit_ms_); }
   void ring() { bell_.ring(); }
@@ -115,7 +116,7 @@ class Membership {
   bool isPlainGrant() const { return hasTurn() && is_plain_; }
   bool hasTurn() const { return state_ == State::kTurn; }
   bool isActive() const { return state_ == State::kTurn || state_ == State::kReported; }
-  bool isOver() const { return state_ == State::kLeft || state_ == State::kOver; }
+  bool isOver() const { return state_ == State::kOver; }
 
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
@@ -161,17 +162,12 @@ class Membership {
   std::set<std::string> present();
   /** @return the names of former members. */
   std::set<std::string> gone();
-  std::string nameOf(std::uint32_t member);
-  std::string uriOf(std::uint32_t member);
+  /** @return the member of a number; without a name if it has gone. */
+  Other memberOf(std::uint32_t number);
   /** @return whether roscpp alone carries @p topic, as the time master says. */
   bool isExcluded(const std::string& topic) const { return excluded_.count(topic) > 0; }
 
  private:
-  struct Other {
-    std::string name;
-    std::string uri;
-  };
-
   bool walk(const Wish& wish);
   void beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint32_t microstep);
   void report(const Wish& wish);

@@ -51,7 +51,7 @@ void startRos(void (*start)()) {
   beginToFollow();
   const Inside inside;  // the threads that start() makes are roscpp's own
   checkFit();
-  lockstep::internal::Membership::beforeRos();
+  lockstep::internal::watchForNamesake();
   t_is_starting = true;
   start();
   t_is_starting = false;
