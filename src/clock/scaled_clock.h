@@ -19,6 +19,9 @@ constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 /** @brief A wall instant that never comes. */
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 
+/** @brief The end of simulated time [ns]: a ros::Duration, so a difference of times, ends there. */
+constexpr Nanoseconds kLastInstant = 2'147'483'647 * kNanosecondsPerSecond;
+
 /** @brief The sum of two instants, or kNever if the sum would overflow. @pre b >= 0 */
 constexpr Nanoseconds addSaturated(Nanoseconds a, Nanoseconds b) {
   return a > kNever - b ? kNever : a + b;

@@ -25,12 +25,8 @@ namespace move_base_abstract {
  */
 class TimeMaster {
  public:
-  static constexpr double kSmallestFactor = 0.01;
-  static constexpr double kLargestFactor = 1e6;
   static constexpr double kLongestHold = 86400.0;  // wall seconds
   static constexpr double kLongestGap = 3e9;       // wall seconds
-  /** The end of simulated time [ns]: a ros::Duration, and so a difference of times, ends there. */
-  static constexpr Nanoseconds kLastInstant = 2'147'483'647 * kNanosecondsPerSecond;
 
   struct Settings {
     double factor = 1.0;            // simulated s per wall s, 0.01 to 1e6
@@ -58,7 +54,7 @@ class TimeMaster {
     Nanoseconds remaining;  // ns, wall
   };
 
-  /** @throws std::invalid_argument if a setting is out of its range. */
+  /** @param settings within the ranges above, which the caller checks. */
   TimeMaster(const Settings& settings, Nanoseconds wall);
 
   /**

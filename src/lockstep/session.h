@@ -36,7 +36,7 @@ class LockstepSession {
  public:
   using Output = ConnectionOutput;
 
-  /** @throws std::invalid_argument if a setting is out of its range. */
+  /** @throws std::invalid_argument if some settings do not go together. */
   LockstepSession(const LockstepSettings& settings, Nanoseconds wall);
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;

@@ -14,7 +14,6 @@ namespace move_base_abstract {
 /** @brief The mode in which simulated time follows wall time; see TimeMaster. */
 class ScaledMode : public TimeMode {
  public:
-  /** @throws std::invalid_argument if a setting is out of its range. */
   ScaledMode(const TimeMaster::Settings& settings, const ros::Publisher& clock);
 
   const char* name() const override { return "scaled"; }

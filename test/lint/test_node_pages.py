@@ -50,15 +50,6 @@ def constant(text):
     return float(found.group(1)) if found else None
 
 
-def test_the_ranges_of_the_time_masters_table_are_those_that_it_checks():
-    checked = re.findall(r'checked\("(\w+)",\s*[\w.]+,\s*([\w.:+-]+),\s*([\w.:+-]+),', SETTINGS)
-    assert len(checked) >= 6
-    for name, low, high in checked:
-        bounds = [constant(low), constant(high)]
-        said = [float(number) for number in re.findall(r'\d[\d.]*(?:e-?\d+)?', ROWS[name][2])]
-        assert [bound for bound in bounds if bound is not None and bound not in said] == [], (name, bounds, said)
-
-
 def test_the_defaults_of_the_time_masters_table_are_those_of_the_code():
     found = 0
     for name, member in re.findall(r'reader\.read\("(\w+)",\s*[\w.]*?(\w+)\)', CPP):

@@ -299,10 +299,5 @@ TEST(Windows, AnEndlessLoopAtOneInstantIsNamed) {
   EXPECT_EQ(both.phase(), "zero_delay_loop");
 }
 
-TEST(Windows, ALookaheadOutOfRangeIsRefused) {
-  EXPECT_EQ(refusal([] { LockstepRounds rounds(ahead({}, 1e-9)); }),
-            "lookahead must be from 1e-06 to 1000 s (or 0 for none), got 1e-09");
-}
-
 }  // namespace
 }  // namespace move_base_abstract::lockstep_windows_test

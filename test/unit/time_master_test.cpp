@@ -110,36 +110,16 @@ TEST(Integration, AWallInstantBeforeTheLatestNeverMovesTimeBack) {
 TEST(Integration, StandsStillAtTheEndOfTimeAndSaysSo) {
   TimeMaster master(with(1e6), kBoot);
   master.advance(kBoot + 1'000'000 * kSecond);
-  EXPECT_EQ(master.now(), TimeMaster::kLastInstant);
+  EXPECT_EQ(master.now(), kLastInstant);
   EXPECT_TRUE(master.paused());
   const auto events = master.takeEvents();
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].kind, Kind::kEndOfTime);
   EXPECT_NE(refusal([&] { master.resume(kMost); }).find("2147483647"), std::string::npos);
-  EXPECT_NE(refusal([&] { master.step(1, kMost); }).find("at most 0.0"), std::string::npos);
+  EXPECT_NE(refusal([&] { master.step(1, kMost); }).find("at most 0 s"), std::string::npos);
 }
 
 // ---- settings and refusals -----------------------------------------------------------------
-
-TEST(Settings, EachOutOfRangeValueIsNamedWithWhatIsAllowed) {
-  const auto text = [](auto change) {
-    TimeMaster::Settings settings;
-    change(settings);
-    return refusal([&] { TimeMaster(settings, 0); });
-  };
-  EXPECT_EQ(text([](auto& s) { s.factor = 0.0; }),
-            "factor must be from 0.01 to 1000000 simulated seconds per wall second, got 0");
-  EXPECT_EQ(text([](auto& s) { s.busy_factor = 0.001; }),
-            "busy_factor must be from 0.01 to 1000000 (or 0 to freeze the clock), got 0.001");
-  EXPECT_EQ(text([](auto& s) { s.finest_step = 0.0; }),
-            "finest_step must be from 1e-06 to 3600 s, got 0");
-  EXPECT_EQ(text([](auto& s) { s.max_clock_rate = kInfinity; }),
-            "max_clock_rate must be from 1 to 10000 Hz, got inf");
-  EXPECT_EQ(text([](auto& s) { s.start_time = 0.0; }),
-            "start_time must be from 1e-06 to 2000000000 s, got 0");
-  EXPECT_EQ(text([](auto& s) { s.repeat_rate = kNan; }),
-            "repeat_rate must be from 1 to 1000 Hz, got nan");
-}
 
 TEST(Settings, ABadFactorIsRefusedAndTheOldOneStays) {
   TimeMaster master(with(5.0), kBoot);
@@ -232,14 +212,14 @@ TEST(Step, OfARunningClockStopsItAfterTheDuration) {
 
 TEST(Step, OfNothingNegativeOrPastTheEndOfTimeIsRefused) {
   TimeMaster master(with(1.0), kBoot);
-  const Nanoseconds room = TimeMaster::kLastInstant - kSecond;
+  const Nanoseconds room = kLastInstant - kSecond;
   for (Nanoseconds bad : {Nanoseconds{0}, Nanoseconds{-1}, room + 1, kMost, -kMost - 1}) {
     const std::string text = refusal([&] { master.step(bad, kBoot); });
     EXPECT_NE(text.find("step: duration must be more than 0"), std::string::npos) << text;
   }
   EXPECT_NE(refusal([&] { master.step(-1, kBoot); }).find("got -0.000000001 s"), std::string::npos);
   EXPECT_FALSE(master.target());
-  EXPECT_EQ(master.step(room, kBoot), TimeMaster::kLastInstant);
+  EXPECT_EQ(master.step(room, kBoot), kLastInstant);
 }
 
 TEST(RunUntil, StopsExactlyAndStaysPaused) {
@@ -260,11 +240,9 @@ TEST(RunUntil, ThePresentPausesAtOnce) {
 
 TEST(RunUntil, ThePastAndBeyondTheEndAreRefused) {
   TimeMaster master(with(1.0), kBoot);
-  for (Nanoseconds bad :
-       {kSecond - 1, Nanoseconds{0}, -kMost, TimeMaster::kLastInstant + 1, kMost}) {
+  for (Nanoseconds bad : {kSecond - 1, Nanoseconds{0}, -kMost, kLastInstant + 1, kMost}) {
     const std::string text = refusal([&] { master.runUntil(bad, kBoot); });
-    EXPECT_NE(text.find("target must be from the present, 1.000000000 s"), std::string::npos)
-        << text;
+    EXPECT_NE(text.find("target must be from the present, 1 s"), std::string::npos) << text;
   }
   EXPECT_FALSE(master.paused());
 }

@@ -4,7 +4,6 @@
 
 #include "clock/argument_check.h"
 #include "clock/number_text.h"
-#include "clock/time_master.h"
 
 namespace move_base_abstract {
 
@@ -20,23 +19,13 @@ void RoundGate::resume() {
 
 Nanoseconds RoundGate::step(Nanoseconds present, Nanoseconds duration) {
   refuseIfEnded("step");
-  const Nanoseconds from = target_.value_or(present);
-  if (duration <= 0 || duration > TimeMaster::kLastInstant - from) {
-    refuse("step: duration must be more than 0 and at most " +
-           secondsText(TimeMaster::kLastInstant - from) + " from " + secondsText(from) +
-           " on, got " + secondsText(duration));
-  }
-  open(false, from + duration);
+  open(false, checkedStep(target_.value_or(present), duration));
   return *target_;
 }
 
 void RoundGate::runUntil(Nanoseconds present, Nanoseconds target) {
   refuseIfEnded("run_until");
-  if (target < present || target > TimeMaster::kLastInstant) {
-    refuse("run_until: target must be from the present, " + secondsText(present) + ", to " +
-           secondsText(TimeMaster::kLastInstant) + ", got " + secondsText(target));
-  }
-  open(false, target);
+  open(false, checkedTarget(present, target));
 }
 
 void RoundGate::open(bool is_paused, std::optional<Nanoseconds> target) {

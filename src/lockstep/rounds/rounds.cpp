@@ -3,14 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "clock/time_master.h"
-
 namespace move_base_abstract {
-namespace {
-
-constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
-
-}  // namespace
 
 LockstepRounds::LockstepRounds(const LockstepSettings& settings)
     : settings_(checkedSettings(settings)),

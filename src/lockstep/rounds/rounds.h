@@ -70,7 +70,7 @@ class LockstepRounds {
     Nanoseconds duration = 0;  // wall ns since the grant, for kSilent and kAnswered
   };
 
-  /** @throws std::invalid_argument if a setting is out of its range. */
+  /** @throws std::invalid_argument if some settings do not go together. */
   explicit LockstepRounds(const LockstepSettings& settings);
   LockstepRounds(const LockstepRounds&) = delete;
   LockstepRounds& operator=(const LockstepRounds&) = delete;

@@ -48,7 +48,10 @@ struct LockstepSettings {
   bool keeps_decisions = false;
 };
 
-/** @return @p settings. @throws std::invalid_argument if one is out of its range. */
+/**
+ * @return @p settings, each of which is within its range.
+ * @throws std::invalid_argument if some do not go together.
+ */
 LockstepSettings checkedSettings(LockstepSettings settings);
 
 /**

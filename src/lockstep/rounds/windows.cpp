@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "clock/time_master.h"
-
 namespace move_base_abstract {
 
 /** @return the instant of the member's next turn, as far as is known, or kNever. */
@@ -46,7 +44,7 @@ void RoundWindows::endInstant() {
       continue;
     }
     const std::vector<Mail> mail = mail_.take(id, *member);
-    if (arrival > TimeMaster::kLastInstant) {
+    if (arrival > kLastInstant) {
       continue;  // beyond the end of simulated time
     }
     member->arrivals.push_back({arrival, {}});
@@ -87,7 +85,7 @@ Nanoseconds RoundWindows::endOf(Nanoseconds begin, const RoundGate& gate) const 
   if (gate.paused() || restsAt(begin)) {
     return begin + 1;
   }
-  const Nanoseconds last = std::min(gate.target().value_or(kNever), TimeMaster::kLastInstant);
+  const Nanoseconds last = std::min(gate.target().value_or(kNever), kLastInstant);
   return std::min(addSaturated(begin, lookahead_), last + 1);
 }
 

@@ -99,10 +99,6 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("strict", lockstep.strict);
   reader.read("idle_nodes", lockstep.idle_nodes);
   lockstep.idle_nodes = absoluteNames("idle_nodes", lockstep.idle_nodes);
-  if (lockstep.end_at != 0.0 && lockstep.end_at < parameters.master.start_time) {
-    throw std::invalid_argument("end_at must be 0, or not before start_time, got " +
-                                shown(std::to_string(lockstep.end_at)));
-  }
 }
 
 inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
@@ -198,7 +194,6 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   parameters.master.longest_gap = kUsualGap;
   reader.read("longest_gap", parameters.master.longest_gap);
   reader.read("state_rate", parameters.state_rate);
-  TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
   readLockstepParameters(reader, parameters);
   readLookahead(reader, parameters);
   readNetwork(reader, parameters);
