@@ -6,9 +6,57 @@
 #include <utility>
 
 #include "clock/shown_text.h"
-#include "foreseen.h"
 
 namespace move_base_abstract {
+namespace {
+
+/** @brief Turns that a report has beforehand, with their instants. */
+struct Foreseen {
+  std::deque<Nanoseconds> instants;
+  std::deque<PendingTurn> turns;  // as many
+};
+
+void check(const wire::At& at, const wire::Report& report, Nanoseconds after) {
+  if (report.leaving) {
+    throw wire::MalformedFrame("AT must not be in a last report");
+  }
+  if (at.time_ns <= after || at.time_ns >= report.next_ns) {
+    throw wire::MalformedFrame("AT must be after " + secondsText(after) +
+                               " and before the wake-up of its report, " +
+                               secondsText(report.next_ns) + ", got " + secondsText(at.time_ns));
+  }
+}
+
+/**
+ * @brief Take the AT items, and all items after them, out of @p report.
+ *
+ * @param bytes the bytes that the report's items point into.
+ * @throws wire::MalformedFrame if an instant is not after the one before it (the first one: after
+ * @p now), or not before the report's wake-up; if a turn does anything but send; or if this is a
+ * last report.
+ */
+Foreseen takeForeseen(wire::Report& report, const std::shared_ptr<const std::string>& bytes,
+                      Nanoseconds now) {
+  Foreseen foreseen;
+  const auto first = std::find_if(report.items.begin(), report.items.end(), [](const auto& item) {
+    return std::holds_alternative<wire::At>(item);
+  });
+  for (auto item = first; item != report.items.end(); ++item) {
+    if (const auto* at = std::get_if<wire::At>(&*item)) {
+      check(*at, report, foreseen.instants.empty() ? now : foreseen.instants.back());
+      foreseen.instants.push_back(at->time_ns);
+      foreseen.turns.push_back({bytes, {}});
+    } else if (std::holds_alternative<wire::Send>(*item)) {
+      foreseen.turns.back().items.push_back(*item);
+    } else {
+      throw wire::MalformedFrame("after AT there must be SEND and AT only");
+    }
+  }
+  report.items.erase(first, report.items.end());
+  return foreseen;
+}
+
+}  // namespace
 
 void Turns::take(MemberId id, wire::Report report,
                  const std::shared_ptr<const std::string>& bytes) {
@@ -95,26 +143,33 @@ void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem
     run_.log.add(run_.rounds.members().order(id, log->sub, number), *log);
   } else if (const auto* note = std::get_if<wire::Note>(&item)) {
     applyNote(member, *note);
-  } else if (std::holds_alternative<wire::Rest>(item)) {
-    run_.rounds.members().rest(id);
-  } else if (std::holds_alternative<wire::Background>(item)) {
-    run_.rounds.members().background(id);
   } else if (const auto* parameter = std::get_if<wire::Parameter>(&item)) {
     applyParameter(member, *parameter);
-  } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
-    run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
-  } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-    run_.rounds.members().idle(id, idle->count);
   } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
     run_.rounds.members().keepUntil(id, keep->time_ns);
   } else if (const auto* motion = std::get_if<wire::Motion>(&item)) {
     applyMotion(id, member, *motion);
-  } else {
+  } else if (!applyOwn(id, member, item)) {
     if (std::holds_alternative<wire::ChooseDelivery>(item)) {
       run_.rounds.mail().hurry(id);
     }
     run_.router.apply(id, number, item);
   }
+}
+
+bool Turns::applyOwn(MemberId id, const SessionMember& member, const wire::ReportItem& item) {
+  if (std::holds_alternative<wire::Rest>(item)) {
+    run_.rounds.members().rest(id);
+  } else if (std::holds_alternative<wire::Background>(item)) {
+    run_.rounds.members().background(id);
+  } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
+    run_.rounds.members().idle(id, idle->count);
+  } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
+    run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
+  } else {
+    return false;
+  }
+  return true;
 }
 
 /** @throws MessageRouter::BadAction if @p item is not a valid parameter. */

@@ -25,6 +25,11 @@ class Turns {
   void apply();
   /** @brief Apply the turn of @p member that is due. */
   void applyOne(MemberId id, SessionMember& member);
+  /**
+   * @brief Apply an item that is about @p member alone: its state after the turn, or a parameter
+   * that it has asked for. @return whether @p item is one.
+   */
+  bool applyOwn(MemberId id, const SessionMember& member, const wire::ReportItem& item);
   /** @brief Finish a round, or an instant of a window, after all its turns are applied. */
   void finish();
   /**

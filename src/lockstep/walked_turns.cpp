@@ -9,6 +9,35 @@
 namespace move_base_abstract {
 namespace {
 
+/**
+ * @brief Take the items out of @p report.
+ * @param bytes the bytes that the report's items point into.
+ * @return the turns of the report: the first at @p begin, the others at the instants of AT items.
+ * @throws wire::MalformedFrame if an instant is before that of the previous turn, or not before @p
+ * end.
+ */
+std::deque<WalkedTurn> takeWalked(wire::Report& report,
+                                  const std::shared_ptr<const std::string>& bytes,
+                                  Nanoseconds begin, Nanoseconds end) {
+  std::deque<WalkedTurn> turns;
+  turns.push_back({begin, {bytes, {}}});
+  for (wire::ReportItem& item : report.items) {
+    const auto* const at = std::get_if<wire::At>(&item);
+    if (at == nullptr) {
+      turns.back().turn.items.push_back(item);
+      continue;
+    }
+    if (at->time_ns < turns.back().at || at->time_ns >= end) {
+      throw wire::MalformedFrame("AT must be from " + secondsText(turns.back().at) +
+                                 " on and before the end of the window, " + secondsText(end) +
+                                 ", got " + secondsText(at->time_ns));
+    }
+    turns.push_back({at->time_ns, {bytes, {}}});
+  }
+  report.items.clear();
+  return turns;
+}
+
 /** @throws wire::MalformedFrame if @p turn sets an invalid parameter. */
 void checkSets(const SessionMember& member, const PendingTurn& turn) {
   for (const wire::ReportItem& item : turn.items) {
@@ -47,19 +76,14 @@ void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   for (WalkedTurn& walked : *turns) {
     std::vector<wire::ReportItem> kept;
     for (wire::ReportItem& item : walked.turn.items) {
-      if (std::holds_alternative<wire::Rest>(item)) {
-        run_.rounds.members().rest(id);
-      } else if (std::holds_alternative<wire::Background>(item)) {
-        run_.rounds.members().background(id);
-      } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-        run_.rounds.members().idle(id, idle->count);
-      } else if (const auto* set = std::get_if<wire::Parameter>(&item)) {
+      if (turns_.applyOwn(id, member, item)) {
+        continue;
+      }
+      if (const auto* set = std::get_if<wire::Parameter>(&item)) {
         sets_.push_back({walked.at,
                          run_.rounds.members().order(id, 0, member.actions + sets_.size()),
                          member.name, walked.turn.frame, *set});
         run_.rounds.windows().holdUntil(id, walked.at);  // it must see the value that it has set
-      } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
-        run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
       } else {
         kept.push_back(item);
       }
@@ -146,11 +170,11 @@ void WalkedTurns::applyInstant(Nanoseconds at) {
 
 /** @brief Pass on the parameters that were set up to and including @p until, for the ROS master. */
 void WalkedTurns::applySets(Nanoseconds until) {
-  std::stable_sort(sets_.begin(), sets_.end(), [](const WalkedSet& a, const WalkedSet& b) {
+  std::stable_sort(sets_.begin(), sets_.end(), [](const Set& a, const Set& b) {
     return a.at != b.at ? a.at < b.at : isBefore(a.order, b.order);
   });
-  const auto later = std::find_if(sets_.begin(), sets_.end(),
-                                  [until](const WalkedSet& set) { return set.at > until; });
+  const auto later =
+      std::find_if(sets_.begin(), sets_.end(), [until](const Set& set) { return set.at > until; });
   for (auto set = sets_.begin(); set != later; ++set) {
     run_.parameters.change(set->by, set->item);
   }

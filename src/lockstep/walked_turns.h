@@ -12,7 +12,6 @@
 #include "run.h"
 #include "run_end.h"
 #include "turns.h"
-#include "walked.h"
 
 namespace move_base_abstract {
 
@@ -34,6 +33,15 @@ class WalkedTurns {
   void apply();
 
  private:
+  /** @brief A ROS parameter that was set or deleted in such a turn. */
+  struct Set {
+    Nanoseconds at = 0;  // simulated
+    MailOrder order;
+    std::string by;                            // the node's name
+    std::shared_ptr<const std::string> frame;  // that `item` points into
+    wire::Parameter item;
+  };
+
   void takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns);
   void applyInstant(Nanoseconds at);
   void applyGone();
@@ -44,7 +52,7 @@ class WalkedTurns {
   RunEnd& end_;
   Departures& departures_;
   Turns& turns_;
-  std::vector<WalkedSet> sets_;  // not told to the ROS master yet
+  std::vector<Set> sets_;  // not told to the ROS master yet
 };
 
 }  // namespace move_base_abstract

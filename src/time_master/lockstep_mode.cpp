@@ -217,7 +217,6 @@ bool LockstepMode::work() {
   const std::string seen = notable(status);
   const bool changed = seen != notable_;
   notable_ = seen;
-  phase_ = status.phase;
   return changed;
 }
 

@@ -78,7 +78,6 @@ class LockstepMode : public TimeMode {
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
   RadioPublisher radio_;
-  LockstepPhase phase_ = LockstepPhase::kWaitingForParticipants;  // at the latest look
   std::deque<Sample> samples_;
   std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part
   int answers_ = 0;                       // of the ROS master, at the latest count of sightings

@@ -70,8 +70,6 @@ class Carriage {
   explicit Carriage(Now now, Nanoseconds lookahead = 0)
       : now_(std::move(now)), lookahead_(lookahead) {}
   void add(std::unique_ptr<Carrier> carrier) { carriers_.push_back(std::move(carrier)); }
-  /** @return whether there is no carrier, so that everything arrives at once. */
-  bool isNone() const { return carriers_.empty(); }
 
   /** @return the outcome of all carriers together. `passage.from` is not read. */
   Carried carry(Passage passage) const;
