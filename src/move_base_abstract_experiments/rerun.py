@@ -165,12 +165,7 @@ def _difference(before: str, path: str, is_part: bool) -> Tuple[Optional[str], i
     is_part: whether the second log need only be the beginning of the first.
     """
     with event_log.opened(before) as one, event_log.opened(path) as other:
-        old, count = iter(one), 0
-        for event in other:
-            was = next(old, None)
-            if was is None or was.compared != event.compared:
-                return ' / '.join(run_difference.told_lines(each) if each else 'no more events'
-                                  for each in (was, event)), count
-            count += 1
-        left = None if is_part else next(old, None)
-        return (f'no more events after {count}, but {run_difference.told_lines(left)}' if left else None), count
+        found = event_log.compare(one, other)
+    if found.identical or is_part and found.second is None:
+        return None, other.events
+    return run_difference.told_pair(found.first, found.second), other.events

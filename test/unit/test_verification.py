@@ -1,5 +1,4 @@
 """Verify: which runs can be compared with each other, and what it is told of a run."""
-import json
 from types import SimpleNamespace
 
 import pytest
@@ -29,13 +28,9 @@ def concluded(folder, names, events=1, bags=(), broken=()):
     told = []
     next_steps = {verification.LABELLED: 'look', verification.IDENTICAL: 'search'}
     verify = verification.Verification(None, [], next_steps, str(folder), 1.0, told.append)
-    log = folder / 'events.jsonl'
-    row = '{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n'
-    sent = '{"time_ns":2,"robot":"/a","kind":"message","values":["/a","/b",4,"00"]}\n'
-    end = {'events': events + 1, 'not_repeatable_because': [], 'degraded_because': []}
-    log.write_text('{"event_log":1}\n' + row * events + sent + json.dumps({'end': end}) + '\n')
-    verify.runs += [verification.Run(one, str(log), '', end, 4.0, 1.0, str(folder / 'none'), dict.fromkeys(bags), [],
-                                     [], list(broken)) for one in CONDITIONS if one.name in names]
+    end = {'not_repeatable_because': [], 'degraded_because': []}
+    verify.runs += [verification.Run(one, '', '', end, 4.0, events, 1, 1.0, str(folder / 'none'), dict.fromkeys(bags),
+                                     [], [], list(broken)) for one in CONDITIONS if one.name in names]
     return verify._conclude(), told
 
 
@@ -59,6 +54,14 @@ def test_broken_properties_and_what_to_type_next_are_said(tmp_path):
     assert (code, told[-2:]) == (verification.BROKEN, ['but broken: no robot waits', 'next: search'])
     code, told = concluded(tmp_path, ['plain', 'split'], events=0, broken=['no robot waits'])
     assert (code, told[-1]) == (verification.LABELLED, 'next: look')
+
+
+def test_events_and_messages_of_a_log_are_counted(tmp_path):
+    log = tmp_path / 'events.jsonl'
+    log.write_text('{"event_log":1}\n{"time_ns":1,"robot":"a","kind":"arrived","values":[]}\n'
+                   '{"time_ns":2,"robot":"/a","kind":"message","values":["/a","/b",4,"00"]}\n'
+                   '{"end":{"events":2,"at_ns":3000000000,"not_repeatable_because":[],"degraded_because":[]}}\n')
+    assert verification._read_end(str(log))[1:] == (3.0, 1, 1)
 
 
 def test_bags_are_numbered_by_their_nodes():

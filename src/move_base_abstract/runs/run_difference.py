@@ -119,6 +119,11 @@ def receivers(event: Event) -> List[str]:
     return values[1:len(values) - 2 - _STATUS.get(event.kind, 0)]
 
 
+def told_pair(first: Optional[Event], second: Optional[Event]) -> str:
+    """Return two events that differ as one line for people to read; None: that log has no more events."""
+    return ' / '.join(told_lines(event) if event else 'no more events' for event in (first, second))
+
+
 def told_lines(event: Event) -> str:
     """Return an event as a line for people to read."""
     at = '{:.9f} s'.format(event.time_ns * 1e-9)

@@ -253,8 +253,7 @@ def compare(folders: Any, again: Folders) -> Optional[str]:
         return None
     compared = run_difference.compare(folders.log, again.log)
     if compared.difference is not None:
-        return ' / '.join(run_difference.told_lines(event) if event else 'no more events'
-                          for event in (compared.difference.first, compared.difference.second))[:_LONGEST_ERROR]
+        return run_difference.told_pair(compared.difference.first, compared.difference.second)[:_LONGEST_ERROR]
     if compared.bags is not None:
         return f'the bags of {compared.bags.node} differ (number {compared.bags.number} of them)'
     if os.path.exists(folders.messages) and metrics.digest(folders.messages) != metrics.digest(again.messages):

@@ -121,19 +121,8 @@ def cannot_start(path):
 
 
 def _is_importable(name, folders):
-    if name.partition('.')[0] in (*sys.builtin_module_names, '__future__'):
-        return True
-    for part in name.split('.'):
-        try:
-            spec = PathFinder.find_spec(part, folders)
-        except (ImportError, ValueError):
-            return True
-        if spec is None:
-            return False
-        if not spec.submodule_search_locations:
-            return True  # the code of a module decides which names are below it (os.path)
-        folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
-    return True
+    # The code of a module, not its folder, decides which names are below it (os.path), so its parts end there.
+    return name.partition('.')[0] in (*sys.builtin_module_names, '__future__') or None not in _specs(name, folders)
 
 
 def _sources(path):
@@ -199,16 +188,20 @@ def _around(path):
 
 def _files_of(name, folders):
     """Yield the files of a module and of the packages around it, but not those of Python's own library."""
+    for spec in _specs(name, folders):
+        if spec is not None and spec.origin and spec.origin.endswith('.py') and not _is_of_python(spec.origin):
+            yield spec.origin
+
+
+def _specs(name, folders):
+    """Yield the spec of each package around a module and of the module; None, as the last one, if it is not there."""
     for part in name.split('.'):
         try:
             spec = PathFinder.find_spec(part, folders)
         except (ImportError, ValueError):
             return
-        if spec is None:
-            return
-        if spec.origin and spec.origin.endswith('.py') and not _is_of_python(spec.origin):
-            yield spec.origin
-        if not spec.submodule_search_locations:
+        yield spec
+        if spec is None or not spec.submodule_search_locations:
             return
         folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
 

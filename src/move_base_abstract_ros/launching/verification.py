@@ -28,6 +28,8 @@ class Run(NamedTuple):
     output: str  # path
     end: dict  # of the log
     simulated: float  # s
+    events: int  # without messages
+    messages: int
     wall: float  # s
     message_bytes: str  # path of a file with the messages between participants
     bags: dict  # {(node, number of its bag from 1 on): path}
@@ -144,9 +146,8 @@ class Verification:
                              .format(self._time_limit, _last_lines(output))) from None
 
     def _tell(self, run):
-        found = run_difference.compare(run.log, run.log)
         self._say('{}: {} events, {} messages, {:.3f} s simulated, the whole run in {:.1f} s of wall time; {}'.format(
-            run.condition.name, found.events, found.messages, run.simulated, run.wall,
+            run.condition.name, run.events, run.messages, run.simulated, run.wall,
             'called repeatable' if not run.labels else 'labelled'))
         for line in (*run.crashes, *('broken: ' + one for one in run.broken)):
             self._say('  {}'.format(line))
@@ -175,30 +176,28 @@ class Verification:
         return False
 
     def _conclude(self):
-        counts = run_difference.compare(self.runs[0].log, self.runs[0].log)
-        names = ', '.join(run.condition.name for run in self.runs)
+        first, names = self.runs[0], ', '.join(run.condition.name for run in self.runs)
         is_compared = len(self.runs) > 1
-        self._say('identical: {} runs ({}), {}'.format(len(self.runs), names, self._told_of_equal(counts))
+        self._say('identical: {} runs ({}), {}'.format(len(self.runs), names, self._told_of_equal(first))
                   if is_compared else 'nothing is compared: only one run was made ({})'.format(names))
         self._say('not compared: other files that nodes write, and what they print')
-        for crash in self.runs[0].crashes:
+        for crash in first.crashes:
             self._say('but {} (--crashes allow)'.format(crash))
         labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
         if not is_compared:
             labels.append('but one run has no other to be compared with: more --conditions make more runs')
-        has_messages = len(self._with_messages()) > 1 and (counts.messages or self.runs[0].bags)
-        if is_compared and not (counts.events or has_messages):
+        has_messages = len(self._with_messages()) > 1 and (first.messages or first.bags)
+        if is_compared and not (first.events or has_messages):
             labels.append('but there was nothing to compare: no robot did anything, and ' + (
-                'messages are not compared' if counts.messages else
+                'messages are not compared' if first.messages else
                 'no message went from one participant to another'))
-        broken = self.runs[0].broken
-        for line in (*labels, *('but broken: ' + one for one in broken)):
+        for line in (*labels, *('but broken: ' + one for one in first.broken)):
             self._say(line)
         if labels:
             self._say('if a label names a program and a place in it, change the program there')
         self._say('next: ' + self._next_steps[LABELLED if labels else IDENTICAL])
-        _remove(self.runs[0])
-        return LABELLED if labels else BROKEN if broken else IDENTICAL
+        _remove(first)
+        return LABELLED if labels else BROKEN if first.broken else IDENTICAL
 
     def _say_next(self, text, *words):
         """Print what the user can type next. ``words`` fill the places in ``text``."""
@@ -207,16 +206,16 @@ class Verification:
     def _with_messages(self):
         return [run.condition.name for run in self.runs if run.condition.with_messages]
 
-    def _told_of_equal(self, counts):
+    def _told_of_equal(self, first):
         """Return in words what is equal in all runs, and of which runs only the events were compared."""
         names = self._with_messages()
         without = [run.condition.name for run in self.runs if run.condition.name not in names]
         if len(names) < 2:
-            return '{} events each; messages and bags are not compared'.format(counts.events)
-        number = len(self.runs[0].bags)
+            return '{} events each; messages and bags are not compared'.format(first.events)
+        number = len(first.bags)
         bags = ', and the same bytes in {} bag{}'.format(number, 's' * (number > 1)) if number else ''
         return '{} events and {} messages each{}{}'.format(
-            counts.events, counts.messages, bags, '; of {} only the events'.format(', '.join(without)) * bool(without))
+            first.events, first.messages, bags, '; of {} only the events'.format(', '.join(without)) * bool(without))
 
 
 def _by_number(bags):
@@ -251,13 +250,12 @@ def _remove(run):
 
 
 def _read_end(path):
-    """Return the end record of a log, and the simulated time [s] that the run has taken."""
+    """Return the end record of a log, the simulated time [s] of the run, and the numbers of events and messages."""
     with event_log.opened(path) as log:
-        for _row in log.rows():
-            pass
+        messages = sum(row.kind in run_difference.MESSAGES for row in log.rows())
     if log.end is None:
         raise EventLogError('{}: has no end record: the run did not end properly'.format(path))
-    return log.end, (log.end['at_ns'] - log.start_ns) * 1e-9
+    return log.end, (log.end['at_ns'] - log.start_ns) * 1e-9, log.events - messages, messages
 
 
 def _last_lines(path):
