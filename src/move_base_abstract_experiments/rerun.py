@@ -2,10 +2,8 @@
 from __future__ import annotations
 
 import dataclasses
-import io
 import os
 import sys
-import tarfile
 from typing import List, NamedTuple, Optional, TextIO, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
@@ -13,7 +11,7 @@ from move_base_abstract.common.kinds import unknown
 from move_base_abstract.runs import event_log, run_difference
 
 from . import records
-from .carrying import jobs, temporary
+from .carrying import jobs
 from .description import plan, spec
 from .description.job import Job
 from .description.trial import Trial
@@ -57,8 +55,13 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
     elif not os.path.isfile(before):
         raise _not_run(before)
     left = _run(_job_of(one, until, speed, rviz), logs, stream)
-    code = _compare_function(left, before, was, stream) if one.experiment.function else _compare(
-        left, before, bool(until), stream)
+    if not left.result.is_complete:
+        print(f'rerun: failed: {left.result.error}', file=stream)
+        code = FAILED
+    elif one.experiment.function:
+        code = _compare_function(left, before, was, stream)
+    else:
+        code = _compare(left, before, bool(until), stream)
     return CHANGED if since and code == DIFFERENT else code
 
 
@@ -113,22 +116,18 @@ def _run(job: Job, logs: Optional[str], stream: TextIO) -> _Left:
         content = warm.run(job) or b''
     finally:
         warm.close()
-    with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
+    with outputs.opened(content) as archive:
         if logs is not None:
             os.mkdir(logs)
             for member in outputs.checked_members(archive):
                 with open(os.path.join(logs, member.name.replace('/', '_')), 'xb') as target:
                     target.write(outputs.opened_member(archive, member.name).read())
-        log = outputs.opened_member(archive, LOG).read() if LOG in archive.getnames() else None
-        return _Left(outputs.result_in(archive), log)
+        return _Left(outputs.result_in(archive), outputs.member(archive, LOG))
 
 
 def _compare_function(left: _Left, before: str, was: Result, stream: TextIO) -> int:
     """Compare the metrics of a function with those before (``was``), and the event logs if it writes one."""
     had_log = os.path.isfile(before)
-    if not left.result.is_complete:
-        print(f'rerun: failed: {left.result.error}', file=stream)
-        return FAILED
     difference = execution.other_metrics(was.metrics, left.result.metrics)
     if difference is None and (left.log is not None) != had_log:
         difference = f'an event log the {"first" if had_log else "second"} time only'
@@ -143,29 +142,13 @@ def _compare_function(left: _Left, before: str, was: Result, stream: TextIO) -> 
 
 
 def _compare(left: _Left, before: str, is_part: bool, stream: TextIO) -> int:
-    if not left.result.is_complete:
-        print(f'rerun: failed: {left.result.error}', file=stream)
-        return FAILED
-    with temporary.folder('move_base_abstract_rerun_') as folder:
-        path = os.path.join(folder, LOG)
-        with open(path, 'wb') as target:
-            target.write(left.log or b'')
-        is_part = is_part and left.result.ended_by == termination.SECONDS  # otherwise it came to an end of its own
-        difference, count = _difference(before, path, is_part)
-    if difference is None:
-        print(f'rerun: the same trial: {count} events' + (' up to there' if is_part else ''), file=stream)
-        return SAME
-    print(f'rerun: different: {difference}', file=stream)
-    return DIFFERENT
-
-
-def _difference(before: str, path: str, is_part: bool) -> Tuple[Optional[str], int]:
-    """Return the first difference of two event logs as text, or None, and the number of equal events before it.
-
-    is_part: whether the second log need only be the beginning of the first.
-    """
-    with event_log.opened(before) as one, event_log.opened(path) as other:
+    """Compare the event log with that before. is_part: whether it need only be the beginning of that one."""
+    is_part = is_part and left.result.ended_by == termination.SECONDS  # otherwise it came to an end of its own
+    with event_log.opened(before) as one:
+        other = event_log.of_bytes(left.log or b'', LOG)
         found = event_log.compare(one, other)
     if found.identical or is_part and found.second is None:
-        return None, other.events
-    return run_difference.told_pair(found.first, found.second), other.events
+        print(f'rerun: the same trial: {other.events} events' + (' up to there' if is_part else ''), file=stream)
+        return SAME
+    print(f'rerun: different: {run_difference.told_pair(found.first, found.second)}', file=stream)
+    return DIFFERENT

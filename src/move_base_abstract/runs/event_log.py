@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import csv
 import decimal
+import io
 import itertools
 import json
 import os
@@ -271,6 +272,11 @@ def opened(path: StrPath) -> Iterator[EventLog]:
     """
     with open_text(path) as stream:
         yield EventLog(stream, os.fspath(path))
+
+
+def of_bytes(content: bytes, name: str) -> EventLog:
+    """Return the event log in these bytes; ``name``: for errors. :raises EventLogError: if it is none."""
+    return EventLog(io.StringIO(content.decode('utf-8', 'surrogateescape'), newline='\n'), name)
 
 
 def open_text(path: StrPath) -> ContextManager[IO[str]]:

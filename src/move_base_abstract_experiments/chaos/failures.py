@@ -1,14 +1,13 @@
 """Find what is wrong with a run: one Failure, or none. To add a kind of failure, add a row to KINDS."""
 from __future__ import annotations
 
-import io
 import math
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
 from move_base_abstract.faults.buggify import CAUSE, FAULTS
 from move_base_abstract.properties import Judgement, judge_log, statements
+from move_base_abstract.runs import event_log
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.runs.trace import TraceEntry
 
 from ..records import Result
@@ -46,8 +45,7 @@ def evidence_of(result: Result, log: Optional[bytes], properties: Sequence[str] 
     end: Dict[str, Any] = {}
     judged = Judgement()
     if log is not None:
-        text = log.decode('utf-8', 'surrogateescape')
-        read = EventLog(io.StringIO(text, newline='\n'), 'events.jsonl')
+        read = event_log.of_bytes(log, 'events.jsonl')
         judged = judge_log(read, (), properties, lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
         end = read.end or {}
     return Evidence(result, events, end, judged)

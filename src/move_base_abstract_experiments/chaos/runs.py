@@ -136,12 +136,8 @@ class Runs:
         finally:
             self._idle.put(warm)
         with outputs.opened(content) as archive:
-            result = outputs.result_in(archive)
-            names = archive.getnames()
-
-            def member(name: str) -> Optional[bytes]:
-                return outputs.opened_member(archive, name).read() if name in names else None
-            log, decisions = member(LOG), member('files-' + DECISIONS)
+            result, log = outputs.result_in(archive), outputs.member(archive, LOG)
+            decisions = outputs.member(archive, 'files-' + DECISIONS)
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
         evidence = failures.evidence_of(result, log, self._job.trial.experiment.properties or (ALL,))

@@ -207,3 +207,8 @@ def opened_member(archive: tarfile.TarFile, name: str) -> IO[bytes]:
     if found is None:
         raise KeyError(name)
     return found
+
+
+def member(archive: tarfile.TarFile, name: str) -> Optional[bytes]:
+    """Return the content of a member of an archive; None if there is none of that name."""
+    return opened_member(archive, name).read() if name in archive.getnames() else None
