@@ -7,6 +7,7 @@ import contextlib
 import os
 import signal
 from typing import Any, Iterator, List
+from xml.sax.saxutils import quoteattr
 
 from roslaunch.core import Param, RLException
 
@@ -20,9 +21,9 @@ from move_base_abstract_ros.launching import adoption, look_ups, plan
 from move_base_abstract_ros.launching.outputs import Files
 from move_base_abstract_ros.launching.run import Patience, Run, enter
 
-from .launch_text import TEST, launch_text
 from .settings import DEPARTURE, Settings
 
+TEST = '/test'  # the name of the test's own node
 _OVER_S = 30.0  # wall; the time master may take so long to end a run that is over
 _BY_THEMSELVES_S, _AFTER_SIGNAL_S = 3.0, 1.0  # wall; how long processes may take when the run is over
 
@@ -45,7 +46,7 @@ class System:
     def _plan(self) -> Any:
         path = os.path.join(self._folder, 'test.launch')
         with open(path, 'x', encoding='utf-8') as stream:
-            stream.write(launch_text(self._settings))
+            stream.write(_launch_text(self._settings))
         look_ups.remember()
         plan.name_anonymous_ones_alike()
         settings = self._settings
@@ -92,3 +93,29 @@ class System:
             self._ends = ends.judge(self._run.end(), ends.read_log(self.log))
         processes.end_all_children()
         return self._ends
+
+
+def _launch_text(settings: Settings) -> str:
+    """Return the launch file as XML. It starts the robots and nodes, and includes the test's own launch file."""
+    lines = ['<launch>']
+    if settings.scenario:
+        lines += ['  <node pkg="move_base_abstract" type="fleet" name="fleet">',
+                  '    <param name="scenario" value={}/>'.format(quoteattr(settings.scenario)), '  </node>']
+    for number, words in enumerate(settings.nodes):
+        kind, _, args = words.partition(' ')
+        package, name = kind.split('/')
+        others = [one for one in settings.nodes[:number] if one.split()[0] == kind]
+        lines.append('  <node pkg={} type={} name={}{}/>'.format(
+            quoteattr(package), quoteattr(name),
+            quoteattr(name.partition('.')[0] + ('_{}'.format(len(others) + 1) if others else '')),
+            ' args=' + quoteattr(args) if args.strip() else ''))
+    if settings.launch:
+        lines.append('  <include file={}>'.format(quoteattr(settings.launch)))
+        lines += ['    <arg name={} value={}/>'.format(quoteattr(name), quoteattr(_word(value)))
+                  for name, value in settings.args.items()]
+        lines.append('  </include>')
+    return '\n'.join([*lines, '</launch>', ''])
+
+
+def _word(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -17,9 +17,8 @@ from move_base_abstract.runs import event_log
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.replacing import rospy_start
 
-from .launch_text import TEST
 from .settings import settings_of
-from .system import System
+from .system import TEST, System
 
 IDENTICAL = 'assert_identical'  # a file of this name says that the test must be run once more
 
