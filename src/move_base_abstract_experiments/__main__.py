@@ -8,14 +8,14 @@ import sys
 
 from move_base_abstract.common import lasting_output, processes
 
-from .command import main
+from . import command
 
 
-def run() -> None:
+def main() -> None:
     """Run the command line and exit with its code."""
     lasting_output.outlive_readers()
-    processes.finish(main(sys.argv[1:]))
+    processes.finish(command.main(sys.argv[1:]))
 
 
 if __name__ == '__main__':
-    run()
+    main()

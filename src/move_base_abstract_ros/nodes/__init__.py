@@ -1,4 +1,4 @@
-"""The executables of this package: one module for each, with a main()."""
+"""The executables of this package: one module for each, with a main(). Those of tools are in the tools' packages."""
 import errno
 import importlib
 import os
@@ -9,14 +9,14 @@ _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 def start(name):
-    """Run main() of the module ``name`` and exit with its code.
+    """Run main() of the module ``name`` of this room, or of a tool's package, and exit with its code.
 
     There is no traceback if the user presses Ctrl-C, or if the output cannot be written.
     """
     is_main = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if is_main:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # during the imports, which take most of a second
-    main = importlib.import_module('.' + name, __name__).main
+    main = importlib.import_module(name if name.startswith('move_base_abstract_') else '.' + name, __name__).main
     if is_main:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.stdout = _Remembering(sys.stdout)

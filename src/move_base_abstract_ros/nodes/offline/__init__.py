@@ -1,1 +1,0 @@
-"""Programs that are not nodes. Their code is in packages of their own."""
