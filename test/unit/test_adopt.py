@@ -9,7 +9,6 @@ from rospkg import ResourceNotFound
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract_ros.adopting import next_step
 from move_base_abstract_ros.launching import adoption, command_line, plan
 from move_base_abstract_ros.nodes.launch_run import launched
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
@@ -39,12 +38,12 @@ GROUP = """<group ns="{0}">
 
 def test_only_an_error_of_a_launch_file_is_followed_by_what_helps_with_those_of_others():
     hint = '. If the file was written for Gazebo'
-    assert hint in next_step.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', False)
-    assert 'Gazebo' not in next_step.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', True)
-    assert hint in next_step.with_next(ConfigurationError('/stage publishes /clock itself'), 'a.launch', False)
+    assert hint in launched.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', False)
+    assert 'Gazebo' not in launched.with_next(RLException("No such file or directory: 'x.xml'"), 'a.launch', True)
+    assert hint in launched.with_next(ConfigurationError('/stage publishes /clock itself'), 'a.launch', False)
     of_user = ConfigurationError('nofile: cannot be read: No such file or directory')
-    assert next_step.with_next(of_user, 'a.launch', False) == str(of_user)
-    asks = next_step.with_next(ResourceNotFound('x'), 'a.launch', False)
+    assert launched.with_next(of_user, 'a.launch', False) == str(of_user)
+    asks = launched.with_next(ResourceNotFound('x'), 'a.launch', False)
     assert asks.startswith('the package x is not found here; is its workspace sourced? If the file')
 
 

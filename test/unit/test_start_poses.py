@@ -5,8 +5,8 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import ingredients, launch_files
-from move_base_abstract_ros.adopting import next_step
 from move_base_abstract_ros.launching import plan, start_poses
+from move_base_abstract_ros.nodes.launch_run import launched
 from strangers_package import package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 LOST = """<launch>
@@ -61,7 +61,7 @@ def test_what_cannot_be_read_says_what_to_type_next(package, text, expected):
     path = package('one.launch', text)
     with pytest.raises(Exception, match='.') as raised:
         plan.read([(path, [])])
-    assert expected in next_step.with_next(raised.value, path, False)
+    assert expected in launched.with_next(raised.value, path, False)
 
 
 def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial_another_one(package):
