@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 from rosgraph.names import ns_join
 
+from ..loopback import PACKAGE
 from . import kinds, poses, worlds
 
-PACKAGE = 'move_base_abstract'
 OWN = ('move_base', 'move_base_abstract_actionserver')
 _FAR = 0.05  # m: the user is told of places that differ by more
 _NAME = re.compile('(?:/[A-Za-z0-9_]+)+')

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from rosgraph.names import ns_join
 from roslib import packages
 
+from ..adopting.poses import name_of
 from ..lockstep.programs import command_line, recorders
 from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
@@ -50,11 +51,6 @@ class Role(NamedTuple):
     def takes_part(self):
         """Whether the node is a participant: simulated time waits for it."""
         return self.kind is not None
-
-
-def name_of(node):
-    """Return the full name of a roslaunch Node."""
-    return ns_join(node.namespace, node.name or node.type)
 
 
 def kind_of(node):
