@@ -38,11 +38,7 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
         made = ingredients.of_trial(one)
         name = entry.program = ingredients.name_of(made)
         programs.setdefault(name, made)
-        try:
-            was = records.read_trial(str(folder.path), one.id)
-        except ConfigurationError as problem:
-            was = None
-            unread.append(str(problem))
+        was = _read_trial(folder, one.id, unread)
         if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ALLOW):
             wanted.add(one.id)
         elif was.made_of == entry.made_of:
@@ -66,6 +62,14 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
         print(f'experiment: {text}', file=stream, flush=True)
     folder.write(FILE, json.dumps(programs, sort_keys=True).encode())
     return [one for one in chosen if one.id in wanted]
+
+
+def _read_trial(folder: outputs.OutputFolder, name: str, unread: List[str]) -> Optional[Result]:
+    try:
+        return records.read_trial(str(folder.path), name)
+    except ConfigurationError as problem:
+        unread.append(str(problem))
+        return None
 
 
 def _once_text(count: int) -> str:
