@@ -1,6 +1,5 @@
 """Which loops of a program may wait by looking at variables, and what their turns say."""
 import ast
-import builtins
 import contextlib
 import types
 
@@ -72,16 +71,8 @@ def run(text, **names):
         if not looking.get(code and (code.co_name, code.co_firstlineno), is_known):
             said.append(function.__name__)
         return function
-    setattr(builtins, CALLED, called)
-    names['said'] = said
-    setattr(builtins, LOOK, lambda kind, line: said.append((kind, line)))
-    setattr(builtins, ACT, said.append)
-    try:
-        exec(compile(hand_over_called(tree), 'program', 'exec'), names)
-    finally:
-        delattr(builtins, LOOK)
-        delattr(builtins, ACT)
-        delattr(builtins, CALLED)
+    names.update({'said': said, LOOK: lambda kind, line: said.append((kind, line)), ACT: said.append, CALLED: called})
+    exec(compile(hand_over_called(tree), 'program', 'exec'), names)
     return said
 
 

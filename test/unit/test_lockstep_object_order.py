@@ -1,6 +1,5 @@
 """Sets of a program: what is gone through in some order is handed on, and classes ask for their bases."""
 import ast
-import builtins
 
 import pytest
 
@@ -10,13 +9,9 @@ from move_base_abstract.lockstep.object_order import BASES, ORDER, follow_order
 def seen_in(text, **names):
     """Run a program; return what it has gone through, as far as that may be a set."""
     seen = []
-    setattr(builtins, ORDER, lambda value: seen.append(set(value) if isinstance(value, set) else value) or value)
-    setattr(builtins, BASES, lambda *bases: bases)
-    try:
-        exec(compile(follow_order(ast.parse(text)), 'program', 'exec'), names)
-    finally:
-        delattr(builtins, ORDER)
-        delattr(builtins, BASES)
+    names.setdefault(BASES, lambda *bases: bases)
+    names[ORDER] = lambda value: seen.append(set(value) if isinstance(value, set) else value) or value
+    exec(compile(follow_order(ast.parse(text)), 'program', 'exec'), names)
     return seen
 
 
@@ -53,14 +48,9 @@ def test_bases_are_asked_for_once_in_their_order():
     asked = []
     text = ('import abc\nclass A: pass\nclass B(A, object): x = 1\nclass C(B, metaclass=abc.ABCMeta): pass\n'
             'class M(type): pass\nclass D(metaclass=M): pass\n')
-    names = {}
-    setattr(builtins, BASES, lambda *bases: asked.append(tuple(base.__name__ for base in bases)) or bases)
-    try:
-        exec(compile(follow_order(ast.parse(text)), 'program', 'exec'), names)
-    finally:
-        delattr(builtins, BASES)
+    seen_in(text + 'assert D.__bases__ == (object,)', **{
+        BASES: lambda *bases: asked.append(tuple(base.__name__ for base in bases)) or bases})
     assert asked == [(), ('A', 'object'), ('B',), ('type',)]
-    assert names['D'].__bases__ == (object,)
 
 
 def test_places_in_the_text_stay_as_they_are():

@@ -127,42 +127,18 @@ def test_workers_are_used_again():
     assert len(seen) <= 3
 
 
-def test_wait_tells_waking_from_time_being_up():
-    program = Program()
-    told = []
-
-    def main():
-        mine = program.scheduler.current()
-        program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
-        told.append((program.scheduler.wait(9), program.scheduler.now_ns))
-        told.append((program.scheduler.wait(20), program.scheduler.now_ns))
-    program.run(main)
-    assert told == [(True, 5), (False, 20)]
-
-
-def test_a_wait_that_was_woken_leaves_no_time_behind():
+@pytest.mark.parametrize('until, said', [
+    (9, [(True, 5), (False, 20)]), (5, [(True, 5), (False, 20)]), (3, [(False, 3), (True, 5)])])
+def test_wait_tells_waking_from_time_being_up_and_leaves_no_time_behind(until, said):
     program = Program()
 
     def main():
         mine = program.scheduler.current()
         program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
-        program.scheduler.wait(100)
-        assert program.scheduler.next_ns() == NEVER
-        program.scheduler.wait()
-    program.run(main)
-    assert program.master.asked == [100, NEVER]
-
-
-def test_waking_at_the_very_instant_of_the_time_out_counts_as_waking():
-    program = Program()
-    told = []
-
-    def main():
-        mine = program.scheduler.current()
-        program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
-        told.append(program.scheduler.wait(5))
-    program.run(main)
-    assert told == [True]
+        for wake_ns in (until, 20):
+            program.say(program.scheduler.wait(wake_ns))
+            assert program.scheduler.next_ns() == NEVER
+    assert program.run(main) == said
 
 
 def test_waking_who_does_not_wait_is_nothing():

@@ -43,27 +43,6 @@ def test_never_is_the_largest_time():
     assert struct.pack('<q', wire.NEVER) == b'\xff' * 7 + b'\x7f'
 
 
-@pytest.mark.parametrize('item, expected', [
-    (wire.advertise(1, 2, '/t', 'a/B', 'md5', True, 'def'),
-     b'\x01' + u32(1) + u32(2) + wire.text('/t') + wire.text('a/B') + wire.text('md5') + b'\x01' + wire.text('def')),
-    (wire.unadvertise(5), b'\x02' + u32(5)),
-    (wire.subscribe(1, 2, '/t', '*'), b'\x03' + u32(1) + u32(2) + wire.text('/t') + wire.text('*')),
-    (wire.unsubscribe(5), b'\x04' + u32(5)),
-    (wire.send(1, 2, 0, b'xyz'), b'\x05' + u32(1) + u32(2) + u32(0) + u32(3) + b'xyz'),
-    (wire.serve(1, 2, '/s'), b'\x06' + u32(1) + u32(2) + wire.text('/s')),
-    (wire.unserve(5), b'\x07' + u32(5)),
-    (wire.call(8, 2, '/s', b''), b'\x08' + u32(8) + u32(2) + wire.text('/s') + u32(0)),
-    (wire.response(3, 8, 1, b'r'), b'\x09' + u32(3) + u32(8) + b'\x01' + u32(1) + b'r'),
-    (wire.log(2, 'robot_2', 'goal', '[1]'),
-     b'\x0a' + u32(2) + wire.text('robot_2') + wire.text('goal') + wire.text('[1]')),
-    (wire.note(wire.NoteKind.NOT_REPEATABLE, 'because'), b'\x0b\x02' + wire.text('because')),
-    (wire.watch('/s'), b'\x0c' + wire.text('/s')),
-], ids=['advertise', 'unadvertise', 'subscribe', 'unsubscribe', 'send', 'serve', 'unserve', 'call', 'response', 'log',
-        'note', 'watch'])
-def test_items_of_a_report(item, expected):
-    assert item == expected
-
-
 ITEMS = [
     (b'\x01' + u32(1) + u32(2) + wire.text('a/B') + wire.text('md5') + b'\x01' + wire.text('def'),
      (wire.PUBLISHER, 1, 2, 'a/B', 'md5', True, 'def')),

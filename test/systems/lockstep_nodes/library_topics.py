@@ -90,18 +90,20 @@ def counter(_say):
 
 
 def welcomer(say):
-    rospy.Publisher('chatter', String, Peers(say), queue_size=1)
-    rospy.sleep(5)
+    publisher = rospy.Publisher('chatter', String, Peers(say), queue_size=10)
+    for number in range(8):
+        say('listeners', publisher.get_num_connections())
+        publisher.publish(str(number))
+        rospy.sleep(1)
 
 
 def guest(say):
-    rospy.sleep(1)
-    chatter = rospy.Subscriber('chatter', String, lambda message: say('hears', message.data))
-    rospy.sleep(1)
-    chatter.unregister()
-    rospy.sleep(1)
-    rospy.Subscriber('chatter', String, lambda message: say('hears', message.data))
-    rospy.sleep(1)
+    for pause in (1.5, 1):
+        rospy.sleep(pause)
+        chatter = rospy.Subscriber('chatter', String, lambda message: say('hears', message.data))
+        rospy.sleep(2)
+        chatter.unregister()
+    rospy.sleep(2)
 
 
 def itself(say):
