@@ -17,7 +17,7 @@ This module only knows Python's text: no ROS, no threads, no clock.
 from __future__ import annotations
 
 import ast
-from typing import Any, Container, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
 
 #: kinds of loops: its turns may only look (WAITS), and look at the time, too (TIMES); each turn calls something that
 #: may compute (CALLS); each turn computes, but nothing on which the loop's end depends (COMPUTES)
@@ -61,12 +61,12 @@ def instrument(tree: ast.Module) -> Tuple[ast.Module, Dict[Tuple[str, int], bool
             named.setdefault(node.name, []).append(node)
     loops = [_Loop(node, named) for node in ast.walk(tree) if isinstance(node, ast.While)]
     functions: Dict[str, List[_Function]] = {}
-    todo = [name for loop in loops if loop.kind is not None for name in loop.called]
-    while todo:
-        name = todo.pop()
-        if name not in functions:
-            functions[name] = [_Function(node, named) for node in named[name]]
-            todo.extend(other for one in functions[name] for other in one.called)
+
+    def called_by(name: str) -> Set[str]:
+        functions[name] = [_Function(node, named) for node in named[name]]
+        return set().union(*(one.called for one in functions[name]))
+    for _ in _reached((name for loop in loops if loop.kind is not None for name in loop.called), called_by):
+        pass
     for part in (*loops, *(one for ones in functions.values() for one in ones)):
         part.instrument(functions)
     looking = {(name, one.line): one.may_look for name, ones in functions.items() for one in ones}
@@ -139,7 +139,7 @@ class _Part:
             return isinstance(node, _SIMPLE)
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         names = [name for target in targets for name in _names(target)]
-        return not any(name is None or name in self._shared or _goes_into(self._flow, name, name) for name in names)
+        return not any(name is None or name in self._shared or _is_made_from_itself(self._flow, name) for name in names)
 
     def _passes(self, node: Any) -> bool:
         """Return whether a turn may pass a statement with others in it without computing; check all of them."""
@@ -207,17 +207,19 @@ class _Function(_Part):
 
 def _reach_time(names: Iterable[str], functions: Mapping[str, Sequence[_Part]]) -> bool:
     """Return whether functions with these names, or what they call, look at the time."""
+    reached = _reached(names, lambda name: [other for one in functions.get(name, ()) for other in one.called])
+    return any(one.times for name in reached for one in functions.get(name, ()))
+
+
+def _reached(names: Iterable[str], following: Callable[[str], Iterable[str]]) -> Iterator[str]:
+    """Yield the names, those that are ``following(name)`` each of them, and so on; each once."""
     todo, seen = list(names), set()
     while todo:
         name = todo.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        for one in functions.get(name, ()):
-            if one.times:
-                return True
-            todo.extend(one.called)
-    return False
+        if name not in seen:
+            seen.add(name)
+            todo.extend(following(name))
+            yield name
 
 
 def _is_ended_by_others(loop: ast.While) -> bool:
@@ -298,17 +300,9 @@ def _flow(loop: ast.While) -> Dict[str, Set[str]]:
     return flow
 
 
-def _goes_into(flow: Dict[str, Set[str]], name: str, target: str) -> bool:
-    """Return whether the value of ``target`` is made from that of ``name``, directly or by way of other names."""
-    seen, todo = set(), [target]
-    while todo:
-        for other in flow.get(todo.pop(), ()):
-            if other == name:
-                return True
-            if other not in seen:
-                seen.add(other)
-                todo.append(other)
-    return False
+def _is_made_from_itself(flow: Dict[str, Set[str]], name: str) -> bool:
+    """Return whether the value of ``name`` is made from itself, directly or by way of other names."""
+    return name in _reached(flow.get(name, ()), lambda other: flow.get(other, ()))
 
 
 def _is_known(call: ast.Call) -> bool:

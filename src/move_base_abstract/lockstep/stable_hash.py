@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import itertools
 import sys
 import types
 import weakref
@@ -38,6 +39,7 @@ class _Number(weakref.ref):  # type: ignore[type-arg]
 
 
 _numbers: Dict[int, _Number] = {}  # {id of an object: its number}
+_count = itertools.count(1)
 
 
 def _number(one: Numbered) -> int:
@@ -46,7 +48,7 @@ def _number(one: Numbered) -> int:
     except TypeError:
         number: int = _HASHED_BY_ADDRESS(one)
         return number  # its class has __slots__ without room for a weak reference
-    entry.key, entry.number = id(one), _Count.next()
+    entry.key, entry.number = id(one), next(_count)
     _numbers[entry.key] = entry
     return entry.number
 
@@ -54,15 +56,6 @@ def _number(one: Numbered) -> int:
 def _forget(entry: _Number) -> None:
     if _numbers is not None:  # it is None at the end of Python
         _numbers.pop(entry.key, None)
-
-
-class _Count:
-    value = 0
-
-    @classmethod
-    def next(cls) -> int:
-        cls.value += 1
-        return cls.value
 
 
 def bases_of(*bases: Any) -> Tuple[Any, ...]:

@@ -3,30 +3,24 @@ from __future__ import annotations
 
 import sys
 from importlib.machinery import PathFinder
+from types import SimpleNamespace
 from typing import Any, Callable, Optional, Sequence
 
 
-def when_imported(name: str, then: Callable[..., Any]) -> None:
+def when_imported(name: str, then: Callable[[], object]) -> None:
     """Call ``then()`` as soon as the module ``name`` is loaded: now, or right after the program imports it."""
     if name in sys.modules:
         then()
-    else:
-        sys.meta_path.insert(0, _WhenImported(name, then))
+        return
 
-
-class _WhenImported:
-    """Finds a module as Python does, and calls a function when it has been loaded."""
-
-    def __init__(self, name: str, then: Callable[..., Any]) -> None:
-        self._name, self._then = name, then
-
-    def find_spec(self, name: str, path: Optional[Sequence[str]] = None, _target: Any = None) -> Any:
-        """Find the module, as importlib.abc.MetaPathFinder does."""
-        if name != self._name:
+    def find_spec(wanted: str, path: Optional[Sequence[str]] = None, _target: Any = None) -> Any:
+        if wanted != name:
             return None
-        sys.meta_path.remove(self)
+        sys.meta_path.remove(finder)
         spec: Any = PathFinder.find_spec(name, path)
         if spec is not None:
             execute = spec.loader.exec_module
-            spec.loader.exec_module = lambda module: (execute(module), self._then())
+            spec.loader.exec_module = lambda module: (execute(module), then())
         return spec
+    finder: Any = SimpleNamespace(find_spec=find_spec)  # finds the module as Python does
+    sys.meta_path.insert(0, finder)

@@ -7,6 +7,7 @@ library's memory.
 """
 from __future__ import annotations
 
+import _thread
 import atexit
 import ctypes
 import os
@@ -132,7 +133,7 @@ class Native:
             else:
                 _look_away(-duration_ns)
         except KeyboardInterrupt:
-            _thread_interrupt()
+            _thread.interrupt_main()  # Python raises it again when the library returns to it
             return 1
         return 0
 
@@ -167,12 +168,6 @@ def _look_away(step_ns: int) -> None:
     except TurnLost:
         pass  # lockstep is over
     native.cells[_SLEPT] += step_ns
-
-
-def _thread_interrupt() -> None:
-    """Make Python raise KeyboardInterrupt again when the library returns to it."""
-    import _thread
-    _thread.interrupt_main()
 
 
 def _limit() -> float:
