@@ -146,6 +146,25 @@ def run_scenario(programs, until, before=None, name='', **kwds):
     return repeated(name or shown, run, lambda one: one.log)
 
 
+class Scenario:
+    """A mix-in for a TestCase: its programs run as a scenario, once for all of its tests; see run_scenario."""
+
+    programs, until, settings = {}, 0.0, {}
+    labelled = ()  # see assert_same
+
+    @classmethod
+    def setUpClass(cls):
+        """Run the scenario."""
+        cls.runs = run_scenario(cls.programs, cls.until, **cls.settings)
+
+    def printed(self, name):
+        """Return the lines that a program printed in the first run."""
+        return self.runs[0].printed(name)
+
+    def test_all_runs_are_the_same(self):
+        assert_same(self, self.runs, self.labelled)
+
+
 def command(words, name):
     """Return the command line that runs a program under the launcher."""
     options, words = (words[0], words[1:]) if isinstance(words[0], list) else ([], words)

@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import unittest
 
-from lockstep_launcher_run import assert_same, run_scenario
+from lockstep_launcher_run import Scenario, run_scenario
 
 SIMULATED = ['--sleep', 'simulated']  # their loops use time.sleep
 
@@ -22,8 +22,11 @@ def installed(package, name):
     raise AssertionError('{} of the package {} is not installed'.format(name, package))
 
 
-class ToolsTest(unittest.TestCase):
+class ToolsTest(Scenario, unittest.TestCase):
     """ROS's command line tools and helper nodes."""
+
+    # One node writes a bag that another one reads, and view_frames.py calls `dot`.
+    labelled = "run.bag, which '/recorder' writes", "'/view_frames': subprocess.Popen in "
 
     @classmethod
     def setUpClass(cls):
@@ -70,12 +73,7 @@ class ToolsTest(unittest.TestCase):
             os.remove(os.path.join(cls.folder, name))
 
     def printed(self, name):
-        return [line for line in self.runs[0].printed(name) if not line.startswith('WARNING')]
-
-    def test_all_runs_are_the_same(self):
-        # One node writes a bag that another one reads, and view_frames.py calls `dot`.
-        assert_same(self, self.runs, labelled=[
-            "run.bag, which '/recorder' writes", "'/view_frames': subprocess.Popen in "])
+        return [line for line in super().printed(name) if not line.startswith('WARNING')]
 
     def test_rostopic_pub_at_a_rate_and_echo(self):
         self.assertEqual(self.printed('echo'), ['data: 1.5', '---'] * 5)
@@ -122,24 +120,17 @@ class ToolsTest(unittest.TestCase):
         self.assertIn('Recorded at time: 6.00001"', self.graph)
 
 
-class ActionsTest(unittest.TestCase):
+class ActionsTest(Scenario, unittest.TestCase):
     """All calls of actionlib's clients and servers, and dynamic_reconfigure."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.runs = run_scenario({
-            'servers': ['action_servers.py'],
-            'client_e': ['action_client.py', '_server:=executing'],
-            'client_a': ['action_client.py', '_server:=accepting'],
-            'handles': ['action_handles.py'],
-            'server': ['configured.py', '_serve:=true'], 'config_client': ['configured.py'],
-        }, until=30.0)
-
-    def printed(self, name):
-        return self.runs[0].printed(name)
-
-    def test_all_runs_are_the_same(self):
-        assert_same(self, self.runs)
+    programs = {
+        'servers': ['action_servers.py'],
+        'client_e': ['action_client.py', '_server:=executing'],
+        'client_a': ['action_client.py', '_server:=accepting'],
+        'handles': ['action_handles.py'],
+        'server': ['configured.py', '_serve:=true'], 'config_client': ['configured.py'],
+    }
+    until = 30.0
 
     def test_a_simple_client_of_a_simple_server_that_executes(self):
         self.assertEqual(self.printed('client_e'), [

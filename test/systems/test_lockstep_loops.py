@@ -1,10 +1,10 @@
 """Scripts that wait in loops without sleep, and scripts that log and publish much while they compute."""
 
 import os
-import tempfile
 import unittest
 
-from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_scenario
+from lockstep_launcher_run import FOLDER, Scenario, assert_same, run_programs, run_scenario
+from own_folder import OwnFolder
 from roslib.packages import find_node
 
 # The relay that catkin makes for a script in its devel space.
@@ -25,16 +25,11 @@ with open(python_script, 'r') as fh:
 """
 
 
-class LookingTest(unittest.TestCase):
+class LookingTest(Scenario, unittest.TestCase):
     """Loops without sleep see each change at its instant, and the run is repeatable."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.runs = run_scenario({'looking': ['looking.py', 'move_base:=/robot_0/move_base'], 'rival': ['rival.py']},
-                              until=30.0, fleet=[{'name': 'robot_0'}])
-
-    def test_all_runs_are_the_same(self):
-        assert_same(self, self.runs)
+    programs = {'looking': ['looking.py', 'move_base:=/robot_0/move_base'], 'rival': ['rival.py']}
+    until, settings = 30.0, {'fleet': [{'name': 'robot_0'}]}
 
     def test_they_go_on_at_the_instant_at_which_something_happens(self):
         self.assertEqual([line.split(None, 1)[1] for line in self.runs[0].printed('looking')],
@@ -48,16 +43,13 @@ class LookingTest(unittest.TestCase):
         self.assertEqual(self.runs[0].printed('rival'), ["%.9f ['there', 'back']" % state])
 
 
-class ExplorerTest(unittest.TestCase):
+class ExplorerTest(OwnFolder, unittest.TestCase):
     """Loops that look at variables: in a script, in its module, in a thread and in a relay of catkin's."""
 
     def test_they_go_on_exactly_where_they_do_nothing_but_look(self):
-        with tempfile.TemporaryDirectory() as folder:
-            relay = os.path.join(folder, 'relay')
-            with open(relay, 'w') as script:
-                script.write(RELAY.format(os.path.join(FOLDER, 'explorer.py')))
-            runs = run_scenario({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
-                              until=17.5)
+        relay = self.write('relay', RELAY.format(os.path.join(FOLDER, 'explorer.py')))
+        runs = run_scenario({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
+                            until=17.5)
         assert_same(self, runs)
         # Frontiers come at 200 Hz from 2 s on, with a word after each 300th. A looking thread sees the end of another
         # one 10 ms later, or at the next event.

@@ -1,18 +1,17 @@
 """The start of a run: programs that wait for others before init_node, and questions to the ROS master."""
 
-import os
 import shutil
-import tempfile
 import unittest
 
 from lockstep_launcher_run import assert_same, command, run_programs, run_scenario
+from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
 
 LINKS = 8
 
 
-class BeforeInitNodeTest(unittest.TestCase):
+class BeforeInitNodeTest(OwnFolder, unittest.TestCase):
     """Calls of a program before rospy.init_node."""
 
     def test_who_waits_for_others_before_it_is_a_node_takes_part_from_there_on(self):
@@ -34,26 +33,20 @@ class BeforeInitNodeTest(unittest.TestCase):
         self.assertEqual(run.printed('stock_taker')[-1], '4.010000000 4010 pieces')
 
     def test_where_the_name_is_not_known_that_is_told(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, 'asker.py')
-            with open(path, 'w') as script:
-                script.write('import rospy\nrospy.get_published_topics()\n'
-                             "rospy.init_node('%s' % 'asker')\nprint('here')\n")
-            run = run_programs({'asker': None}, until=3.0, commands={'asker': command([path], 'x')[:-1]})
+        path = self.write('asker.py', 'import rospy\nrospy.get_published_topics()\n'
+                                      "rospy.init_node('%s' % 'asker')\nprint('here')\n")
+        run = run_programs({'asker': None}, until=3.0, commands={'asker': command([path], 'x')[:-1]})
         self.assertEqual(run.printed('asker')[-1], 'here')
         self.assertIn('a program whose name is not known yet', run.outputs['asker'])
 
     def test_a_program_that_has_gone_is_named_as_gone(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, 'gone.py')
-            with open(path, 'w') as script:
-                script.write("import sys\nimport rospy\nif True:\n  sys.exit(3)\nrospy.init_node('gone')\n")
-            text = 'its HELLO: it was there, and left .its program ended with code 3 before rospy.init_node'
-            with self.assertRaisesRegex(AssertionError, text):
-                run_programs({'gone': [path], 'store': ['store.py']}, until=3.0)
+        path = self.write('gone.py', "import sys\nimport rospy\nif True:\n  sys.exit(3)\nrospy.init_node('gone')\n")
+        text = 'its HELLO: it was there, and left .its program ended with code 3 before rospy.init_node'
+        with self.assertRaisesRegex(AssertionError, text):
+            run_programs({'gone': [path], 'store': ['store.py']}, until=3.0)
 
 
-class WhoIsThereTest(unittest.TestCase):
+class WhoIsThereTest(OwnFolder, unittest.TestCase):
     """Questions to the ROS master."""
 
     def test_what_is_started_at_one_instant_is_there_whoever_was_slower(self):
@@ -77,12 +70,8 @@ class WhoIsThereTest(unittest.TestCase):
                 '    rospy.sleep(1.0)\n'
                 "print([nodes for name, nodes in rosgraph.Master('/x').getSystemState()[0] if name == '/offered'])\n"
                 'print([name for name in rosservice.get_service_list() if "looks_on" in name])\n')
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, 'asker.py')
-            with open(path, 'w') as script:
-                script.write(asks)
-            run = run_programs({'asker': [path]}, until=1e9, onlookers=['/looks_on'], others={
-                '/offers': ([shutil.which('rostopic'), 'pub', '/offered', 'std_msgs/String', 'x'], 0)})
+        run = run_programs({'asker': [self.write('asker.py', asks)]}, until=1e9, onlookers=['/looks_on'], others={
+            '/offers': ([shutil.which('rostopic'), 'pub', '/offered', 'std_msgs/String', 'x'], 0)})
         nodes, services = run.printed('asker')
         self.assertEqual(services, '[]')
         self.assertEqual(nodes, "[['/offers']]")
