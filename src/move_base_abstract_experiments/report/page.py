@@ -179,18 +179,13 @@ def _warnings(experiment: Experiment) -> List[str]:
 
 def _findings_notes(analysis: Analysis) -> List[str]:
     found = analysis.mains or analysis.singles
-    if not found:
-        return []
-    averaged = ' averaged over the levels of the other factors,' if len(analysis.experiment.factors) > 1 else ''
     primary = sum(each.metric.is_primary for each in found)
-    which = f'all {whole(len(found))} comparisons of levels and metrics' if not primary else \
-        f'all {whole(primary)} comparisons of levels by the primary metric counted, and separately ' \
-        f'{whole(len(found) - primary)} by the other metrics'
-    return [f'Differences are taken within replications (same seed),{averaged} and count as shown only if a test at '
-            f'the 5 % level shows them with {which}{"" if primary else " counted"} (Holm). Each interval holds by '
-            'itself, not all of them together. Each little picture shows a difference and its interval, with a dashed '
-            'line at 0; the pictures of one metric and factor have the same scale. Not told apart does not mean equal: '
-            'the interval says which differences are still possible.']
+    counts = f'all {whole(len(found))} comparisons' if not primary else \
+        f'all {whole(primary)} comparisons by the primary metric, or all {whole(len(found) - primary)} by the others,'
+    return [f'Differences are taken within replications (same seed), and count as shown only if a test at the 5 % level '
+            f'shows them with {counts} counted (Holm). Each interval holds by itself, not all of them together. Not '
+            'told apart does not mean equal: the interval says which differences are still possible. The little '
+            'pictures of one metric and factor have the same scale, with a dashed line at 0.'] if found else []
 
 
 def _metrics_notes(experiment: Experiment) -> List[str]:
