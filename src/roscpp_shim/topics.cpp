@@ -21,43 +21,35 @@ namespace move_base_abstract::shim {
 namespace {
 
 /** @brief Gives access to a private member of a class: an explicit instantiation may name it. */
-template <typename Tag, typename Tag::Member member>
+template <typename Tag, auto member>
 struct Open {
-  friend typename Tag::Member open(Tag) { return member; }
+  friend auto open(Tag) { return member; }
 };
 
-#define MOVE_BASE_ABSTRACT_OPEN(tag, type, member) \
-  struct tag {                                     \
-    using Member = type;                           \
-    friend Member open(tag);                       \
-  };                                               \
+#define MOVE_BASE_ABSTRACT_OPEN(tag, member) \
+  struct tag {                               \
+    friend auto open(tag);                   \
+  };                                         \
   template struct Open<tag, &member>
 
-using Subscriptions = ros::L_Subscription ros::TopicManager::*;
-using SubscriptionsMutex = boost::mutex ros::TopicManager::*;
-using Publications = ros::V_Publication ros::TopicManager::*;
-using AddPublisherLink = void (ros::Subscription::*)(const ros::PublisherLinkPtr&);
-using PublisherLinks = std::vector<ros::PublisherLinkPtr> ros::Subscription::*;
-using PublisherLinksMutex = boost::mutex ros::Subscription::*;
-using SubscriberLinks = ros::V_SubscriberLink ros::Publication::*;
-using SubscriberLinksMutex = boost::mutex ros::Publication::*;
+MOVE_BASE_ABSTRACT_OPEN(OfSubscriptions, ros::TopicManager::subscriptions_);
+MOVE_BASE_ABSTRACT_OPEN(OfSubscriptionsMutex, ros::TopicManager::subs_mutex_);
+MOVE_BASE_ABSTRACT_OPEN(OfPublications, ros::TopicManager::advertised_topics_);
+MOVE_BASE_ABSTRACT_OPEN(OfAddPublisherLink, ros::Subscription::addPublisherLink);
+MOVE_BASE_ABSTRACT_OPEN(OfPublisherLinks, ros::Subscription::publisher_links_);
+MOVE_BASE_ABSTRACT_OPEN(OfPublisherLinksMutex, ros::Subscription::publisher_links_mutex_);
+MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinks, ros::Publication::subscriber_links_);
+MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinksMutex, ros::Publication::subscriber_links_mutex_);
 
-MOVE_BASE_ABSTRACT_OPEN(OfSubscriptions, Subscriptions, ros::TopicManager::subscriptions_);
-MOVE_BASE_ABSTRACT_OPEN(OfSubscriptionsMutex, SubscriptionsMutex, ros::TopicManager::subs_mutex_);
-MOVE_BASE_ABSTRACT_OPEN(OfPublications, Publications, ros::TopicManager::advertised_topics_);
-MOVE_BASE_ABSTRACT_OPEN(OfAddPublisherLink, AddPublisherLink, ros::Subscription::addPublisherLink);
-MOVE_BASE_ABSTRACT_OPEN(OfPublisherLinks, PublisherLinks, ros::Subscription::publisher_links_);
-MOVE_BASE_ABSTRACT_OPEN(OfPublisherLinksMutex, PublisherLinksMutex,
-                        ros::Subscription::publisher_links_mutex_);
-MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinks, SubscriberLinks, ros::Publication::subscriber_links_);
-MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinksMutex, SubscriberLinksMutex,
-                        ros::Publication::subscriber_links_mutex_);
+/** @return a copy of a list in @p object, made under its lock. */
+template <class Object, class OfList, class OfMutex>
+auto copyOf(Object& object, OfList of_list, OfMutex of_mutex) {
+  const boost::mutex::scoped_lock lock(object.*open(of_mutex));
+  return object.*open(of_list);
+}
 
-std::vector<ros::SubscriptionPtr> allSubscriptions() {
-  ros::TopicManager& manager = *ros::TopicManager::instance();
-  const boost::mutex::scoped_lock lock(manager.*open(OfSubscriptionsMutex()));
-  const auto& all = manager.*open(OfSubscriptions());
-  return {all.begin(), all.end()};
+auto allSubscriptions() {
+  return copyOf(*ros::TopicManager::instance(), OfSubscriptions(), OfSubscriptionsMutex());
 }
 
 }  // namespace
@@ -164,12 +156,7 @@ bool isMemberLink(const ros::SubscriberLinkPtr& link) {
 
 void dropConnectionsTo(const std::string& node_name) {
   for (const auto& subscription : allSubscriptions()) {
-    std::vector<ros::PublisherLinkPtr> links;
-    {
-      const boost::mutex::scoped_lock lock((*subscription).*open(OfPublisherLinksMutex()));
-      links = (*subscription).*open(OfPublisherLinks());
-    }
-    for (const auto& link : links) {
+    for (const auto& link : copyOf(*subscription, OfPublisherLinks(), OfPublisherLinksMutex())) {
       if (isManaged(subscription->getName()) && link->getCallerID() == node_name) {
         link->drop();
       }
@@ -177,12 +164,7 @@ void dropConnectionsTo(const std::string& node_name) {
   }
   for (const auto& publication :
        ros::V_Publication((*ros::TopicManager::instance()).*open(OfPublications()))) {
-    ros::V_SubscriberLink links;
-    {
-      const boost::mutex::scoped_lock lock((*publication).*open(OfSubscriberLinksMutex()));
-      links = (*publication).*open(OfSubscriberLinks());
-    }
-    for (const auto& link : links) {
+    for (const auto& link : copyOf(*publication, OfSubscriberLinks(), OfSubscriberLinksMutex())) {
       if (isManaged(publication->getName()) && link->getDestinationCallerID() == node_name) {
         publication->removeSubscriberLink(link);
         const std::lock_guard<PlainMutex> lock(topics().silent_mutex);

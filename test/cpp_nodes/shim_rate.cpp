@@ -29,28 +29,20 @@ int writes() {
   return found == nullptr ? 0 : std::atoi(found + 6);
 }
 
-std::string textOf(int tick, const ros::Time& now) {
-  return std::to_string(tick) + " " + std::to_string(now.toNSec());
-}
-
 }  // namespace
 
 int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "rate");
   ros::NodeHandle node;
   ros::NodeHandle own("~");
-  double frequency = 10;
-  int ticks = 100, padding = 0;
-  own.param("padding", padding, 0);
-  own.param("frequency", frequency, frequency);
-  own.param("ticks", ticks, ticks);
+  const int padding = own.param("padding", 0);
+  const int ticks = own.param("ticks", 100);
   const bool quiet = own.param("quiet", false);
 
   ros::Publisher publisher = node.advertise<std_msgs::String>("ticks", 10);
-  ros::Rate rate(frequency);
-  const ros::Time begin = ros::Time::now();
+  ros::Rate rate(own.param("frequency", 10.0));
   const int writes_before = writes();
-  ros::Time last = begin;
+  ros::Time last = ros::Time::now();
   int off = 0, most_listeners = 0;
   for (int k = 1; k <= ticks && ros::ok(); ++k) {
     rate.sleep();
@@ -59,7 +51,8 @@ int nodeMain(int argc, char** argv) {
     last = now;
     if (!quiet) {
       std_msgs::String message;
-      message.data = textOf(k, now) + std::string(k % 3 == 0 ? padding : 0, '.');
+      message.data = std::to_string(k) + " " + std::to_string(now.toNSec()) +
+                     std::string(k % 3 == 0 ? padding : 0, '.');
       publisher.publish(message);
     }
     most_listeners = std::max(most_listeners, static_cast<int>(publisher.getNumSubscribers()));
