@@ -13,6 +13,10 @@
 
 namespace move_base_abstract {
 
+/** @return whether @p text is one JSON array (RFC 8259), nested at most 100 deep, and nothing else.
+ */
+bool isJsonArray(std::string_view text);
+
 /**
  * @brief One event log: JSON lines if the path ends in .jsonl, CSV if it ends in .csv.
  *

@@ -13,7 +13,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "time_master/json_array.h"
 #include "time_master/new_file.h"
 
 using move_base_abstract::EventLogWriter;
