@@ -182,9 +182,9 @@ def _findings_notes(analysis: Analysis) -> List[str]:
     primary = sum(each.metric.is_primary for each in found)
     counts = f'all {whole(len(found))} comparisons' if not primary else \
         f'all {whole(primary)} comparisons by the primary metric, or all {whole(len(found) - primary)} by the others,'
-    return [f'Differences are taken within replications (same seed), and count as shown only if a test at the 5 % level '
-            f'shows them with {counts} counted (Holm). Each interval holds by itself, not all of them together. Not '
-            'told apart does not mean equal: the interval says which differences are still possible. The little '
+    return ['Differences are taken within replications (same seed), and count as shown only if a test at the 5 % '
+            f'level shows them with {counts} counted (Holm). Each interval holds by itself, not all of them together. '
+            'Not told apart does not mean equal: the interval says which differences are still possible. The little '
             'pictures of one metric and factor have the same scale, with a dashed line at 0.'] if found else []
 
 
