@@ -13,8 +13,10 @@ import struct
 import time
 from typing import NamedTuple
 
-from waiting import GUARD
+import rosgraph
+from waiting import GUARD, wait_for
 
+ADDRESS = '/time_master/lockstep_address'
 PROTOCOL = 8
 NEVER = 2 ** 63 - 1
 
@@ -199,3 +201,9 @@ class RawClient:
 
     def leave(self, reason='done'):
         self.socket.sendall(frame(LEAVE, text(reason)))
+
+
+def address_at(uri):
+    """Wait until the ROS master at ``uri`` has the address of a time master; return it."""
+    master = rosgraph.Master('/test', master_uri=uri)
+    return wait_for('the address', lambda: master.hasParam(ADDRESS) and master.getParam(ADDRESS))

@@ -11,7 +11,7 @@ import rosgraph
 from in_lockstep import Logged
 from lockstep_library_run import assert_heard, look_on
 from scenarios import Condition, repeated
-from waiting import GUARD, read, wait_for_end
+from waiting import GUARD, ask_why, read, wait_for_end
 from warm import Loopback
 
 from move_base_abstract_ros.loopback import find_executable
@@ -110,9 +110,7 @@ class Runs:
             return Run(path, code, [read(child) for child in children], values, why)
 
     def ask_why(self):
-        asked = self.ros.spawn('/why', [find_executable('why')])
-        asked.process.wait(GUARD)
-        return read(asked)
+        return ask_why(self.ros)
 
     def start(self, program):
         for key, value in program.parameters.items():

@@ -13,7 +13,7 @@ import unittest
 
 import rosgraph
 import rospy
-from lockstep_raw_client import NEVER, Closed, RawClient
+from lockstep_raw_client import NEVER, Closed, RawClient, address_at
 from robot_harness import Record
 from rosgraph_msgs.msg import Clock
 from waiting import GUARD, wait_for
@@ -96,8 +96,7 @@ class LockstepCase(unittest.TestCase):
                                             stderr=subprocess.STDOUT, env=environment)
 
     def address_now(self):
-        return wait_for('the address', lambda: self.master.hasParam('/time_master/lockstep_address')
-                        and self.master.getParam('/time_master/lockstep_address'))
+        return address_at(os.environ['ROS_MASTER_URI'])
 
     def output(self):
         with open(self.path('time_master.out'), errors='replace') as out:

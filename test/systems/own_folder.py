@@ -27,7 +27,8 @@ class OwnFolder:
         return os.path.join(self.folder, name)
 
     def write(self, name, text, mode=0o644):
-        """Write a file in the folder; return its path."""
+        """Write a file in the folder, and the folders that it lies in; return its path."""
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         with open(self.path(name), 'w') as stream:
             stream.write(text)
         os.chmod(self.path(name), mode)

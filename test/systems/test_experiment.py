@@ -206,7 +206,6 @@ class Experiments(OwnFolder, unittest.TestCase):
             self.assertTrue(os.path.isfile(self.path(out + '/trials.csv')))
 
     def test_a_trial_that_fails_is_recorded_and_stops_nothing(self):
-        os.mkdir(self.path('sayings'))
         self.write('sayings/package.xml', PACKAGE)
         self.write('sayings/say.py', SAY, 0o755)
         mistaken = self.write('mistaken.yaml', WRONG.replace('args: {what', 'args: {wat'))

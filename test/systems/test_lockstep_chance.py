@@ -9,6 +9,7 @@ import unittest
 from unittest import mock
 
 from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_scenario
+from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -198,20 +199,47 @@ print(others.tell())
 """}
 
 
-class WorkspaceTest(unittest.TestCase):
+class WorkspaceTest(OwnFolder, unittest.TestCase):
     def test_packages_of_a_workspace_that_are_installed_are_the_programs_own(self):
-        with tempfile.TemporaryDirectory(prefix='lockstep_chance_') as folder:
-            for name, text in WORKSPACE.items():
-                path = os.path.join(folder, name)
-                os.makedirs(os.path.dirname(path), exist_ok=True)
-                with open(path, 'w') as stream:
-                    stream.write(text)
-            packages = os.path.join(folder, 'lib/python3/dist-packages')
-            paths = {name: os.pathsep.join([first, os.environ[name]]) for name, first in (
-                ('CMAKE_PREFIX_PATH', folder), ('PYTHONPATH', packages))}
-            with mock.patch.dict(os.environ, paths):
-                run = run_programs({'program': [os.path.join(folder, 'program.py')]}, until=5.0)
+        for name, text in WORKSPACE.items():
+            self.write(name, text)
+        packages = self.path('lib/python3/dist-packages')
+        paths = {name: os.pathsep.join([first, os.environ[name]]) for name, first in (
+            ('CMAKE_PREFIX_PATH', self.folder), ('PYTHONPATH', packages))}
+        with mock.patch.dict(os.environ, paths):
+            run = run_programs({'program': [self.path('program.py')]}, until=5.0)
         self.assertEqual(run.printed('program'), ['(2020, True)'], run.outputs)
         self.assertEqual(list(run.state.not_repeatable_because), [
             "'/program': os.getpid in {}/others/__init__.py, line 8: is another number in another run".format(
                 packages)])
+
+
+class SetsTest(unittest.TestCase):
+    """The order of sets of the program's own objects repeats; other sets are labelled with file and line."""
+
+    def test_sets_of_the_programs_own_objects_repeat(self):
+        runs = [run_programs({'dispatcher': ['dispatcher.py']}, until=30.0) for _ in range(4)]
+        assert_same(self, runs)
+        given, idle, *others = runs[0].printed('dispatcher')
+        # In the order of numbers; the object that was hashed first comes first.
+        self.assertEqual(len(given.split()), 60)
+        self.assertGreater(len(idle.split()), 3)
+        self.assertEqual(others, [
+            '1', '1 True', "True True True ['CARRIER', 'SCOUT']",
+            "{'name': 'robot_3', 'kind': <Kind.SCOUT: 1>, 'padding': 'x'}"])
+
+    def test_those_of_others_are_told_with_file_and_line(self):
+        run = run_programs({'shifts': ['shifts.py']}, until=5.0)
+        path = os.path.join(FOLDER, 'shifts.py')
+        with open(path) as script:
+            lines = script.read().splitlines()
+        expected = [(1 + number, kinds) for number, line in enumerate(lines) for text, kinds in (
+            ('for thread in threads:', 'threading.Thread'),
+            ('first =', 'builtins.builtin_function_or_method, builtins.function'),
+            ('slots =', '__main__.Slot')) if line.startswith(text)]
+        self.assertEqual(len(expected), 3)
+        self.assertEqual(list(run.state.not_repeatable_because), [
+            "'/shifts': {}, line {}: goes through a set of objects that Python hashes by their address ({}): "
+            'its order differs from run to run; a list or a dict keeps the order in which it was filled'.format(
+                path, number, kinds) for number, kinds in expected])
+        self.assertEqual(len([line for line in run.logged('shifts', 'WARN') if 'goes through a set' in line]), 3)

@@ -9,11 +9,10 @@ import subprocess
 import threading
 import unittest
 
-import rosgraph
 from in_lockstep import InLockstep
 from lockstep_launcher_run import run_programs
-from lockstep_raw_client import GUARD, RawClient
-from waiting import wait_for
+from lockstep_raw_client import RawClient, address_at
+from waiting import ask_why, wait_for
 from warm import Loopback
 
 from move_base_abstract_ros.lockstep.exchange.connection import Connection
@@ -57,9 +56,7 @@ class CoresTest(unittest.TestCase):
         self.addCleanup(ros.close)
         child = ros.run('time_master', 'time_master', parameters={
             'mode': 'lockstep', 'participants': ['/raw', *others], 'cores': cores, **clock})
-        master = rosgraph.Master('/test', master_uri=ros.uri)
-        wait_for('the address', lambda: master.hasParam('/time_master/lockstep_address'))
-        client = LocalClient(master.getParam('/time_master/lockstep_address'))
+        client = LocalClient(address_at(ros.uri))
         self.addCleanup(client.close)
         return ros, child, client.hello('/raw')
 
@@ -70,7 +67,7 @@ class CoresTest(unittest.TestCase):
         one = os.sched_getaffinity(0)
         self.assertEqual(len(one), 1)
         self.assertLess(one, OWN)
-        self.assertIn(f'cores of this computer: one (core {min(one)}', self.why(ros))
+        self.assertIn(f'cores of this computer: one (core {min(one)}', ask_why(ros))
         sleeper = subprocess.Popen(['sleep', '600'])  # inherits the core of the thread that starts it
         self.addCleanup(sleeper.wait)
         self.addCleanup(sleeper.kill)
@@ -118,7 +115,7 @@ class CoresTest(unittest.TestCase):
             ros, _child, client = self.join('one')
             next(client.turns())
             masks.append(os.sched_getaffinity(0))
-            said = self.why(ros)
+            said = ask_why(ros)
             wait_for('all cores for a long round', lambda: os.sched_getaffinity(0) == OWN)
         self.assertEqual([len(mask) for mask in masks], [1, 1])
         self.assertTrue(masks[0].isdisjoint(masks[1]) or 'shared with other runs' in said, (masks, said))
@@ -129,7 +126,7 @@ class CoresTest(unittest.TestCase):
                 ros, _child, client = self.join(cores, lookahead=lookahead)
                 for _turn, _number in zip(client.turns(), range(ROUNDS)):
                     self.assertEqual(os.sched_getaffinity(0), OWN)
-                self.assertIn('cores of this computer: all', self.why(ros))
+                self.assertIn('cores of this computer: all', ask_why(ros))
 
     def test_why_says_that_all_cores_would_help_nodes_that_compute_at_once(self):
         for at_once in (False, True):
@@ -142,7 +139,7 @@ class CoresTest(unittest.TestCase):
                 other.report(second, next_ns=second.time_ns + (STEP_NS if at_once else STEP_NS + STEP_NS // 2))
                 for _ in range(SLOW_ROUNDS):
                     first, second = client.grant(), other.grant() if at_once else None
-                    said = self.why(ros)  # this takes long enough to be work
+                    said = ask_why(ros)  # this takes long enough to be work
                     client.report(first, next_ns=first.time_ns + STEP_NS)
                     second = second or other.grant()
                     other.report(second, next_ns=second.time_ns + STEP_NS)
@@ -192,8 +189,3 @@ class CoresTest(unittest.TestCase):
             with open(os.path.join(run.ros.log_dir, '01-time_master.out'), encoding='utf-8') as stream:
                 self.assertEqual('cores: auto measures no more and means one' in stream.read(), cores == 'auto')
         return run.text
-
-    @staticmethod
-    def why(ros):
-        return subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE, text=True,
-                              timeout=GUARD, check=True).stdout

@@ -1,7 +1,6 @@
 """Robots in lockstep: the event log is the plain fleet's trace, with one process, three, or a node for each robot."""
 import itertools
 import os
-import subprocess
 import sys
 import unittest
 
@@ -9,13 +8,12 @@ import rosgraph
 from in_lockstep import InLockstep
 from lockstep_fleet_client import NS_PER_S, YARD, plan_of
 from roslib import packages
-from waiting import GUARD, wait_for
+from waiting import GUARD, ask_why, wait_for
 from warm import Loopback
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 BLOCKS = os.path.join(HERE, '..', 'data', 'blocks.yaml')
@@ -191,8 +189,7 @@ class LockstepFleet(unittest.TestCase):
             robots = ros.run('fleet', 'robots', parameters={'robots': [{'name': 'robot_0'}]})
 
             def waits_for_the_other_one():
-                told = subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE,
-                                      universal_newlines=True, check=False).stdout
+                told = ask_why(ros)
                 return '/never owes' in told and '/robots owes' not in told
             wait_for('a round that only /never does not end', waits_for_the_other_one)
             ros.end(master)

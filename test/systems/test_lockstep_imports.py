@@ -1,5 +1,4 @@
 """Python scripts take part if they import rospy, also by other modules; that is found by reading the sources."""
-import os
 import sys
 import unittest
 from unittest import mock
@@ -16,7 +15,6 @@ RELAY = "__extended_path = '{}'.split(';')\nfor p in reversed(__extended_path):\
 class LockstepImportsTest(OwnFolder, unittest.TestCase):
 
     def put(self, name, text=''):
-        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         return self.write(name, text, 0o755)
 
     def takes_part(self, script):

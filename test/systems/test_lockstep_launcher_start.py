@@ -1,20 +1,16 @@
 """Programs started by the launcher see and leave the same as without it."""
 
-import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import unittest
 
 from lockstep_launcher_run import FOLDER, GUARD, command, remaps, run_programs
-from warm import Loopback as Warm
 
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
-HASH_RANDOMIZATION = 11  # its place in sys.flags
 CMAKE = """cmake_minimum_required(VERSION 3.12)
 project(probes)
 find_package(catkin REQUIRED)
@@ -24,20 +20,6 @@ catkin_install_python(PROGRAMS scripts/probe.py scripts/failing.py DESTINATION $
 PACKAGE = """<package format="2"><name>probes</name><version>0.0.0</version><description>none</description>
 <maintainer email="a@example.org">a</maintainer><license>BSD</license>
 <buildtool_depend>catkin</buildtool_depend><exec_depend>rospy</exec_depend></package>
-"""
-FACTS = """import json, os, signal, sys, threading
-print(json.dumps({
-    'argv': sys.argv, 'path': sys.path, 'flags': list(sys.flags), 'executable': [sys.executable, sys.prefix],
-    'environment': {name: one for name, one in os.environ.items() if name not in (
-        'ROS_MASTER_URI', 'ROS_LOG_DIR', 'ROS_PYTHON_LOG_CONFIG_FILE')},
-    'signals': [str(signal.getsignal(number)) for number in sorted(signal.Signals) if number not in (9, 19)],
-    'mask': sorted(signal.pthread_sigmask(signal.SIG_BLOCK, ())), 'umask': os.umask(0), 'cwd': os.getcwd(),
-    'input': sys.stdin.read(), 'inputs': [os.readlink('/proc/self/fd/0')],
-    'outputs': [os.path.basename(os.readlink('/proc/self/fd/%d' % number)) for number in (1, 2)],
-    'buffers': [[type(one).__name__, one.line_buffering, one.write_through] for one in (sys.stdout, sys.stderr)],
-    'leads': [os.getpid() == os.getpgid(0), os.getpid() == os.getsid(0)], 'parent': os.getppid(),
-    'threads': threading.active_count(), 'shown': open('/proc/self/cmdline').read().rstrip(chr(0)),
-    'order': hash('text') if 'PYTHONHASHSEED' in os.environ else None}))
 """
 LAUNCH = """<launch>
   <group ns="fleet_7">
@@ -49,37 +31,6 @@ LAUNCH = """<launch>
   </group>
 </launch>
 """
-
-
-class WarmTest(unittest.TestCase):
-    """A process that the tests start as a fork (warm) is like one that is started anew."""
-
-    maxDiff = None
-
-    def test_a_fork_finds_what_a_process_finds_that_is_started_anew(self):
-        folder = tempfile.mkdtemp(prefix='lockstep_launcher_')
-        self.addCleanup(shutil.rmtree, folder)
-        path = os.path.join(folder, 'facts.py')
-        with open(path, 'w') as script:
-            script.write(FACTS)
-        for words in ([sys.executable, path, 'a word', '__name:=x'], command([path, 'a word'], 'x')):
-            told, exit_codes = [], []
-            for is_warm in (True, False):
-                with Warm(is_warm=is_warm) as ros:
-                    child = ros.spawn('/x', words)
-                    exit_codes.append(child.process.wait(GUARD))
-                    with open(child.log_path) as log:
-                        told.append(json.loads(log.read().splitlines()[-1]))
-                        told[-1]['flags'][HASH_RANDOMIZATION] = None  # a fork has one order of sets
-            self.assertEqual(told[0], told[1])
-            self.assertEqual((told[0]['parent'], exit_codes), (os.getpid(), [0, 0]))
-            self.assertEqual('PYTHONHASHSEED' in told[0]['environment'], words[1] != path)
-
-    def test_a_signal_reaches_it_at_once(self):
-        with Warm() as ros:
-            child = ros.spawn('/x', [sys.executable, os.path.join(FOLDER, 'probe.py')])
-            child.signal(signal.SIGKILL)
-            self.assertEqual(child.process.wait(GUARD), -signal.SIGKILL)
 
 
 class StartTest(unittest.TestCase):

@@ -9,27 +9,18 @@ import re
 import socket
 import tempfile
 import unittest
-import xmlrpc.client
 
-import rosgraph
-from lockstep_raw_client import RawClient
+from lockstep_raw_client import RawClient, address_at
 from lockstep_roscpp_run import Program, Runs, own
-from waiting import wait_for
+from own_sockets import pid_of
 from warm import Loopback
 
 RELAY = '/usr/lib/topic_tools/relay'
-ADDRESS = '/time_master/lockstep_address'
-
-
-def process_of_time_master(ros):
-    """Return the process id of the time master."""
-    uri = rosgraph.Master('/test', master_uri=ros.uri).lookupNode('/time_master')
-    return xmlrpc.client.ServerProxy(uri).getPid('/test')[2]
 
 
 def memories(ros):
     """Return how many memories of participants the time master uses."""
-    with open(f'/proc/{process_of_time_master(ros)}/maps', encoding='ascii') as maps:
+    with open('/proc/{}/maps'.format(pid_of('/time_master', ros.uri)), encoding='ascii') as maps:
         return len(re.findall('memfd:move_base_abstract', maps.read()))
 
 
@@ -106,13 +97,12 @@ class OfferTest(unittest.TestCase):
     def test_what_is_not_such_memory_is_not_used_and_not_kept(self):
         with Loopback() as ros, tempfile.TemporaryFile() as empty:
             ros.run('time_master', 'time_master', parameters={'mode': 'lockstep', 'participants': ['/a']})
-            master = rosgraph.Master('/test', master_uri=ros.uri)
-            wait_for('the address', lambda: master.hasParam(ADDRESS))
-            folder = f'/proc/{process_of_time_master(ros)}/fd'
+            address = address_at(ros.uri)
+            folder = '/proc/{}/fd'.format(pid_of('/time_master', ros.uri))
             reader, writer = os.pipe()
             with open('/dev/zero', 'rb') as zero:
                 for file in (empty.fileno(), reader, writer, zero.fileno()):
-                    client = client_with(file, master.getParam(ADDRESS))
+                    client = client_with(file, address)
                     client.hello('/a')
                     grant = client.grant()
                     client.report(grant, next_ns=grant.time_ns + 10 ** 9)

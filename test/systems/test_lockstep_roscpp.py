@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 import rosbag
-from lockstep_raw_client import RawClient
+from lockstep_raw_client import RawClient, address_at
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
 from own_sockets import closed_connections
 from scenarios import repeated
@@ -206,7 +206,7 @@ class OutsideTest(unittest.TestCase):
         with Loopback() as ros:
             self.start(ros, '/raw', '/server')
             RUNS.start(Program('server', own('shim_calls')))
-            client = RawClient(self.address(ros)).hello('/raw')
+            client = RawClient(address_at(ros.uri)).hello('/raw')
             self.addCleanup(client.close)
             client.grant()  # without a report, no further round can come
             self.assertIn('at 1000000000', self.call(ros, '/trigger'))
@@ -298,10 +298,3 @@ class OutsideTest(unittest.TestCase):
                                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0)
         return subprocess.run(['rosservice', 'call', service], env=ros.environment, timeout=GUARD, text=True,
                               check=True, stdout=subprocess.PIPE).stdout
-
-    def address(self, ros):
-        def ask():
-            return subprocess.run(['rosparam', 'get', '/time_master/lockstep_address'], env=ros.environment, text=True,
-                                  check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout.strip()
-        wait_for('the address', lambda: ':' in ask())
-        return ask()

@@ -5,7 +5,7 @@ import sys
 import unittest
 
 import rosgraph
-from lockstep_raw_client import RawClient
+from lockstep_raw_client import RawClient, address_at
 from waiting import GUARD, read, wait_for
 from warm import Loopback
 
@@ -37,18 +37,14 @@ class SecretTest(unittest.TestCase):
         return path
 
     def start(self, **parameters):
-        master = self.ros.run('time_master', 'time_master', parameters=dict(
+        return self.ros.run('time_master', 'time_master', parameters=dict(
             parameters, mode='lockstep', participants=[*NAMES, '/raw']))
-        asked = rosgraph.Master('/test', master_uri=self.ros.uri)
-        wait_for('the address', lambda: asked.hasParam('/time_master/lockstep_address')
-                 or master.process.poll() is not None)
-        return master
 
     def test_roscpp_and_rospy_nodes_read_it_and_strangers_are_kept_out(self):
         for parameters in ({'lockstep_secret_file': self.secret_file()}, {'lockstep_secret': 'open sesame'}):
             note = os.path.join(self.ros.log_dir, 'started by ' + min(parameters))
             master = self.start(note_of_start=note, **parameters)
-            address = rosgraph.Master('/test', master_uri=self.ros.uri).getParam('/time_master/lockstep_address')
+            address = address_at(self.ros.uri)
             stranger = RawClient(address)
             self.addCleanup(stranger.close)
             with self.assertRaisesRegex(AssertionError, "must have the secret of the run, got none from '/raw'"):

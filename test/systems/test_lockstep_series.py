@@ -2,16 +2,11 @@
 import json
 import os
 import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 
+from own_folder import OwnFolder
 from own_nodes import NODES
 
-from move_base_abstract_ros.loopback import find_executable
-
-GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@b.c">a</maintainer><license>BSD</license></package>
 """
@@ -80,41 +75,30 @@ sys.exit(7)
 """
 
 
-class LockstepSeries(unittest.TestCase):
+class LockstepSeries(OwnFolder, unittest.TestCase):
     """The study is a package of its own, in a temporary folder for each test."""
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='lockstep_series_test_')
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.study = os.path.join(self.folder, 'study_of_others')
-        shutil.copytree(os.path.join(NODES, 'series'), self.study)
-        self.write('package.xml', PACKAGE)
-        self.logs = os.path.join(self.folder, 'logs')
+        super().setUp()
+        shutil.copytree(os.path.join(NODES, 'series'), self.path('study_of_others'))
+        self.write('study_of_others/package.xml', PACKAGE)
+        self.environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
+        self.environment.pop('PYTHONHASHSEED', None)
 
-    def write(self, name, text):
-        """Write a file of the study and return its path."""
-        path = os.path.join(self.study, name)
-        with open(path, 'w', encoding='utf-8') as stream:
-            stream.write(text)
-        return path
-
-    def run_script(self, path, *words, options=()):
-        """Run a script by lockstep_launch --script; return (exit code, output)."""
-        environment = dict(os.environ, ROS_PACKAGE_PATH='{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH']))
-        environment.pop('PYTHONHASHSEED', None)
-        done = subprocess.run([sys.executable, find_executable('lockstep_launch'), '--script',
-                               '--logs', self.logs, *options, path,
-                               *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              timeout=GUARD, check=False)
-        return done.returncode, done.stdout
+    def run_script(self, name, text='', words=(), options=()):
+        """Run a script of the study, maybe a new one, by lockstep_launch --script; return (exit code, output)."""
+        path = self.path('study_of_others/' + name)
+        if text:
+            self.write(path, text)
+        return self.run_it('lockstep_launch', '--script', '--logs', self.path('logs'), *options, path, *words)
 
     def log(self, number):
         """Return the event log of a run [bytes]."""
-        with open(os.path.join(self.logs, 'run_{:03d}.jsonl'.format(number)), 'rb') as stream:
+        with open(self.path('logs/run_{:03d}.jsonl'.format(number)), 'rb') as stream:
             return stream.read()
 
     def test_each_trial_is_a_run_that_ends_where_the_script_ends_it_and_has_the_same_bytes_again(self):
-        code, said = self.run_script(os.path.join(self.study, 'run_trials.py'), '1', '1', options=(
+        code, said = self.run_script('run_trials.py', words=('1', '1'), options=(
             '--param', '/compatible_with=move_base_abstract', '--sleep', 'simulated'))
         self.assertEqual(code, 0, said)
         self.assertEqual(said.count('trial 1 over at 31.100 s, at 10.0'), 2, said)
@@ -128,7 +112,7 @@ class LockstepSeries(unittest.TestCase):
         self.assertEqual((end['node'], end['at_ns'], end['repeatable']), ('/run_trials', 31_100_000_000, True))
 
     def test_a_run_that_ends_by_itself_is_over_for_the_script(self):
-        code, said = self.run_script(self.write('ends.py', ENDS_BY_ITSELF), options=('--until', '20'))
+        code, said = self.run_script('ends.py', ENDS_BY_ITSELF, options=('--until', '20'))
         self.assertEqual(code, 0, said)
         self.assertIn('slept until 2.5 default', said)
         self.assertIn('then the run is over True', said)
@@ -142,7 +126,7 @@ class LockstepSeries(unittest.TestCase):
         self.assertEqual(json.loads(self.log(1).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
 
     def test_a_callback_may_end_the_run(self):
-        code, said = self.run_script(self.write('ends.py', ENDS_IN_A_CALLBACK))
+        code, said = self.run_script('ends.py', ENDS_IN_A_CALLBACK)
         self.assertEqual(code, 0, said)
         self.assertIn('refused: service [/robot_0/lacking] unavailable', said)
         self.assertIn('then the run is over False', said)
@@ -150,12 +134,12 @@ class LockstepSeries(unittest.TestCase):
         self.assertEqual((end['node'], end['at_ns']), ('/ends', 1_000_000_000))
 
     def test_what_is_no_run_is_refused_and_the_scripts_exit_code_is_the_series(self):
-        code, said = self.run_script(self.write('refused.py', REFUSED))
+        code, said = self.run_script('refused.py', REFUSED)
         self.assertEqual(code, 7, said)
         for text in ('starts nodes one by one', 'got roslaunch_strs; allowed', 'no run is under way'):
             self.assertIn(text, said)
         self.assertEqual(said.count('refused: '), 3)
         self.assertIn('hashed by 0', said)
-        code, said = self.run_script(os.path.join(self.folder, 'nothing.py'))
+        code, said = self.run_script('nothing.py')
         self.assertEqual(code, 2, said)
         self.assertIn('a Python script must follow the options', said)

@@ -37,7 +37,6 @@ class NextStepsTest(OwnPackage, unittest.TestCase):
 
     def setUp(self):
         super().setUp()
-        os.mkdir(self.path('a folder'))
         self.file = self.write(os.path.join('a folder', 'a system.launch'), SYSTEM)
 
     def next_of(self, program, *words):

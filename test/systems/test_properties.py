@@ -1,6 +1,5 @@
 """Statements of nodes in Python, in C++ and by topic become the same rows; a broken one fails the run."""
 import json
-import os
 import subprocess
 import sys
 import unittest
@@ -68,10 +67,9 @@ class PropertiesTest(OwnPackage, unittest.TestCase):
         self.assertRegex(said, 'a message of /topic on /properties is not a statement: got .*; allowed: an object with')
 
     def test_a_run_that_breaks_something_fails_as_a_test_in_words(self):
-        results = os.path.join(self.folder, 'results.xml')
-        with open(os.path.join(self.folder, 'system.launch'), 'w') as stream:
-            stream.write('<launch><node pkg="study_of_others" type="stater" name="stater"/></launch>')
-        code, said = self.run_it('run_checked', stream.name, '--gtest_output=xml:' + results, '__name:=x')
+        results = self.path('results.xml')
+        file = self.write('system.launch', '<launch><node pkg="study_of_others" type="stater" name="stater"/></launch>')
+        code, said = self.run_it('run_checked', file, '--gtest_output=xml:' + results, '__name:=x')
         self.assertEqual(code, 1, said)
         cases = {case.get('name'): [one.get('message') for one in case] for case in ElementTree.parse(results).iter(
             'testcase')}
@@ -82,12 +80,9 @@ class PropertiesTest(OwnPackage, unittest.TestCase):
         self.assertEqual(len(cases), 1 + 7 + 2)
 
     def test_a_test_that_is_ended_leaves_nothing_behind(self):
-        launch = '<launch><node pkg="study_of_others" type="endless" name="endless"/></launch>'
-        for name, text in (('endless', ENDLESS), ('endless.launch', launch)):
-            with open(os.path.join(self.folder, name), 'w') as stream:
-                stream.write(text)
-            os.chmod(stream.name, 0o755)
-        words = ['--check', '--gtest_output=xml:' + os.path.join(self.folder, 'result.xml'), stream.name]
+        self.write('endless', ENDLESS, 0o755)
+        words = ['--check', '--gtest_output=xml:' + self.path('result.xml'), self.write(
+            'endless.launch', '<launch><node pkg="study_of_others" type="endless" name="endless"/></launch>')]
         with subprocess.Popen([sys.executable, find_executable('lockstep_launch'), *words], env=self.environment,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as test:
             told = next((line for line in test.stdout if 'process[endless' in line), None)

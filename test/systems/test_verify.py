@@ -156,7 +156,6 @@ class VerifyTest(OwnPackage, unittest.TestCase):
             self.assertIn(text, said)
 
     def test_a_folder_with_something_in_it_stays_as_it_is(self):
-        os.mkdir(self.path('mine'))
         self.write(os.path.join('mine', 'thesis.txt'), 'all my work')
         code, said = self.verify('--output', self.path('mine'), SYSTEM, 'bag:=x')
         self.assertEqual(code, 2, said)

@@ -2,6 +2,8 @@
 
 import time
 
+from move_base_abstract_ros.loopback import find_executable
+
 GUARD = 60.0  # s, wall; only ends a test that would never end
 
 
@@ -37,3 +39,11 @@ def wait_for_end(child, others=(), guard=GUARD):
         f'{name}:\n{read(other)}' for name, other in (dict(others) or {child.name: child}).items()),
         lambda: child.process.poll() is not None, guard)
     return child.process.returncode
+
+
+def ask_why(ros):
+    """Return what `why` says of the time master of a Loopback."""
+    asked = ros.spawn('/why', [find_executable('why')])
+    asked.process.wait(GUARD)
+    ros.end(asked)
+    return read(asked)

@@ -1,4 +1,4 @@
-"""The pages of the nodes are what the tables of the code make of them, and the time master's table is what it reads."""
+"""Pages are what the tables of the code make of them, and the time master's table is what it reads."""
 import re
 import sys
 from pathlib import Path
@@ -12,6 +12,8 @@ sys.path.insert(0, str(ROOT / 'tools'))
 
 import draw_explanations  # noqa: E402
 import write_node_pages  # noqa: E402
+import write_options  # noqa: E402
+import write_scenario_keys  # noqa: E402
 
 TIME_MASTER = ROOT / 'src' / 'time_master' / 'parameters'
 CPP = '\n'.join((TIME_MASTER / name).read_text() for name in ('parameters.h', 'chaos_parameters.h'))
@@ -67,3 +69,36 @@ def test_the_defaults_of_the_time_masters_table_are_those_of_the_code():
 def test_the_drawings_are_up_to_date():
     for name, draw in draw_explanations.DRAWINGS.items():
         assert (draw_explanations.IMAGES / name).read_text(encoding='utf-8') == draw(), 'run tools/draw_explanations.py'
+
+
+@pytest.mark.parametrize('page', write_options.TABLES)
+def test_a_page_has_the_options_of_the_code(page):
+    assert (Path(write_options.DOCS) / page).read_text(encoding='utf-8') == write_options.make_page(page), (
+        'run tools/write_options.py')
+
+
+def test_the_page_of_a_scenarios_keys_is_up_to_date():
+    page = (ROOT / 'docs' / 'scenario_keys.md').read_text(encoding='utf-8')
+    assert page == write_scenario_keys.make_page(), 'run tools/write_scenario_keys.py'
+
+
+def test_every_key_that_a_scenario_may_have_is_on_it():
+    from move_base_abstract import scenario
+    from move_base_abstract.config import robot_table
+    from move_base_abstract.tasks import arrivals, places
+    from move_base_abstract.traffic import zones
+    page = write_scenario_keys.make_page()
+    named = [*scenario._TOP_KEYS, *scenario._GROUP_KEYS, *robot_table.OWN_NAMES, *(one.name for one in zones.TABLE),
+             *(parameter.name for parameter in places.PLACE_TABLE + arrivals.ARRIVAL_TABLE)]
+    assert [name for name in named if f'| `{name}` |' not in page] == []
+
+
+def test_a_key_of_which_no_page_tells_is_refused():
+    with pytest.raises(SystemExit, match='no page of docs/'):
+        write_scenario_keys.page_of('no_such_key', ())
+
+
+def test_a_key_is_told_on_the_page_of_what_it_sets():
+    page = (ROOT / 'docs' / 'scenario_keys.md').read_text(encoding='utf-8')
+    for key in ('start_x', 'start_y', 'start_yaw'):  # columns of a table bear these names on another page
+        assert re.search(r'^\| `{}` .*\[move base\]\(nodes/move_base\.md\) \|$'.format(key), page, re.MULTILINE)
