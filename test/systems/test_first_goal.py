@@ -8,13 +8,13 @@ import tempfile
 import threading
 import unittest
 import xmlrpc.client
-import xmlrpc.server
 
 import rosgraph
 import rospy
 import warm
 from actionlib_msgs.msg import GoalID, GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
+from master_proxy import MasterProxy
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from robot_harness import GUARD, RawClient, Record, pose_stamped
 from rospy.impl.registration import get_registration_listeners
@@ -25,35 +25,6 @@ from move_base_abstract_ros.loopback import find_executable
 LAUNCH_FILE = '<launch></launch>'
 FACTOR = 20
 OWN_NODE = 'first_goal_test'
-
-
-class MasterProxy:
-    """A ROS master that notes the order of registrations and passes all calls on to the real one."""
-
-    def __init__(self):
-        self.registrations = []
-        self._server = xmlrpc.server.SimpleXMLRPCServer(('127.0.0.1', 0), logRequests=False, allow_none=True)
-        self._server.register_instance(self)
-        self.uri = 'http://127.0.0.1:{}/'.format(self._server.server_address[1])
-        threading.Thread(target=self._server.serve_forever, daemon=True).start()
-
-    def close(self):
-        """Stop serving."""
-        self._server.shutdown()
-        self._server.server_close()
-
-    def _dispatch(self, method, arguments):
-        if method == 'system.multicall':
-            for call in arguments[0]:
-                self._note(call['methodName'], call['params'])
-        else:
-            self._note(method, arguments)
-        master = xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), allow_none=True)
-        return getattr(master, method)(*arguments)
-
-    def _note(self, method, arguments):
-        if method in ('registerPublisher', 'registerSubscriber'):
-            self.registrations.append((method, arguments[1]))
 
 
 class SlowClient:
@@ -105,15 +76,16 @@ class FirstGoal(unittest.TestCase):
                 ('move_base_abstract_actionserver', '/o2/server', {}, '/o2/move_base_simple/goal'),
                 ('fleet', '/o3/fleet', robots, '/o3/a1/move_base_simple/goal'),
                 ('task_server', '/o4/tasks', {'robots': ['']}, '/o4/work/goal')):
-            proxy = MasterProxy()
+            proxy = MasterProxy(rosgraph.get_master_uri())
             self.addCleanup(proxy.close)
             self.start(executable, name, parameters, proxy.uri)
             wait_for('{} at {}'.format(name, last), lambda last=last, name=name: is_up(name, last))
             heard = set()
-            for method, topic in list(proxy.registrations):
+            for method, params in list(proxy.calls):
+                topic = params[1] if len(params) > 1 else ''
                 if method == 'registerSubscriber':
                     heard.add(topic)
-                else:
+                elif method == 'registerPublisher':
                     self.assertNotIn(topic, heard, '{} advertises it after it has subscribed'.format(executable))
             self.assertIn(last, heard)
 

@@ -6,15 +6,11 @@ once, in fewer rounds.
 
 import re
 import shutil
-import socketserver
-import threading
 import unittest
-from collections import Counter
 from types import SimpleNamespace
-from xmlrpc.client import ServerProxy
-from xmlrpc.server import SimpleXMLRPCServer
 
 from lockstep_roscpp_run import Program, Runs, own
+from master_proxy import MasterProxy
 
 from move_base_abstract_ros.lockstep.ros_master.parameters import Parameters
 from move_base_abstract_ros.loopback import find_executable
@@ -74,26 +70,20 @@ class KeptTest(unittest.TestCase):
         self.assertNotIn('stored_topics', RUNS.run(programs, stored_topics=[]).head)
 
 
-class CountingMaster(socketserver.ThreadingMixIn, SimpleXMLRPCServer):
-    """Passes calls on to the ROS master, and counts them by method and second argument."""
+class CountingMaster(MasterProxy):
+    """One that refuses a parameter."""
 
-    daemon_threads = True
-
-    def __init__(self, uri):
-        super().__init__(('127.0.0.1', 0), logRequests=False, allow_none=True)
-        self.uri = 'http://127.0.0.1:{}/'.format(self.server_address[1])
-        self.calls = Counter()
-        self._behind = uri
-        threading.Thread(target=self.serve_forever, daemon=True).start()
+    def count(self, method, name):
+        """Return the number of calls of a method about a name."""
+        return sum(call[0] == method and call[1][1:2] == (name,) for call in self.calls)
 
     def _dispatch(self, method, params):
-        self.calls[method, params[1] if len(params) > 1 else ''] += 1
+        answer = super()._dispatch(method, params)
         if method == 'getParam' and params[1] == '/board/refused':
-            if self.calls[method, params[1]] == 1:
+            if self.count('getParam', '/board/refused') == 1:
                 raise RuntimeError('a fault instead of an answer')
             return 1, '', 5
-        with ServerProxy(self._behind) as master:
-            return getattr(master, method)(*params)
+        return answer
 
 
 class CountedRuns(Runs):
@@ -128,13 +118,12 @@ class AskingAgainInCppTest(unittest.TestCase):
         self.assertEqual(run.printed(0), [
             first + ' 1', '999 lines take 0.000 s', '2500 lines take 0.002 s',
             '0 of 1200 lines of 1200 instants take time', '011', *looks, '0', '9 9'])
-        calls = runs.master.calls
-        runs.master.shutdown()
-        runs.master.server_close()
-        self.assertEqual(calls['getParam', '/rosout_disable_topics_generation'], 1)
+        runs.master.close()
+        count = runs.master.count
+        self.assertEqual(count('getParam', '/rosout_disable_topics_generation'), 1)
         # none, 1, 2, 3, and 9 when it is told
-        self.assertEqual((calls['getParam', '/board/given'], calls['hasParam', '/board/given']), (5, 1))
-        self.assertEqual(calls['getParam', '/board/refused'], 2)  # a fault is not kept
+        self.assertEqual((count('getParam', '/board/given'), count('hasParam', '/board/given')), (5, 1))
+        self.assertEqual(count('getParam', '/board/refused'), 2)  # a fault is not kept
 
 
 class FakeMaster:

@@ -9,14 +9,17 @@ import socket
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 import rosgraph
 import rospkg
-from waiting import GUARD, read, wait_for
+from waiting import GUARD, read, wait_for, wait_for_words
 
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
-MAP = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'maps', 'field.yaml')
+SHARE = rospkg.RosPack().get_path('move_base_abstract')
+MAP = os.path.join(SHARE, 'maps', 'field.yaml')
+FAKE_GAZEBO = os.path.join(SHARE, 'test', 'data', 'gazebo_fake')
 #: name, executable, parameters, arguments, end of the name of the topic or service that it makes last
 NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('original', 'move_base_abstract_actionserver', {}, ('robot_9',), '/move_base_simple/goal'),
@@ -188,6 +191,14 @@ class EndTest(unittest.TestCase):
                     '/time_master, which published /clock, is gone' in read(child)))
             self.assertEqual([read(child).count('simulated time stands still') for child in children.values()],
                              [1] * len(NODES))
+
+    def test_a_robot_for_a_simulator_with_a_clock_of_its_own_warns_where_there_is_no_use_sim_time(self):
+        with mock.patch.dict(os.environ, PYTHONPATH=FAKE_GAZEBO + ':' + os.environ['PYTHONPATH']):
+            with Loopback(use_sim_time=False) as ros:
+                for backend, simulator in (('stage_ros', 'Stage'), ('gazebo', 'Gazebo')):
+                    robot = ros.run('move_base', 'move_base', '/' + backend, {'backend': backend})
+                    wait_for_words(robot, "goes by the machine's clock. {} publishes /clock".format(simulator))
+                    wait_for_words(robot, 'start {} first'.format(simulator))
 
     def test_help_is_printed_without_a_ros_master_and_unknown_arguments_are_refused(self):
         for executable in ('move_base', 'move_base_abstract_actionserver', 'fleet', 'task_server', 'map_server', 'demo',
