@@ -12,11 +12,11 @@ import rosgraph
 import rospy
 from roslaunch.core import setup_env
 from roslaunch.node_args import create_local_process_args
+from waiting import GUARD
 from warm import Loopback
 
 from move_base_abstract_ros.launching import plan, roles, ros_master
 
-GUARD = 60.0  # s, wall; only ends a start that would never end
 QUIET = 0.5  # s, wall
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 TIME_MASTER = ('<include file="$(find move_base_abstract)/launch/time_master.launch">'

@@ -9,11 +9,10 @@ import sys
 import time
 import unittest
 
-from own_folder import OwnPackage
+from own_folder import GUARD, OwnPackage
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(HERE, '..', '..', 'bench', 'system')
-GUARD = 200.0  # s, wall; only ends a run that would never end
 ROBOT = '<node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0"/>'
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}" output="screen"/>'
 SENDS = """#!/usr/bin/env python3

@@ -3,15 +3,15 @@
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
 
-import os
 import re
 import signal
 import subprocess
-import tempfile
 import unittest
 
 import psutil
 import rosgraph
+from own_folder import OwnFolder
+from waiting import GUARD
 
 from move_base_abstract.mission import read_mission
 from move_base_abstract_ros.loopback import find_executable
@@ -19,7 +19,7 @@ from move_base_abstract_ros.nodes.demo_run.nodes import shipped
 
 LAUNCH_FILE = '<launch/>'  # a ROS master that the demo must not disturb
 
-GUARD = 60.0
+CLOCKS = ('lockstep', 'scaled')
 MISSION = """
 robots:
   - {name: near, start: [0, 0], goals: [[30, 40], [30, 0]]}
@@ -27,16 +27,18 @@ robots:
 """
 
 
-class Demo(unittest.TestCase):
+class Demo(OwnFolder, unittest.TestCase):
     """There is one demo process per test; a far goal keeps it busy for as long as the test needs."""
 
     def start(self, length_m, *arguments):
         """Start the demo with a mission of two robots and return its Popen."""
-        with tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as stream:
-            stream.write(MISSION.replace('LENGTH', str(length_m)))
-        self.addCleanup(os.unlink, stream.name)
-        process = subprocess.Popen([find_executable('demo'), '--mission', stream.name, *arguments],
-                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        mission = self.write('mission.yaml', MISSION.replace('LENGTH', str(length_m)))
+        return self.demo('--mission', mission, *arguments)
+
+    def demo(self, *arguments):
+        """Start the demo, which ends with the test; return its Popen."""
+        process = subprocess.Popen([find_executable('demo'), *arguments], stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.kill)
         return process
@@ -80,11 +82,7 @@ class Demo(unittest.TestCase):
         self.assertEqual(rosgraph.Master('/demo_test').getSystemState(), before)
 
     def test_with_routes_robots_drive_around_the_buildings(self):
-        process = subprocess.Popen([find_executable('demo'), '--routes', '--robots', '2'], stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True)
-        self.addCleanup(process.stdout.close)
-        self.addCleanup(process.kill)
-        output, code = self.finish(process)
+        output, code = self.finish(self.demo('--routes', '--robots', '2'))
         self.assertEqual(code, 0, output)
         distances = {name: float(found) for name, found in re.findall(r'\n(robot_\d) +\d/\d +([\d.]+) ', output)}
         plan = read_mission(shipped('config', 'demo_routes_mission.yaml'))
@@ -97,33 +95,23 @@ class Demo(unittest.TestCase):
         self.assertEqual(code, 1, output)
         self.assertIn('demo: --routes needs a map on which all places of the mission are free', output)
 
-    def test_ctrl_c_ends_all_processes_in_lockstep(self):
-        self.check_ctrl_c('lockstep')
+    def test_ctrl_c_ends_all_processes_on_each_clock(self):
+        for clock in CLOCKS:
+            process, children = self.start_busy(clock)
+            process.send_signal(signal.SIGINT)
+            output, code = self.finish(process)
+            self.assertEqual(code, 130, output)
+            self.assertIn('demo: interrupted', output)
+            self.assert_all_gone(children)
 
-    def test_ctrl_c_ends_all_processes_on_the_scaled_clock(self):
-        self.check_ctrl_c('scaled')
-
-    def check_ctrl_c(self, clock):
-        process, children = self.start_busy(clock)
-        process.send_signal(signal.SIGINT)
-        output, code = self.finish(process)
-        self.assertEqual(code, 130, output)
-        self.assertIn('demo: interrupted', output)
-        self.assert_all_gone(children)
-
-    def test_a_node_that_dies_ends_the_demo_and_is_named_in_lockstep(self):
-        self.check_a_dying_node('lockstep')
-
-    def test_a_node_that_dies_ends_the_demo_and_is_named_on_the_scaled_clock(self):
-        self.check_a_dying_node('scaled')
-
-    def check_a_dying_node(self, clock):
-        process, children = self.start_busy(clock)
-        next(child for child in children if '__name:=fleet' in child.cmdline()).kill()
-        output, code = self.finish(process)
-        self.assertEqual(code, 1, output)
-        self.assertIn('demo: /fleet ended unexpectedly (signal SIGKILL)', output)
-        self.assert_all_gone(children)
+    def test_a_node_that_dies_ends_the_demo_and_is_named_on_each_clock(self):
+        for clock in CLOCKS:
+            process, children = self.start_busy(clock)
+            next(child for child in children if '__name:=fleet' in child.cmdline()).kill()
+            output, code = self.finish(process)
+            self.assertEqual(code, 1, output)
+            self.assertIn('demo: /fleet ended unexpectedly (signal SIGKILL)', output)
+            self.assert_all_gone(children)
 
     def test_a_demo_that_is_killed_leaves_no_process_behind(self):
         process, children = self.start_busy('lockstep')

@@ -13,7 +13,7 @@ import uuid
 
 import psutil
 import pytest
-from own_folder import OwnFolder
+from own_folder import GUARD, OwnFolder
 from waiting import wait_for
 
 from move_base_abstract_experiments import records
@@ -22,7 +22,6 @@ from move_base_abstract_experiments.description import plan, spec
 from move_base_abstract_experiments.results import tables
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 200.0  # s, wall; only ends a run that would never end
 MARK = 'EXPERIMENT_TEST_MARK'
 ONE = ('--workers', '1')
 SWEEP = """

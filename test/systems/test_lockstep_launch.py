@@ -12,19 +12,17 @@ from types import SimpleNamespace
 from unittest import mock
 
 import warm
-from own_folder import OwnPackage
+from own_folder import GUARD, OwnPackage, events_of
 from own_nodes import NODES
 
 from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SYSTEM = os.path.join(NODES, 'foreign', 'system.launch')  # its prefix is left empty here
-GUARD = 120.0  # s, wall; only ends a run that would never end
 KINDS = """<launch>
   <group ns="one">
     <node pkg="move_base_abstract" type="shim_listener" name="relay" args="/a /b"/>
@@ -186,9 +184,7 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         return warm.run(self.command(*words), self.environment, timeout=GUARD)
 
     def log(self, name):
-        with open(self.path(name)) as stream:
-            log = EventLog(stream.readlines(), name)
-        return log, [event.compared for event in log]
+        return events_of(self.path(name))
 
     def test_a_whole_system_runs_as_its_launch_file_is_and_twice_the_same(self):
         logs, bags = [], []
@@ -299,7 +295,6 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         log = self.path('a.jsonl')
         done = self.run_it('--until', '50', '--log-messages', '--event-log', log, self.file(TICKING.format(more='')))
         self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertEqual(self.log('a.jsonl')[0].name, 'a.jsonl')
         with open(log) as stream:
             end = json.loads(stream.readlines()[-1])['end']
         self.assertEqual((end['reason'], end['repeatable']), ('the run was to end at 50 s', True))

@@ -13,14 +13,13 @@ import time
 import unittest
 
 from in_lockstep import assert_same
+from own_folder import GUARD, events_of
 from own_nodes import NODES
 from scenarios import Condition, repeated
 
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 STUDY = os.path.join(NODES, 'study')
-GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class Run:
@@ -47,9 +46,7 @@ class Run:
             time.sleep(0.01)
         self.said = process.communicate(timeout=GUARD)[0]
         self.code = process.returncode
-        with open(log) as stream:
-            read = EventLog(stream.readlines(), 'the run')
-        self.events = [event.compared for event in read]
+        read, self.events = events_of(log)
         self.end, self.bags = read.end, read.bags
 
 

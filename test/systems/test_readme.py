@@ -8,11 +8,10 @@ import sys
 import time
 import unittest
 
-from own_folder import OwnFolder
+from own_folder import GUARD, OwnFolder
 from warm import Loopback
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'README.md')
-GUARD = 120.0  # s, wall; only ends a run that would never end
 PACKAGE = '<package format="2"><name>my_package</name><version>1.0.0</version><description>x</description>' \
           '<maintainer email="me@example.org">me</maintainer><license>x</license></package>'
 COORDINATOR = """#!{python}

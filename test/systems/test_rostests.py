@@ -5,10 +5,9 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 from night import times
-from own_folder import OwnFolder
+from own_folder import GUARD, OwnFolder
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'rostest')
-GUARD = 300.0  # s, wall; only ends a test that would never end
 
 
 class Rostests(OwnFolder, unittest.TestCase):

@@ -11,13 +11,13 @@ import tempfile
 import unittest
 
 from night import times
+from own_folder import events_of
 from own_nodes import NODES
+from waiting import GUARD
 from warm import Loopback
 
-from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 60.0  # s, wall; only ends a test that would never end
 HOME, AWAY = '10.213.7.1', '10.213.7.2'
 LEAPS = 500
 PORT = 11311
@@ -148,9 +148,7 @@ class LockstepNetworkTest(unittest.TestCase):
         return self.events_of(path)
 
     def events_of(self, path):
-        with open(path) as stream:
-            log = EventLog(stream.readlines(), path)
-        events = [event.compared for event in log]
+        log, events = events_of(path)
         self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
         return events
 
