@@ -28,9 +28,9 @@ def main(words: Optional[Sequence[str]] = None) -> int:
 def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='experiment', description='Run any system many times, on all cores, and report the results.',
-        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 the experiment cannot be run like '
-        'this, 3 a trial that was run again differs, and so do its inputs, 130 interrupted (Ctrl-C, SIGTERM, SIGHUP). '
-        'Complete trials stay, and the same command goes on')
+        epilog='exit codes: 0 all trials are complete, 1 some failed, have an error or differ, 2 the experiment cannot '
+        'be run like this, 3 a trial that was run again differs, and so do its inputs, 130 interrupted (Ctrl-C, '
+        'SIGTERM, SIGHUP). Complete trials stay, and the same command goes on')
     verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun|report', required=True)
     run = verbs.add_parser('run', help='run the trials that are not complete')
     run.add_argument('file', metavar='FILE', help='the experiment, a YAML file')

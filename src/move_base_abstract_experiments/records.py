@@ -109,6 +109,17 @@ class Result(Numbered):
         """The mapping that is written into the file."""
         return {'format': FORMAT, **{name: value for name, value in vars(self).items() if name != 'waits' or value}}
 
+    def judged_by(self, primary: Any) -> Result:
+        """Return this Result, as failed if it has no value of the experiment's primary metric (if it names one).
+
+        trial.json does not say this, because ``primary`` may change when all trials have run.
+        """
+        there = [name for name, value in self.metrics.items() if value is not None and not math.isnan(value)]
+        if not self.is_complete or not primary or not isinstance(primary, str) or primary in there:
+            return self
+        why = self.error or f'it has {", ".join(sorted(there)) or "no metric"}'
+        return dataclasses.replace(self, status=FAILED, error=f'no value of {primary}, the primary metric: {why}')
+
     def fail(self, problem: str) -> None:
         """Mark the trial as failed, with this error."""
         self.status, self.error = FAILED, problem
@@ -138,11 +149,11 @@ def _planned(content: Any, where: str) -> Planned:
     return _read(Planned, content, where)
 
 
-def read_planned(folder: str, planned: Planned) -> Optional[Result]:
+def read_planned(folder: str, plan: Plan, planned: Planned) -> Optional[Result]:
     """Return trial.json of a planned trial, or None if it is missing, or its ``made_of`` is not the planned one.
 
-    A trial that is kept although it is of an old program has a label that says so. :raises: as read_trial(), also if
-    the trial is of another plan.
+    A trial that is kept although it is of an old program has a label that says so; one without a value of the plan's
+    primary metric is failed. :raises: as read_trial(), also if the trial is of another plan.
     """
     result = read_trial(folder, planned.id)
     if result is None or None not in (planned.made_of, result.made_of) and planned.made_of != result.made_of:
@@ -152,6 +163,7 @@ def read_planned(folder: str, planned: Planned) -> Optional[Result]:
         if told != wanted:
             raise ConfigurationError(f"{os.path.join(folder, 'trials', planned.id, 'trial.json')}: is of another plan: "
                                      f"its '{key}' is {shown(told)}, but the plan has {shown(wanted)}")
+    result = result.judged_by(plan.primary)
     return dataclasses.replace(result, labels=[*result.labels, planned.kept]) if planned.kept else result
 
 

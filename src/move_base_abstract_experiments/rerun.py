@@ -55,6 +55,8 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
     elif not os.path.isfile(before):
         raise _not_run(before)
     left = _run(_job_of(one, until, speed, rviz), logs, stream)
+    if left.result.error and left.result.is_complete:
+        print(f'rerun: {left.result.error}', file=stream)
     if not left.result.is_complete:
         print(f'rerun: failed: {left.result.error}', file=stream)
         code = FAILED
@@ -122,7 +124,7 @@ def _run(job: Job, logs: Optional[str], stream: TextIO) -> _Left:
             for member in outputs.checked_members(archive):
                 with open(os.path.join(logs, member.name.replace('/', '_')), 'xb') as target:
                     target.write(outputs.opened_member(archive, member.name).read())
-        return _Left(outputs.result_in(archive), outputs.member(archive, LOG))
+        return _Left(outputs.result_in(archive).judged_by(trial.experiment.primary), outputs.member(archive, LOG))
 
 
 def _compare_function(left: _Left, before: str, was: Result, stream: TextIO) -> int:

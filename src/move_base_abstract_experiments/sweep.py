@@ -34,7 +34,7 @@ def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: 
         given: Optional[Dict[str, Any]] = None) -> int:
     """Run the missing trials of the experiment in a file; return the number of bad trials of all.
 
-    Bad are trials that are not complete, or that were different when they ran a second time.
+    Bad are trials that are not complete, have an error, or were different when they ran a second time.
 
     output: the folder of the experiment. workers: the number of processes on this computer. scheduler: the address of a
     running Dask scheduler instead, or None. folder: where relative paths in the file start; None: in its own folder.
@@ -192,7 +192,7 @@ def _taken(folder: outputs.OutputFolder, job: Job, worker: str, content: Optiona
     """
     if content is not None:
         try:
-            return folder.put(content, worker, attempts)
+            return folder.put(content, worker, attempts).judged_by(job.trial.experiment.primary)
         except (SimulatorError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError,
                 tarfile.TarError) as error:
             problem = f'its outputs cannot be taken: {error}'
@@ -225,7 +225,7 @@ def again(content: Optional[bytes], job: Job) -> Optional[Job]:
 
 
 def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) -> int:
-    """Print the results in a few lines; return the number of trials that are not complete, or different run twice."""
+    """Print the results in a few lines; return the number of bad trials, as run() says; some may count twice."""
     total = told.complete + told.failed_count + told.missing
     print(f'experiment: {told.complete} of {total} trials are complete'
           + (f'; run twice: {told.identical} identical, {told.different_count} different'
@@ -237,7 +237,7 @@ def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) ->
     for one in [*told.failed, *told.different][:1]:
         print(f'next: the first of them again: rosrun move_base_abstract experiment rerun '
               f'{shlex.quote(str(folder.path))} {one.id}', file=stream)
-    for line in told.properties.lines():
-        print(f'  {shown_text(line)}', file=stream)
+    for line in (*told.errors.lines(total - told.missing), *map(shown_text, told.properties.lines())):
+        print(f'  {line}', file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)
-    return total - told.complete + told.different_count
+    return total - told.complete + told.different_count + told.errors.count

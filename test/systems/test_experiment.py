@@ -78,6 +78,11 @@ METRICS = """def count(trial):
         raise RuntimeError('heard %s' % said)
     return {'said': len(said), 'events_of_a_log': len(list(trial.events()))}
 """
+LATE = """def run(trial):
+    return {'b': 1}
+def count(trial):
+    return {'late': {}['makespam']}
+"""
 SHORT = """
 experiment: short
 function: short:run
@@ -251,6 +256,22 @@ class Experiments(OwnFolder, unittest.TestCase):
                          ('complete', 1.0, True, 'topic'))
         with open(self.path('command/trials/{}/messages.jsonl'.format(only.id))) as stream:
             self.assertIn('"one"', stream.read())
+
+    def test_a_metric_that_fails_in_all_trials_is_said_with_the_first_and_is_not_good(self):
+        self.write('late.py', LATE)
+        file = 'experiment: late\nfunction: late:run\nreplications: 3\nmetrics: late:count\n'
+        for more, complete in (('', 3), ('primary: late\n', 0)):
+            code, text = Client(self.folder, self.write('late.yaml', file + more), 'late', *ONE).end()
+            lines = text.splitlines()
+            said = next(k for k, line in enumerate(lines) if line.endswith("KeyError: 'makespam' in 1 of 1 trials"))
+            self.assertLess(said, next(k for k, line in enumerate(lines) if line.startswith('3 of 3 trials')), text)
+            self.assertEqual((code, f'experiment: {complete} of 3 trials are complete' in text), (1, True), text)
+            found = subprocess.run([sys.executable, find_executable('experiment'), 'status', self.path('late')],
+                                   stdout=subprocess.PIPE, check=True).stdout.decode()
+            self.assertIn(f'{complete} of 3 trials complete', found)
+            with open(self.path('late/tables/means.csv'), newline='') as stream:
+                self.assertEqual({row['metric']: row['n'] for row in csv.DictReader(stream)},
+                                 {'b': '0', 'late': '0'} if more else {'b': '3'})
 
     @pytest.mark.night
     def test_short_functions_share_processes_and_leave_each_other_nothing(self):

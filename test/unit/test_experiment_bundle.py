@@ -74,7 +74,7 @@ def test_outputs_that_cannot_be_taken_are_a_trial_that_failed(tmp_path, content)
         about = sweep._taken(folder, job_of(id=ID), 'w', content, None, 2)
         assert (about.status, about.attempts) == ('failed', 2)
         assert about.error.startswith('its outputs cannot be taken: ')
-        assert outputs.read_planned(folder.path, records.Planned(ID)).error == about.error
+        assert outputs.read_planned(folder.path, records.Plan(), records.Planned(ID)).error == about.error
         tables.write(folder, plan())
     job = sweep.again(content, job_of(id=ID))
     assert job is None or job.trial.id == ID

@@ -1,6 +1,7 @@
 """The folder of an experiment: what comes into it, what is never replaced, and its table."""
 import io
 import json
+import shutil
 import sys
 import tarfile
 
@@ -9,7 +10,9 @@ import pytest
 from experiment_jobs import job_of
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import records, sweep
-from move_base_abstract_experiments.results import outputs, state, tables
+from move_base_abstract_experiments.description import plan as experiment_plan
+from move_base_abstract_experiments.report import outcome as report_outcome
+from move_base_abstract_experiments.results import outputs, progress, resumption, state, tables
 
 ID, OTHER = '0001-abcdef', '0002-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
@@ -152,6 +155,54 @@ def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted
     assert said[:3] == ['experiment: 4 of 6 trials are complete; run twice: 2 identical, 1 different',
                         '  failed: 0002-abcdef: why', '  different: 0003-abcdef: here']
     assert list(state.lines(tmp_path / 'out'))[1] == 'run twice: 2 identical, 1 different'  # says the same
+
+
+@pytest.mark.parametrize('about, primary, bad, says', [
+    ({}, 'goals', 0, None), ({}, None, 0, None),
+    ({'error': "metrics: KeyError: 'x'"}, None, 2, "metrics: KeyError: 'x' in 2 of 2 trials"),
+    ({'error': "metrics: KeyError: 'x'"}, 'goals', 2, "metrics: KeyError: 'x' in 2 of 2 trials"),
+    ({'error': "metrics: KeyError: 'x'"}, 'late', 2, "no value of late, the primary metric: metrics: KeyError: 'x'"),
+    ({'metrics': {'late': None, 'b': 1, 'a': 2}}, 'late', 2, 'no value of late, the primary metric: it has a, b'),
+    ({'metrics': {}}, 'late', 2, 'no value of late, the primary metric: it has no metric')])
+def test_a_trial_without_the_primary_metric_is_not_complete_and_an_error_is_not_good(
+        tmp_path, capsys, about, primary, bad, says):
+    names, planned = (ID, OTHER), plan((ID, OTHER))
+    planned.primary, planned.trials[1].replication = primary, 1
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        for number, name in enumerate(names):
+            folder.put(packed(trial(id=name, replication=number, **about)), 'w', 1)
+        assert sweep._tell(folder, tables.write(folder, planned), sys.stdout) == bad
+    is_failed = bool(says) and says.startswith('no value')
+    assert [one.status for one in report_outcome.read(tmp_path / 'out').trials] == [
+        'failed' if is_failed else 'complete'] * 2
+    assert f'{0 if is_failed else 2} of 2 trials complete' in next(state.lines(tmp_path / 'out'))
+    for text in (capsys.readouterr().out, '\n'.join(state.lines(tmp_path / 'out'))):
+        assert says is None or says in text
+    table = (tmp_path / 'out' / 'trials.csv').read_text().splitlines()
+    assert all(is_failed == (',failed,' in row) for row in table[1:])
+    shutil.rmtree(tmp_path / 'out' / 'trials')  # the table says the same where it is alone
+    assert [one.status == 'failed' for one in report_outcome.read(tmp_path / 'out').trials] == [is_failed] * 2
+
+
+def test_a_trial_without_the_primary_metric_runs_again_and_another_primary_takes_none(tmp_path, monkeypatch):
+    document = {'experiment': 'x', 'function': 'model:run', 'metrics': 'model:count'}
+    (tmp_path / 'model.py').write_text('')
+    for primary, wanted in (({}, []), ({'primary': 'goals'}, []), ({'primary': 'late'}, [ID])):
+        job = job_of({**document, **primary}, str(tmp_path), id=ID, configuration={'robots': 1}, seed=3)
+        planned = plan()
+        with outputs.OutputFolder(tmp_path / 'out') as folder:
+            made = {ID: experiment_plan.made_of(job.trial)}
+            planned.trials[0].made_of = made[ID]
+            folder.put(packed(trial(made_of=made[ID])), 'w', 1)
+            assert [one.id for one in resumption.missing([job.trial], folder, planned, False, io.StringIO())] == wanted
+
+
+def test_an_error_is_told_with_the_first_trial_that_has_it():
+    stream = io.StringIO()
+    told = progress.Progress(stream, 9, 0)
+    for error in (None, 'a', 'a', 'b'):
+        told.count(records.Result(ID, status='complete', error=error))
+    assert stream.getvalue().splitlines() == ['experiment: a in 1 of 2 trials', 'experiment: b in 1 of 4 trials']
 
 
 def test_a_failure_is_told(tmp_path):

@@ -242,6 +242,13 @@ def test_tables_have_all_digits_in_the_units_of_the_metrics(tmp_path):
         'means.csv', 'main_effects.csv', 'differences.csv', 'interactions.csv', 'robots.csv', 'endings.csv'}
 
 
+def test_a_primary_metric_without_values_has_its_rows(tmp_path):
+    report(tmp_path, {'method': ['greedy', 'auction']}, 2, usual, metrics={'goals': {}, 'late': {}}, primary='late')
+    rows = [line.split(',') for line in (tmp_path / 'tables' / 'means.csv').read_text().splitlines()]
+    assert [(row[0], row[3], row[4]) for row in rows[1:]] == [(name, '0', '') for name in ('late', 'goals')
+                                                              for _ in range(2)]
+
+
 def test_a_folder_without_trials_is_read_from_its_table(tmp_path):
     write(tmp_path, {'method': ['greedy', 'auction']}, 3, lambda c, k: None)
     (tmp_path / 'trials.csv').write_text('id,method,status,makespan_s,labels,error\n0001-abc,greedy,complete,600,,\n'

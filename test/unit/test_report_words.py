@@ -266,7 +266,9 @@ def test_names_that_nothing_goes_by_are_told(tmp_path):
     found = read(tmp_path, TWO, 2, lambda c, k: {'makespan_s': 1.0 + k}, primary='make', smallest_difference={'x': 1},
                  baseline={'method': 'market'})
     told_first = page._warnings(found)
-    assert [line.partition(':')[0] for line in told_first] == ['primary', 'smallest_difference', 'baseline']
+    assert [line.partition(':')[0] for line in told_first] == ['Trials that failed', 'primary', 'smallest_difference',
+                                                               'baseline']
+    assert found.trials[0].error == 'no value of make, the primary metric: it has makespan_s'
 
 
 @pytest.mark.parametrize('size', [1e-200, 1e-9, 1.0, 1e90])

@@ -19,6 +19,8 @@ import re
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
+from move_base_abstract.runs.metrics import METRICS, Metric
+
 from ..records import Plan, Planned
 from . import ingredients
 from .experiment import Experiment
@@ -68,12 +70,13 @@ def _condition(number: int, key: str, experiment: Experiment) -> str:
 def describe(experiment: Experiment, chosen: List[Trial], text: bytes) -> Plan:
     """Return the Plan of an experiment's trials. ``text``: the bytes of its file."""
     paths = {path for one in chosen if one.replication == 0 for path in ingredients.of_trial(one)}
-    until = experiment.until
+    until, primary, metrics = experiment.until, experiment.primary or None, experiment.known_metrics
+    if primary:  # tables have its column and rows also if no trial has a value
+        metrics.setdefault(primary, METRICS.get(primary, Metric(primary)))
     return Plan(
         experiment=experiment.name, factors={name: list(values) for name, values in experiment.factors.items()},
-        metrics={name: one.described() for name, one in experiment.known_metrics.items()},
-        primary=experiment.primary or None, baseline=experiment.baseline, at_limit=experiment.at_limit,
-        smallest_difference=experiment.smallest_difference,
+        metrics={name: one.described() for name, one in metrics.items()}, primary=primary,
+        baseline=experiment.baseline, at_limit=experiment.at_limit, smallest_difference=experiment.smallest_difference,
         until={'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle,
                **({'at': until.at} if until.at else {})},
         replications=experiment.replications.all, verify=experiment.verify, report=list(experiment.report),

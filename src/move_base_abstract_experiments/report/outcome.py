@@ -135,7 +135,7 @@ def read(folder: Path) -> Experiment:
     told = {**vars(plan), 'trials': [vars(one) for one in plan.trials]}
     factors = design.factors_of(told)
     configurations, places = design.configurations_of(factors, told['trials'])
-    rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.metrics)
+    rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan)
     known: Dict[Any, Any] = {}
     for one, place in zip(plan.trials, places):  # equal configurations and programs share one object, to save memory
         one.configuration = known.setdefault(place, one.configuration)
@@ -162,12 +162,13 @@ def _check_plan(plan: records.Plan, path: Path) -> None:
         seen.update((trial.id, same))
 
 
-def _rows_of_csv(path: Path, metrics: Iterable[str]) -> Dict[str, records.Result]:
+def _rows_of_csv(path: Path, plan: records.Plan) -> Dict[str, records.Result]:
     """Return the rows of trials.csv by ID, as Results; for a folder that came without its trials."""
     if not path.is_file():
         return {}
     with open_csv(path) as stream:
-        return {row['id']: _of_row(row, metrics) for row in csv.DictReader(stream) if row.get('id')}
+        return {row['id']: _of_row(row, plan.metrics).judged_by(plan.primary)
+                for row in csv.DictReader(stream) if row.get('id')}
 
 
 def _of_row(row: Mapping[str, str], metrics: Iterable[str]) -> records.Result:
@@ -186,7 +187,7 @@ def _trial(folder: Path, plan: records.Plan, planned: records.Planned, configura
     base: Dict[str, Any] = dict(id=planned.id, configuration=configuration, replication=planned.replication,
                                 seed=planned.seed, kept=str(planned.program) if planned.kept else '')
     try:
-        told = rows.get(planned.id) or records.read_planned(str(folder), planned)
+        told = rows.get(planned.id) or records.read_planned(str(folder), plan, planned)
     except ConfigurationError as error:
         return Trial(**base, status=FAILED, error=str(error))
     return _told(base, told) if told else Trial(**base, status=MISSING)

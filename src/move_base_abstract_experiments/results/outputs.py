@@ -26,7 +26,7 @@ from move_base_abstract.common.json_files import loads_cleaned
 from move_base_abstract.common.own_files import FolderKind, new_file, on_disk, whole_file
 
 from .. import records
-from ..records import Planned, Result
+from ..records import Plan, Planned, Result
 
 EXPERIMENT_MARKER = '.move_base_abstract_experiment'
 UNFINISHED = '.unfinished'
@@ -143,10 +143,10 @@ def result_in(archive: tarfile.TarFile) -> Result:
     return records.result_of(content, str(content.get('id')), 'trial.json')
 
 
-def read_planned(path: Union[str, Path], planned: Planned) -> Optional[Result]:
+def read_planned(path: Union[str, Path], plan: Plan, planned: Planned) -> Optional[Result]:
     """Return what records.read_planned() returns, but None also if trial.json cannot be understood."""
     try:
-        return records.read_planned(str(path), planned)
+        return records.read_planned(str(path), plan, planned)
     except ConfigurationError:
         return None
 

@@ -5,6 +5,7 @@ import time
 from typing import TYPE_CHECKING, Any, TextIO
 
 from ..records import Result
+from .tables import Errors
 
 if TYPE_CHECKING:
     from ..carrying.cluster import Runner
@@ -14,7 +15,7 @@ _OFTEN_S = 0.5  # wall; between lines on a terminal
 
 
 class Progress:
-    """Counts the trials that have ended, and prints the progress.
+    """Counts the trials that have ended, and prints the progress, and each error with the first trial that has it.
 
     ``stream``: where it prints; ``total``: the number of trials; ``complete``: the number that were complete before.
     """
@@ -25,6 +26,7 @@ class Progress:
         self._done = complete
         self._new = 0
         self._failed = 0
+        self._errors = Errors()
         self._begin = time.monotonic()
         self._last = self._begin
         self._is_terminal = stream.isatty()
@@ -45,6 +47,9 @@ class Progress:
         self._done += 1
         self._new += 1
         self._failed += not result.is_complete
+        if self._errors.take(result):
+            print(f'\r{"":<78}\r' * self._is_terminal + f'experiment: {self._errors.lines(self._new)[-1]}',
+                  file=self._stream, flush=True)
         if self._done == self._total:
             self._say(0)
             if self._is_terminal:

@@ -38,7 +38,7 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
         made = ingredients.of_trial(one)
         name = entry.program = ingredients.name_of(made)
         programs.setdefault(name, made)
-        was = _read_trial(folder, one.id, unread)
+        was = _read_trial(folder, one, unread)
         if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ALLOW):
             wanted.add(one.id)
         elif was.made_of == entry.made_of:
@@ -64,9 +64,10 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
     return [one for one in chosen if one.id in wanted]
 
 
-def _read_trial(folder: outputs.OutputFolder, name: str, unread: List[str]) -> Optional[Result]:
+def _read_trial(folder: outputs.OutputFolder, trial: Trial, unread: List[str]) -> Optional[Result]:
     try:
-        return records.read_trial(str(folder.path), name)
+        was = records.read_trial(str(folder.path), trial.id)
+        return was.judged_by(trial.experiment.primary) if was else None
     except ConfigurationError as problem:
         unread.append(str(problem))
         return None

@@ -11,6 +11,7 @@ from move_base_abstract.properties import Gathering
 from .. import records
 from ..carrying import workers
 from ..records import DIFFERENT, IDENTICAL, Plan, Result
+from .tables import Errors
 
 _MOST_SHOWN = 10
 
@@ -32,11 +33,14 @@ def lines(path: str) -> Iterator[str]:
                         ('a node crashed in {} trials', sum(bool(one.crashes) for one in found))):
         if count:
             yield what.format(count)
-    gathered = Gathering()
+    gathered, errors = Gathering(), Errors()
+    for one in complete:
+        errors.take(one)
     for one in found:
         if one.properties:
             gathered.take(one.id, one.seed, one.properties)
     yield from _first([_line(line) for line in gathered.lines()])
+    yield from errors.lines(len(found))
     yield from _first([f'failed: {one.id} {shown_text(one.configuration)} replication {one.replication}: '
                        f'{_line(one.error)}' for one in failed])
     try:
@@ -51,7 +55,7 @@ def _read(path: str, plan: Plan) -> Tuple[List[Result], List[str]]:
     found, damaged = [], []
     for one in plan.trials:
         try:
-            result = records.read_planned(path, one)
+            result = records.read_planned(path, plan, one)
         except ConfigurationError as problem:
             damaged.append(str(problem))
         else:

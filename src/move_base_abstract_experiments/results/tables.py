@@ -11,8 +11,9 @@ import io
 import json
 import sys
 from pathlib import Path
-from typing import Any, Iterable, Iterator, List, Optional, Sequence
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence
 
+from move_base_abstract.common.shown import shown_text
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import SOMETIMES
 from move_base_abstract.runs.metrics import METRICS, Metric
@@ -28,6 +29,26 @@ MOST_TOLD = 5
 _MOST_LOOKED = 100  # the number of trials among which one with metrics is looked for
 
 
+class Errors:
+    """The first few different errors of trials, each with the number of its trials. ``count``: of all such trials."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._counts: Dict[str, int] = {}
+
+    def take(self, result: Result) -> bool:
+        """Count a trial if it has an error; return whether the error is new, and among the first few."""
+        self.count += bool(result.error)
+        is_new = bool(result.error) and result.error not in self._counts and len(self._counts) < MOST_TOLD
+        if result.error and (is_new or result.error in self._counts):
+            self._counts[result.error] = self._counts.get(result.error, 0) + 1
+        return is_new
+
+    def lines(self, trials: int) -> List[str]:
+        """Return a line for each error. ``trials``: the number of all trials that were looked at."""
+        return [f'{shown_text(error)} in {count} of {trials} trials' for error, count in self._counts.items()]
+
+
 class Summary:
     """A summary of an experiment's trials in a few numbers."""
 
@@ -36,6 +57,7 @@ class Summary:
         self.failed: List[Result] = []  # the first MOST_TOLD of each
         self.different: List[Result] = []
         self.failed_count = self.different_count = 0
+        self.errors = Errors()  # of complete trials
         self.properties = Gathering()
 
     def take(self, result: Optional[Result]) -> None:
@@ -47,7 +69,9 @@ class Summary:
         if result.properties:
             self.properties.take(result.id, result.seed, result.properties)
         self.identical += result.verified == IDENTICAL
-        if not result.is_complete:
+        if result.is_complete:
+            self.errors.take(result)
+        else:
             self.failed_count += 1
             self.failed += [result] if self.failed_count <= MOST_TOLD else []
         if result.verified == DIFFERENT:
@@ -84,7 +108,7 @@ class _Rows:
         """
         yield csv_text([columns(self._plan, self._known)])
         for one in self._plan.trials:
-            result = outputs.read_planned(self._path, one)
+            result = outputs.read_planned(self._path, self._plan, one)
             self.summary.take(result)
             if result is not None:
                 self.metrics.update(result.metrics)
@@ -144,7 +168,7 @@ def _first_metrics(folder: outputs.OutputFolder, plan: Plan) -> List[str]:
     """Return the names of the metrics: those of the plan, then, sorted, others of the first trial that has any."""
     named = list(plan.metrics)
     for one in plan.trials[:_MOST_LOOKED]:
-        result = outputs.read_planned(folder.path, one)
+        result = outputs.read_planned(folder.path, plan, one)
         if result is not None and result.metrics:
             return named + sorted(set(result.metrics) - set(named))
     return named

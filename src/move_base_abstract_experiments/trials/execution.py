@@ -183,11 +183,11 @@ def _call(job: Job, folders: Folders, result: Result) -> None:
 
 
 def _measure(job: Job, folders: Folders, result: Result) -> None:
-    """Call the user's function for metrics. If it fails, the result gets an error, and the trial stays complete."""
+    """Call the user's function for metrics. If it fails, the result gets an error; its run came to its end, though."""
     try:
         result.metrics.update(user_metrics.call(job, folders, result))
     except CallError as problem:
-        result.error = f'metrics {job.trial.experiment.metrics.function}: {problem}'[:_LONGEST_ERROR]
+        result.error = f'metrics: {problem}'[:_LONGEST_ERROR]
 
 
 def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[str, Number]) -> None:

@@ -1,7 +1,7 @@
 """Call the user's function for metrics: `module:function` gets the outputs of a trial and returns numbers by name.
 
 It runs in a process of its own, which is no node, when the run is over. If it raises an exception or takes too long,
-the table says so, and the trial stays complete.
+the terminal and the table say so.
 """
 from __future__ import annotations
 
