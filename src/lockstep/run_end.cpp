@@ -19,7 +19,7 @@ std::string_view standstillCode(LockstepPhase phase) {
 }  // namespace
 
 void RunEnd::endAsWished(const std::string& reason, std::string_view code) {
-  if (!run_.rounds.ended()) {
+  if (!isDecided()) {
     ended_as_wished_ = true;
     code_ = code;
   }
@@ -27,26 +27,57 @@ void RunEnd::endAsWished(const std::string& reason, std::string_view code) {
 }
 
 void RunEnd::end(const std::string& reason) {
-  if (run_.rounds.ended()) {
+  if (isDecided()) {
     return;
   }
+  note(reason);
+  if (code_ == ended_by::kZeroDelayLoop) {
+    close();  // what was sent last leads to more without end
+    return;
+  }
+  run_.rounds.finish();
+  for (auto& [id, member] : run_.members) {
+    member.walked.clear();  // turns after the end
+  }
+}
+
+void RunEnd::endAtOnce(const std::string& reason) {
+  if (!run_.rounds.ended()) {
+    note(reason);
+    close();
+  }
+}
+
+void RunEnd::note(const std::string& reason) {
   code_ = code_ == ended_by::kOther ? standstillCode(run_.rounds.phase(run_.wall)) : code_;
+  reason_ = reason_.empty() ? reason : reason_;
+}
+
+void RunEnd::closeIfOver() {
+  if (run_.rounds.isFinishing() && run_.rounds.ended() && !is_closed_) {
+    run_.router.loseCarried();
+    run_.log.closeRound();
+    close();
+  }
+}
+
+void RunEnd::close() {
+  is_closed_ = true;
   run_.rounds.end();
-  reason_ = reason;
   run_.interruption.finish();  // time has stood since it began, so its labels do not matter
-  run_.connections.closeAll(reason, ended_as_wished_);
+  run_.connections.closeAll(reason_, ended_as_wished_);
   run_.messages.say(LockstepMessage::Level::kInfo,
                     "the run ended" + run_.text.at() + " after " +
                         std::to_string(run_.rounds.clock().rounds - run_.rounds.clock().played) +
                         " rounds with " + std::to_string(run_.router.messages()) +
-                        " messages: " + reason);
+                        " messages: " + reason_);
 }
 
 void RunEnd::endFromOutside(const std::string& reason) {
   if (!run_.rounds.ended()) {
     is_cut_ = is_cut_ ||
               !(run_.interruption.isActive() ? run_.interruption.rested() : run_.rounds.atRest());
-    end(reason);
+    endAtOnce(reason);
   }
 }
 
@@ -62,7 +93,7 @@ void RunEnd::loseRosMaster(const std::string& how) {
 
 void RunEnd::endIfLabelled() {
   if (!run_.rounds.ended() && isLabelledStrictly()) {
-    end("strict, and the run is " + run_.labels.first() + " (noticed" + run_.text.at() + ")");
+    endAtOnce("strict, and the run is " + run_.labels.first() + " (noticed" + run_.text.at() + ")");
   }
 }
 
@@ -91,9 +122,8 @@ void RunEnd::noteDeparture(const SessionMember& member, const std::string& what)
 }
 
 std::string RunEnd::reason() const {
-  return run_.rounds.ended()
-             ? reason_
-             : run_.text.standstill(run_.rounds.phase(run_.wall), run_.router.goals());
+  return isDecided() ? reason_
+                     : run_.text.standstill(run_.rounds.phase(run_.wall), run_.router.goals());
 }
 
 bool RunEnd::isLabelledStrictly() const { return is_strict_ && !run_.labels.first().empty(); }

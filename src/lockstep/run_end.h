@@ -17,11 +17,18 @@ class RunEnd {
  public:
   explicit RunEnd(LockstepRun& run) : run_(run), is_strict_(run.settings.strict) {}
 
-  /** @brief Send END to all participants. Reports of an unfinished round are lost. */
+  /**
+   * @brief End the run when what was sent so far is handed over. This takes one more round, in
+   * which nothing that participants send counts. A later reason is ignored.
+   */
   void end(const std::string& reason);
+  /** @brief Send END to all participants, once nothing is left to hand over. */
+  void closeIfOver();
+  /** @brief End the run at once. Reports of an unfinished round are lost. */
+  void endAtOnce(const std::string& reason);
   /** @brief Call end(), as the settings wish. @param code one of ended_by. */
   void endAsWished(const std::string& reason, std::string_view code);
-  /** @brief Call end() because the wall clock or a user says so, see LockstepStatus::cut. */
+  /** @brief Call endAtOnce() because the wall clock or a user says so, see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason);
   /** @brief End and label a run that has lost its ROS master. @param how the reason, for people. */
   void loseRosMaster(const std::string& how);
@@ -58,10 +65,14 @@ class RunEnd {
 
  private:
   bool isLabelledStrictly() const;
+  bool isDecided() const { return run_.rounds.ended() || run_.rounds.isFinishing(); }
+  void note(const std::string& reason);
+  void close();
 
   LockstepRun& run_;
   bool is_strict_;
-  bool is_cut_ = false;  // see LockstepStatus
+  bool is_cut_ = false;     // see LockstepStatus
+  bool is_closed_ = false;  // END is sent
   bool ended_as_wished_ = false;
   std::string death_;  // text about a death that ends the run, by on_death or end_with
   std::string left_;   // text about a departure that ends the run, by end_with

@@ -154,7 +154,7 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
     run_.rounds.watch(run_.wall);
     handleEvents();
     end_.endIfLabelled();
-    if (!departures_.holdTime() && run_.rounds.settled()) {
+    if ((run_.rounds.isFinishing() || !departures_.holdTime()) && run_.rounds.settled()) {
       finishRound();
     }
     nameMissing();
@@ -177,7 +177,7 @@ void LockstepSession::finishRound() {
     run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
     grants_.send(run_.rounds.decide(run_.wall));
     if (!grants_.tooMuch().empty()) {
-      end_.end(grants_.tooMuch());
+      end_.endAtOnce(grants_.tooMuch());
     }
     if (!run_.rounds.mail().isWaiting()) {
       turns_.forgetApplied();
@@ -185,7 +185,9 @@ void LockstepSession::finishRound() {
     departures_.sayGone();
     handleEvents();
     end_.endIfLabelled();
-  } while (!run_.changed.empty() && run_.rounds.settled());
+    end_.closeIfOver();
+  } while ((!run_.changed.empty() || run_.rounds.isFinishing()) && run_.rounds.settled() &&
+           !run_.rounds.ended());
 }
 
 // ---- events ----------------------------------------------------------------------------------

@@ -115,11 +115,9 @@ class LockstepSession {
   void setLimit(double factor);
 
   /**
-   * @brief Send END to all participants, with the next poll(). Reports of an unfinished round are
-   * lost.
+   * @brief Send END to all participants, with the next poll(), because the wall clock or a user
+   * says so, see LockstepStatus::cut. Reports of an unfinished round are lost.
    */
-  void end(const std::string& reason) { end_.end(reason); }
-  /** @brief Call end() because the wall clock or a user says so, see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason) { end_.endFromOutside(reason); }
   /** @brief End and label a run that has lost its ROS master. @param how the reason, for people. */
   void loseRosMaster(const std::string& how) { end_.loseRosMaster(how); }

@@ -89,6 +89,16 @@ bool Turns::changesOthers(MemberId id) const {
          });
 }
 
+/**
+ * @return whether the item counts. In the last round participants hear what was sent before, and
+ * what they send then reaches nobody. With a lookahead their own lines are later than the end, too.
+ */
+bool Turns::counts(const wire::ReportItem& item) const {
+  return !run_.rounds.isFinishing() || std::holds_alternative<wire::Note>(item) ||
+         std::holds_alternative<wire::Parameter>(item) ||
+         (std::holds_alternative<wire::Log>(item) && !run_.rounds.windows().areThere());
+}
+
 void Turns::apply() {
   if (run_.changed.empty()) {
     return;
@@ -127,7 +137,9 @@ void Turns::applyOne(MemberId id, SessionMember& member) {
   PendingTurn pending = std::exchange(member.turn, PendingTurn());
   try {
     for (const wire::ReportItem& item : pending.items) {
-      applyItem(id, member, item);
+      if (counts(item)) {
+        applyItem(id, member, item);
+      }
     }
   } catch (const MessageRouter::BadAction& error) {
     run_.connections.close(member.connection, error.what());

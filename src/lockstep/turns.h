@@ -44,6 +44,7 @@ class Turns {
 
  private:
   bool changesOthers(MemberId id) const;
+  bool counts(const wire::ReportItem& item) const;
   void applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item);
   void applyMotion(MemberId id, const SessionMember& member, const wire::Motion& motion);
   void applyNote(SessionMember& member, const wire::Note& note);

@@ -102,6 +102,10 @@ Nanoseconds WalkedTurns::first() const {
 }
 
 void WalkedTurns::apply() {
+  if (run_.rounds.isFinishing()) {
+    applyAfterEnd();
+    return;
+  }
   for (const MemberId id : run_.changed.take()) {
     run_.members.at(id).listed = false;
   }
@@ -119,8 +123,31 @@ void WalkedTurns::apply() {
     run_.rounds.windows().arriveUntil(at);
     applyInstant(at);
     last = at;
+    if (end_.stopsTurns()) {
+      run_.rounds.windows().standAt(at);
+    }
   }
   applySets(last);
+}
+
+/** @brief Apply the turns in which participants heard what was under way when the run ended. */
+void WalkedTurns::applyAfterEnd() {
+  std::vector<MemberId> ids = run_.changed.take();
+  run_.rounds.members().sort(ids);
+  for (const MemberId id : ids) {
+    SessionMember& member = run_.members.at(id);
+    member.listed = false;
+    while (!member.walked.empty()) {
+      member.turn = std::move(member.walked.front().turn);
+      member.walked.pop_front();
+      turns_.applyOne(id, member);
+    }
+    if (member.departing) {
+      departures_.apply(id);
+    }
+  }
+  run_.changed.clear();
+  turns_.finish();
 }
 
 /** @brief Remove the participants that have gone and have no turns left to apply. */

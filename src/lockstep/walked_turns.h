@@ -44,6 +44,7 @@ class WalkedTurns {
 
   void takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns);
   void applyInstant(Nanoseconds at);
+  void applyAfterEnd();
   void applyGone();
   void applySets(Nanoseconds until);
   Nanoseconds first() const;

@@ -89,6 +89,8 @@ class Stage {
     frame(id, wire::Report{round_[id], false, next, open, std::move(items)});
   }
 
+  std::uint64_t round(ConnectionId id) const { return round_.at(id); }
+
   void leave(ConnectionId id) { frame(id, wire::Report{round_[id], true, kNever, 0, {}}); }
 
   void cut(ConnectionId id) {

@@ -163,7 +163,7 @@ TEST(Gate, RefusalsSayWhatIsAllowedAndChangeNothing) {
   EXPECT_NE(refusal([&] { alone.session.setLimit(1e7); }).find("got 10000000"), std::string::npos);
   EXPECT_FALSE(alone.session.status().paused);
   EXPECT_EQ(alone.session.status().run_until, std::nullopt);
-  alone.session.end("enough");
+  alone.session.endFromOutside("enough");
   EXPECT_EQ(refusal([&] { alone.session.resume(); }), "resume: the run has ended, at 1 s");
 }
 

@@ -118,7 +118,7 @@ TEST(Interruption, OfTheTimeMasterLastOrInBetweenSaysNothingOfTheRun) {
   three.stop(1);
   three.leaveNow(1);
   three.pass(kSecond);
-  three.session.end("the time master was told to end");
+  three.session.endFromOutside("the time master was told to end");
   three.poll();
   EXPECT_EQ(three.labels(), Texts{});
   EXPECT_EQ(lines(three.session), Texts{});

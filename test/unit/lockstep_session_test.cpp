@@ -360,7 +360,7 @@ TEST(State, TellsEverything) {
 
 TEST(End, IsToldToEverybodyAlsoToThoseWhoComeLater) {
   Pair pair;
-  pair.session.end("the time master ends");
+  pair.session.endFromOutside("the time master ends");
   pair.poll();
   EXPECT_EQ(pair.end[1], "the time master ends");
   EXPECT_TRUE(pair.closed[1] && pair.closed[2]);

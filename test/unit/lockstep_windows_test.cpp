@@ -211,6 +211,25 @@ TEST(Windows, TheRunEndsAtTheInstantAtWhichTheOneLeavesThatItEndsWith) {
   EXPECT_TRUE(both.said("left at 1.11 s"));
 }
 
+TEST(Windows, WhatIsUnderWayAtTheEndIsHeardAtItsInstantAndNothingLaterCounts) {
+  LockstepSettings settings = ahead({"/a", "/b"});
+  settings.end_with = {"/b"};
+  Talkers both(settings);
+  both.grant(1);
+  const auto granted = both.grant(2);
+  both.report(1, 1155 * kMilli, {send("w"), wire::At{1130 * kMilli}, send("after")});
+  both.frame(2, wire::Report{granted->grant.round,
+                             true,
+                             kNever,
+                             0,
+                             {send("x"), wire::At{1120 * kMilli}, send("y"), note("in time")}});
+  EXPECT_EQ(text(both.grant(1)), "1150 to 1170 w x 1170: y link link");
+  both.report(1, kNever, {send("unheard"), note("too late"), wire::At{1155 * kMilli}, note("own")});
+  EXPECT_EQ(both.phase(), "ended");
+  EXPECT_EQ(lines(both.session), std::vector<std::string>{"1120 r in time []"});
+  EXPECT_TRUE(both.said("the run ended at 1.12 s"));
+}
+
 TEST(Windows, WhatSeveralDoAtOneInstantIsAppliedInTheOrderOfNamesNotOfJoining) {
   const auto label = [](std::string_view why) {
     return wire::Note{wire::NoteKind::kNotRepeatable, why};

@@ -12,6 +12,14 @@ constexpr std::size_t kMostKept = std::size_t{1} << 20;  // bytes
 
 }  // namespace
 
+bool hasNews(const std::vector<Mail>& mail) {
+  return std::any_of(mail.begin(), mail.end(), [](const Mail& one) {
+    return std::holds_alternative<wire::Deliver>(one.item) ||
+           std::holds_alternative<wire::CallIn>(one.item) ||
+           std::holds_alternative<wire::Answer>(one.item);
+  });
+}
+
 void RoundMail::post(MemberId id, Mail mail) {
   MemberState* const found = members_.find(id);
   if (found == nullptr || !found->present) {

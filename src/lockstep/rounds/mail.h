@@ -13,6 +13,9 @@
 
 namespace move_base_abstract {
 
+/** @return whether there is a message, call or answer among @p mail. */
+bool hasNews(const std::vector<Mail>& mail);
+
 /** @brief The mail of a run's members, posted in the rounds of @p clock. */
 class RoundMail {
  public:

@@ -47,7 +47,8 @@ struct LaterMail {
 /** @brief Mail that a member gets at an instant within its window, with a lookahead. */
 struct Arrival {
   Nanoseconds at;
-  std::string bytes;  // encoded items, in their order
+  std::string bytes;      // encoded items, in their order
+  bool has_news = false;  // a message, call or answer
 };
 
 /** @brief The state of a member. */

@@ -66,7 +66,17 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
 bool LockstepRounds::settled() const { return members_.owing() == 0; }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
-  if (ended() || zero_delay_loop_) {
+  if (ended()) {
+    return {};
+  }
+  if (is_finishing_) {
+    std::vector<Grant> grants = lastRound(wall);
+    if (grants.empty()) {
+      end();
+    }
+    return grants;
+  }
+  if (zero_delay_loop_) {
     return {};
   }
   gate_.forgetLimit();
@@ -217,18 +227,20 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) 
   }
   const bool stays = !gate_.target() || settings_.end_when_idle;
   if (begin == kNever && stays && !gate_.paused()) {  // time stands at the last turn
-    const Nanoseconds last = windows_.latest();
-    clock_.microstep = last == clock_.time ? clock_.microstep : 0;
-    clock_.time = last;
+    windows_.standAt(windows_.latest());
   }
   return goTo(begin, wall) ? grantWindow(begin, wall) : std::vector<Grant>{};
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin,
                                                                Nanoseconds wall) {
-  std::vector<MemberId> ids = windows_.open(begin, gate_);
-  ++clock_.rounds;
   idle_ = false;
+  return enterWindow(windows_.open(begin, gate_), wall);
+}
+
+std::vector<LockstepRounds::Grant> LockstepRounds::enterWindow(std::vector<MemberId> ids,
+                                                               Nanoseconds wall) {
+  ++clock_.rounds;
   std::vector<Grant> grants;
   for (const MemberId id : ids) {
     MemberState& member = members_.at(id);
@@ -262,6 +274,28 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   clock_.played += granted.empty() ? 1 : 0;
   members_.dropGranted();
   return grants;
+}
+
+/** @return the grants with all that was sent to members and that they have not got yet. */
+std::vector<LockstepRounds::Grant> LockstepRounds::lastRound(Nanoseconds wall) {
+  if (windows_.areThere()) {
+    std::vector<MemberId> ids = windows_.openLast();
+    return ids.empty() ? std::vector<Grant>{} : enterWindow(std::move(ids), wall);
+  }
+  for (const auto& [id, member] : members_.all()) {
+    members_.at(id).ready = member.present && (hasNews(member.mail) || !member.later.empty());
+  }
+  std::vector<MemberId> ids;
+  for (const auto& [id, member] : members_.all()) {
+    if (member.ready) {
+      ids.push_back(id);
+    }
+  }
+  if (ids.empty()) {
+    return {};
+  }
+  ++clock_.microstep;
+  return grant(std::move(ids), wall);
 }
 
 /** @return whether the turn that the member is to have now is a foreseen one. */

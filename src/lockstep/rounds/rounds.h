@@ -127,6 +127,11 @@ class LockstepRounds {
    * @return the wall instant [ns] at which to call again even if nothing is received, or kNever.
    */
   Nanoseconds nextWake() const;
+  /**
+   * @brief Let decide() hand over what was sent so far, in a last round at this instant, and then
+   * end the run. With a lookahead it is handed over at the instants at which it arrives.
+   */
+  void finish() { is_finishing_ = true; }
   /** @brief End the run: no member is granted any more. */
   void end() { gate_.end(clock_.time); }
 
@@ -134,6 +139,8 @@ class LockstepRounds {
   Nanoseconds now() const { return clock_.now(); }
   bool started() const { return started_; }
   bool ended() const { return gate_.ended(); }
+  /** @return whether the run ends after the present round, and what members send does not count. */
+  bool isFinishing() const { return is_finishing_; }
   /**
    * @return whether time stands at an instant at which it would stand in every run of the same
    * system: no member has anything left to do, or the target of a step or run is reached.
@@ -155,6 +162,8 @@ class LockstepRounds {
   bool isLoop();
   std::vector<Grant> nextWindow(Nanoseconds wall);
   std::vector<Grant> grantWindow(Nanoseconds begin, Nanoseconds wall);
+  std::vector<Grant> enterWindow(std::vector<MemberId> ids, Nanoseconds wall);
+  std::vector<Grant> lastRound(Nanoseconds wall);
   std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
   Grant grantOne(MemberId id, MemberState& member, Nanoseconds wall);
   bool isForeseen(const MemberState& member) const;
@@ -171,6 +180,7 @@ class LockstepRounds {
   RoundWatch watch_;
   std::size_t owed_ = 0;  // answers
   bool started_ = false;
+  bool is_finishing_ = false;
   bool idle_ = false;
   bool zero_delay_loop_ = false;
   Nanoseconds last_join_ = 0;  // wall

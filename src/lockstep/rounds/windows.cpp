@@ -47,12 +47,17 @@ void RoundWindows::endInstant() {
     if (arrival > kLastInstant) {
       continue;  // beyond the end of simulated time
     }
-    member->arrivals.push_back({arrival, {}});
+    member->arrivals.push_back({arrival, {}, hasNews(mail)});
     for (const Mail& one : mail) {
       wire::append(member->arrivals.back().bytes, one.item);
     }
   }
   clock_.applied.reset();
+}
+
+void RoundWindows::standAt(Nanoseconds instant) {
+  clock_.microstep = instant == clock_.time ? clock_.microstep : 0;
+  clock_.time = instant;
 }
 
 void RoundWindows::arriveUntil(Nanoseconds instant) {
@@ -112,6 +117,21 @@ std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gat
   }
   members_.sort(ids);
   members_.forgetLists();  // members that are not granted now keep their states
+  return ids;
+}
+
+std::vector<MemberId> RoundWindows::openLast() {
+  std::vector<MemberId> ids;
+  for (const auto& [id, member] : members_.all()) {
+    const auto last = std::find_if(member.arrivals.rbegin(), member.arrivals.rend(),
+                                   [](const Arrival& arrival) { return arrival.has_news; });
+    if (member.present && last != member.arrivals.rend()) {
+      ids.push_back(id);
+      end_ = std::max(end_, last->at + 1);
+    }
+  }
+  members_.sort(ids);
+  members_.forgetLists();
   return ids;
 }
 

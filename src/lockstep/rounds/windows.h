@@ -43,6 +43,8 @@ class RoundWindows {
    */
   void beginInstant(Nanoseconds instant) { clock_.applied = instant; }
   void endInstant();
+  /** @brief Make @p instant, of the last turn that counts, the present. */
+  void standAt(Nanoseconds instant);
   /** @brief Let mail under way arrive that is due up to and including @p instant. */
   void arriveUntil(Nanoseconds instant);
 
@@ -51,6 +53,11 @@ class RoundWindows {
    * @brief Open the window that begins at @p begin. @return the members to grant, in their order.
    */
   std::vector<MemberId> open(Nanoseconds begin, const RoundGate& gate);
+  /**
+   * @brief Open a window for all mail that is still to arrive. @return the members to grant, in
+   * their order; none if there is no such mail.
+   */
+  std::vector<MemberId> openLast();
   Nanoseconds nextOf(const MemberState& member) const;
   std::string enter(MemberState& member, Nanoseconds next);
   Nanoseconds latest() const;

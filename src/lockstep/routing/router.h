@@ -85,6 +85,8 @@ class MessageRouter {
   void decide(std::uint64_t ticket, const Carried& carried);
   /** @brief Post the mail under way that arrives now. */
   void arrive();
+  /** @brief Lose the mail under way, since the run ends. */
+  void loseCarried();
 
   void add(MemberId id, const std::string& name);
 

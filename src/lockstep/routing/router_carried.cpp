@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view kLinkClosed = "the link was closed while it was under way";
 constexpr std::string_view kNoServer = "its server stopped serving while it was under way";
 constexpr std::string_view kNoCaller = "its caller left while it was under way";
+constexpr std::string_view kRunEnded = "the run ended while it was under way";
 constexpr std::string_view kNotHeard = "its receiver has no use for it when it arrives";
 
 /** @return @p item with @p bytes as its content. */
@@ -224,6 +225,10 @@ void MessageRouter::drop(const std::function<bool(const Held&)>& is_meant, std::
   for (const Held& held : carriage_->held.drop(is_meant)) {
     traceHeld(held, why);
   }
+}
+
+void MessageRouter::loseCarried() {
+  drop([](const Held&) { return true; }, kRunEnded);
 }
 
 /**
