@@ -14,8 +14,8 @@ LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
 MACHINE = LOCKSTEP / 'machine'
 #: of Python's: names of a clock, of a sleep, of chance, of the machine
 PYTHON_SOURCE = re.compile(
-    r'(time|uuid|os|gc|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.|threading\._(time|newname)$|'
-    r'queue\.time$|logging\._log')
+    r'(time|uuid|os|gc|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.(?!_exit$)|'
+    r'threading\._(time|newname)$|queue\.time$|logging\._log')
 #: what is a source without being replaced: it is seeded, or the program's text has it handed on
 FOLLOWED = {'random', 'numpy.random', 'datetime.now', 'datetime.utcnow', 'datetime.today', 'date.today', 'tempfile',
             'concurrent.futures', 'multiprocessing.pool', 'uuid.uuid4', 'asyncio', 'sqlite3', 'logging', 'repr',

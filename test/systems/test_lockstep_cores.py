@@ -110,12 +110,12 @@ class CoresTest(unittest.TestCase):
             self.assertEqual(os.sched_getaffinity(0), other)
 
     def test_two_runs_have_a_core_each_if_no_others_are_on_this_computer(self):
-        masks = []
+        masks, said = [], ''
         for _ in range(2):
             ros, _child, client = self.join('one')
             next(client.turns())
             masks.append(os.sched_getaffinity(0))
-            said = ask_why(ros)
+            said += ask_why(ros)
             wait_for('all cores for a long round', lambda: os.sched_getaffinity(0) == OWN)
         self.assertEqual([len(mask) for mask in masks], [1, 1])
         self.assertTrue(masks[0].isdisjoint(masks[1]) or 'shared with other runs' in said, (masks, said))

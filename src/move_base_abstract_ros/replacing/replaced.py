@@ -137,7 +137,7 @@ _ROWS = (
            'multiprocessing.pool.ApplyResult.get', 'multiprocessing.pool.IMapIterator._set',
            'multiprocessing.pool.IMapUnorderedIterator._set', 'multiprocessing.pool.IMapIterator.next',
            'multiprocessing.pool.IMapIterator.__next__'),
-    Row('threading._shutdown', LOCKSTEP, 'makes the process leave in its last round'),
+    *_rows(LOCKSTEP, 'makes the process leave in its last round', 'threading._shutdown', 'os._exit'),
     Row('sys.excepthook', LOCKSTEP,
         _UNCAUGHT + '; keeps quiet about the end of lockstep, which is not an error of the program'),
     *_rows(THREADS, _LOCK, 'threading._allocate_lock', 'threading.Lock', 'threading.RLock'),

@@ -12,7 +12,7 @@ import select
 import sys
 import threading
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Type
+from typing import TYPE_CHECKING, Any, Callable, List, NoReturn, Optional, Tuple, Type
 
 import rospy
 
@@ -72,7 +72,18 @@ def install(participant: Participant) -> None:
             original(reason)
         return _signal_shutdown
 
+    own_pid = os.getpid()
+
+    def exit_at_once(original: Callable[[int], NoReturn]) -> Callable[[int], NoReturn]:
+        def _exit(status: int) -> NoReturn:
+            """End the process without clean-up; what the program has published before is heard all the same."""
+            if os.getpid() == own_pid and participant.scheduler.is_mine():
+                participant.leave('os._exit')
+            original(status)
+        return _exit
+
     replace('threading._shutdown', shutdown)
+    replace('os._exit', exit_at_once)
     replace_within(rospy.core.signal_shutdown, signal_shutdown)
     replace('sys.excepthook', excepthook)
 
