@@ -3,7 +3,7 @@ import argparse
 import dataclasses
 
 import pytest
-from hypothesis import given as drawn, strategies as st
+from hypothesis import example, given as drawn, strategies as st
 
 from move_base_abstract.common import options
 from move_base_abstract.common.bounded_yaml import load_yaml_text, yaml_line
@@ -41,6 +41,8 @@ def test_what_is_given_on_a_command_line_is_as_in_a_file():
     assert options.read(RunOptions, '', found).start == {'/r': (1.0, 2.0, 0.0)}
 
 
+@example(['\x85'])
+@example({'\u2028': '\u2029 ä'})
 @drawn(st.recursive(st.booleans() | st.integers(-2**31, 2**31 - 1) | st.floats(allow_nan=False, allow_infinity=False)
                     | st.text(st.characters(min_codepoint=32, max_codepoint=0x17f, blacklist_characters='\x7f')),
                     lambda inner: st.lists(inner, max_size=3), max_leaves=5))

@@ -73,7 +73,11 @@ def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -
 
 def yaml_line(value: Any) -> str:
     """Return plain data as YAML in one line, which load_yaml_text() reads as the same data."""
-    dumped: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=True)
+    def dump(allow_unicode: bool) -> str:
+        return str(yaml.safe_dump(value, default_flow_style=True, width=math.inf, allow_unicode=allow_unicode))
+    dumped = dump(True)
+    if any(mark in dumped for mark in '\x85\u2028\u2029'):  # ends of lines in YAML, which would be read as blanks
+        dumped = dump(False)
     return dumped.replace('\n...\n', '').rstrip('\n')
 
 
