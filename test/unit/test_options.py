@@ -9,6 +9,7 @@ from move_base_abstract.common import options
 from move_base_abstract.common.bounded_yaml import load_yaml_text, yaml_line
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract_ros.launching import command_line
 from move_base_abstract_testing import settings
 
 RUN = RunOptions(
@@ -39,6 +40,24 @@ def test_what_is_given_on_a_command_line_is_as_in_a_file():
     found = options.given(RunOptions, parser().parse_args(['--param', '/a=[1, x]', '--start', 'r=1,2,0', '--adopt']))
     assert found == {'param': {'/a': [1, 'x']}, 'start': {'r': '1,2,0'}, 'adopt': True}
     assert options.read(RunOptions, '', found).start == {'/r': (1.0, 2.0, 0.0)}
+
+
+@pytest.mark.parametrize('words', [
+    ['--seed', '3', '--adopt', 'a.launch', 'x:=-1'], ['a.launch', '--seed', '3', 'x:=-1', '--adopt'],
+    ['--adopt', 'a.launch', 'x:=-1', '--seed', '3']])
+def test_options_after_the_file_count_like_those_before_it(words):
+    reader = argparse.ArgumentParser('program')
+    command_line.add_run(reader)
+    found = command_line.parsed(reader, words)
+    assert (found.seed, found.adopt, sorted(found.command)) == (3, True, ['a.launch', 'x:=-1'])
+
+
+def test_an_option_after_the_file_that_there_is_not_is_an_error(capsys):
+    reader = argparse.ArgumentParser('program')
+    command_line.add_run(reader)
+    with pytest.raises(SystemExit):
+        command_line.parsed(reader, ['a.launch', '--screen'])
+    assert 'unrecognized arguments: --screen' in capsys.readouterr().err
 
 
 @example(['\x85'])

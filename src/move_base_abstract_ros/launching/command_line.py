@@ -2,6 +2,7 @@
 import argparse
 import os
 import shlex
+import sys
 from dataclasses import dataclass
 
 from move_base_abstract.common.kinds import FLAG, number, pattern
@@ -37,6 +38,17 @@ def add_run(parser, cls=RunOptions, refused=None):
     """
     add_arguments(parser, cls, refused)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def parsed(parser, words):
+    """Return what ``parser`` makes of ``words``, for a parser that has add_run(). Options after FILE count, too."""
+    words = sys.argv[1:] if words is None else list(words)
+    options = parser.parse_args(words)
+    late = next((k for k, word in enumerate(options.command) if word.startswith('-') and word != '--'), None)
+    if late is None:
+        return options
+    before = words[:len(words) - len(options.command)]
+    return parsed(parser, before + options.command[late:] + options.command[:late])
 
 
 def run_of(parser, options):
