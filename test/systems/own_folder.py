@@ -9,7 +9,7 @@ from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 300.0  # s, wall; only ends a run that would never end
-_MANIFEST = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+MANIFEST = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
 
@@ -55,7 +55,7 @@ class OwnPackage(OwnFolder):
     def setUp(self):
         """Make the package."""
         super().setUp()
-        self.write('package.xml', _MANIFEST)
+        self.write('package.xml', MANIFEST)
         for name in self.COPIES:
             shutil.copy(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', name), self.folder)
             os.chmod(self.path(name), 0o755)

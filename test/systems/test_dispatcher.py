@@ -3,9 +3,10 @@ import json
 import os
 import unittest
 
-from own_folder import OwnFolder
+from own_folder import MANIFEST, OwnFolder
 
 from move_base_abstract.fleet import Dispatch
+from move_base_abstract.orders.policies import POLICIES
 from move_base_abstract.scenario import read_scenario
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -57,6 +58,24 @@ class Wrong:
     def choose(self, question):
         return [('nobody', 'nothing')]
 """
+GOOD = """
+robots: [{name: a}]
+places: [{name: p, x: 3.0, duration: 3.0}]
+orders: [{name: good, every: 10.0, count: 5, stops: [{place: p}]}]
+dispatcher: {}
+"""
+#: publishes an order that cannot be done, and one that can
+PUBLISHER = """#!/usr/bin/env python3
+import rospy
+from move_base_abstract.msg import Order, OrderStop
+rospy.init_node('any')
+out = rospy.Publisher('orders', Order, queue_size=2)
+rospy.sleep(1.0)
+for name, x in (('bad', 1e308), ('last', 1.0)):
+    stop = OrderStop()
+    stop.pose.position.x, stop.pose.orientation.w = x, 1.0
+    out.publish(Order(id=name, stops=[stop]))
+"""
 
 
 class DispatcherTest(OwnFolder, unittest.TestCase):
@@ -69,10 +88,11 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
     def scenario(self, text=SCENARIO, kind='abort'):
         return self.write('scenario.yaml', text.replace('KIND', kind))
 
-    def orders(self, scenario, *words):
+    def orders(self, scenario, *words, launch=LAUNCH, code=0):
         """Run the orders of a scenario; return (output, events)."""
-        said, log, events = self.launch('run.jsonl', '--end-when-idle', LAUNCH, 'scenario:=' + scenario, *words)
-        self.assertEqual(log.remarks(), [])
+        said, log, events = self.launch('run.jsonl', '--end-when-idle', launch, 'scenario:=' + scenario, *words,
+                                        code=code)
+        self.assertEqual(log.remarks()[bool(code):], [])  # the first says how it ended
         return said, events
 
     def check_rows(self, scenario, kinds, *words, **plainly):
@@ -106,11 +126,25 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
         _, events = self.orders(scenario, 'policy:=own_policies:Last')
         self.assertEqual(next(event[1] for event in events if event[2] == 'order_assigned'), 'robot_3')
         self.assertGreaterEqual(sum(event[2] == 'order_done' for event in events), 50)
-        said, events = self.orders(scenario, 'policy:=own_policies:Wrong')
+        said, events = self.orders(scenario, 'policy:=own_policies:Wrong', code=1)
+        self.assertIn("'/dispatcher' has 1 waiting thread (waits for the end of orders: picks_1 with nobody; ", said)
         self.assertIn("the policy Wrong chose 'nothing' for 'nobody'; allowed: a robot of question.robots", said)
         kinds = {kind for _, _, kind, _ in events}
         self.assertLessEqual({'order_arrived', 'policy_failed'}, kinds)
         self.assertNotIn('order_assigned', kinds)
+
+    def test_an_order_that_cannot_be_done_is_refused_starves_no_other_and_the_exit_code_is_not_0(self):
+        self.write('package.xml', MANIFEST)
+        self.write('any', PUBLISHER, 0o755)
+        self.environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
+        both = self.write('both.launch', '<launch><arg name="scenario"/><include file="{}" pass_all_args="true"/>'
+                          '<node pkg="study_of_others" type="any" name="any"/></launch>'.format(LAUNCH))
+        for policy in POLICIES:
+            said, events = self.orders(self.scenario(GOOD + 'seed: 0'), 'policy:=' + policy, launch=both, code=1)
+            self.assertIn('order bad is refused: stops[0]: pose: pose: x must be within +-1e9 m, got 1e+308', said)
+            self.assertIn('waits for the end of orders: bad refused', said)
+            done = [json.loads(values)[0] for _, _, kind, values in events if kind == 'order_done']
+            self.assertEqual(sorted(done), ['good_1', 'good_2', 'good_3', 'good_4', 'good_5', 'last'])
 
     def test_parameters_that_cannot_be_used_end_the_node_with_the_reason(self):
         code, said = self.run_it('lockstep_launch', LAUNCH, 'scenario:=' + self.scenario(), 'policy:=best')

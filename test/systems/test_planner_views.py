@@ -58,8 +58,7 @@ class PlannerViews(unittest.TestCase):
         """Put the robot at (x, 0) [m] and wait until its footprint is there."""
         shown = Record(MOVE_BASE + '/global_costmap/footprint', PolygonStamped)
         self.publisher.publish(pose_stamped(x).pose)
-        nose = min(x + 0.5, 3.4e38)
-        shown.wait_for(lambda polygon: math.isclose(polygon.polygon.points[0].x, nose, rel_tol=1e-6)
+        shown.wait_for(lambda polygon: math.isclose(polygon.polygon.points[0].x, x + 0.5, rel_tol=1e-6)
                        and (x or corners(polygon)[0] == (0.5, 0.25)))
         shown.close()
 
@@ -125,13 +124,13 @@ class PlannerViews(unittest.TestCase):
 
     def test_places_that_are_too_far_apart_for_a_plan_are_refused_with_a_text(self):
         make_plan = rospy.ServiceProxy(MOVE_BASE + '/make_plan', GetPlan)
-        with self.assertRaisesRegex(rospy.ServiceException, 'make_plan: pose: x must be finite'):
+        with self.assertRaisesRegex(rospy.ServiceException, 'make_plan: pose: x must be within'):
             make_plan(pose_stamped(-1.7e308), pose_stamped(1.7e308), 0.0)
 
     def test_a_robot_at_the_end_of_the_world_does_no_harm(self):
-        self.place(1e300)
+        self.place(1e9)
         grid = latest('local_costmap/costmap', OccupancyGrid)
-        self.assertTrue(math.isclose(grid.info.origin.position.x, 1e300))
-        ended = self.client.ending(self.client.send(pose_stamped(0.0)))
+        self.assertTrue(math.isclose(grid.info.origin.position.x, 1e9, rel_tol=1e-6))
+        ended = self.client.ending(self.client.send(pose_stamped(1.1e9)))
         self.assertEqual(ended.status.status, GoalStatus.ABORTED)
-        self.assertIn('simulated time ends at 2147483647 s', ended.status.text)
+        self.assertIn('pose: x must be within +-1e9 m, got 1100000000.0', ended.status.text)

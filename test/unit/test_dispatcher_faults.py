@@ -2,10 +2,11 @@
 import pytest
 
 from dispatches import S, dispatch_of, order, told
+from move_base_abstract.fleet.dispatch_world import Distances
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.orders.dispatcher import PolicyError
 from move_base_abstract.orders.order import Order, Stop
-from move_base_abstract.orders.policies import Nearest
+from move_base_abstract.orders.policies import POLICIES, Nearest
 
 
 @pytest.mark.parametrize('wrong, text', [
@@ -52,6 +53,41 @@ def test_what_a_policy_cannot_choose_is_an_error_that_says_so(choice, text):
     assert text in str(error.value)
     assert dispatch.core.open_orders == ['a', 'b']
     assert told(dispatch, 'policy_failed')[0][1:] == ('/dispatcher', 'policy_failed', str(error.value))
+
+
+class FailsWithBad(Nearest):
+    def choose(self, question):
+        if 'bad' in [one.order.order_id for one in question.orders]:
+            raise KeyError('bad')
+        return super().choose(question)
+
+
+def check_that_bad_is_refused_and_the_others_are_done(dispatch, text):
+    for name in ('a', 'bad', 'b', 'c'):
+        dispatch.order(order(name, (7.0, 7.0) if name == 'bad' else (0.0, 1.0)))
+    dispatch.run()
+    (_, _, _, name, why), = told(dispatch, 'order_refused')
+    assert (name, text in why) == ('bad', True)
+    assert sorted(row[3] for row in told(dispatch, 'order_done')) == ['a', 'b', 'c']
+    assert told(dispatch, 'policy_failed') == []
+    assert dispatch.core.undone() == ['bad refused']
+    assert dispatch.fleet.warnings[-1][3] == 'The run cannot go on: 1 orders are not done: bad refused'
+
+
+def test_an_order_with_which_alone_a_policy_fails_is_refused_and_starves_no_other():
+    check_that_bad_is_refused_and_the_others_are_done(dispatch_of(policy=FailsWithBad()), "has failed: KeyError: 'bad'")
+
+
+@pytest.mark.parametrize('policy', POLICIES)
+def test_an_order_to_which_no_distance_can_be_found_starves_no_other(policy, monkeypatch):
+    asked = Distances.__call__
+
+    def fails(self, robot, begin, end):
+        if (7.0, 7.0) in (begin, end):
+            raise OverflowError('too far')
+        return asked(self, robot, begin, end)
+    monkeypatch.setattr(Distances, '__call__', fails)
+    check_that_bad_is_refused_and_the_others_are_done(dispatch_of(policy=policy), 'OverflowError: too far')
 
 
 def test_a_policy_that_fails_ends_nothing_else():

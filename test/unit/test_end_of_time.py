@@ -23,16 +23,16 @@ def too_late(trace):
 
 
 def test_a_goal_that_is_reached_in_the_last_instant_of_time_is_travelled_to(rig):
-    robot = rig()
+    robot = rig(limits=MotionLimits(0.25))
     robot.advance(7.0)
-    goal = Pose2D(2.0 * (END - 7), 0.0)
+    goal = Pose2D(0.25 * (END - 7), 0.0)
     assert ('departed', goal, 7 * S) in robot.send('g', goal.x, 0.0)
     assert robot.advance(float(END))[-1] == ('result', 'g', 'SUCCEEDED', 'Goal reached.', END * S)
 
 
-@pytest.mark.parametrize('x', [2.0 * (END - 6), 1e15, 1e300])
+@pytest.mark.parametrize('x', [0.25 * (END - 6), 1e9])
 def test_a_goal_that_is_reached_after_the_end_of_time_is_aborted_at_once(rig, x):
-    robot = rig()
+    robot = rig(limits=MotionLimits(0.25))
     robot.advance(7.0)
     text = too_late(robot.send('g', x, 0.0))
     assert text.startswith('The goal cannot be travelled to: the arrival would be at ')

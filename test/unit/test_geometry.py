@@ -145,5 +145,11 @@ def test_poses_can_be_copied_and_sent_to_other_processes():
     assert pickle.loads(pickle.dumps(pose)) == copy.deepcopy(pose) == copy.copy(pose) == pose
 
 
-def test_finite_values_whose_sum_is_not_are_a_pose():
-    assert Pose2D(1.7e308, 1.7e308).y == 1.7e308
+@pytest.mark.parametrize('name', ['x', 'y'])
+def test_a_pose_lies_within_1e9_m(name):
+    assert getattr(Pose2D(**{name: -1e9}), name) == -1e9
+    for value in (1.000001e9, -1e308):
+        with pytest.raises(ValueError, match=r'pose: {} must be within \+-1e9 m, got {!r}'.format(name, value).replace(
+                'e+', r'e\+')):
+            Pose2D(**{name: value})
+    assert Pose2D(yaw=1e308).yaw == normalize_angle(1e308)

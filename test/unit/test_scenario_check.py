@@ -287,7 +287,7 @@ def test_what_is_no_scenario_is_refused(tmp_path, said, text):
 
 def test_a_scenario_without_robots_or_of_huge_numbers_is_judged_all_the_same(tmp_path, said):
     assert said('check', world_file(tmp_path, robots=[]), '--picture', tmp_path / 'p.png')[0] == 0
-    path = world_file(tmp_path, robots=[{'name': 'r', 'start_x': 1e308, 'start_y': -1e308}, {'name': 's'}],
-                      places=[{'name': 'p', 'x': 1e308}], defaults={'battery_capacity': 1e9},
+    path = world_file(tmp_path, robots=[{'name': 'r', 'start_x': 1e9, 'start_y': -1e9}, {'name': 's'}],
+                      places=[{'name': 'p', 'x': 1e9}], defaults={'battery_capacity': 1e9},
                       zones=[{'name': 'z', 'rectangle': [-1e9, -1e9, 1e9, 1e9], 'charger': True, 'capacity': 1}])
     assert said('check', path, '--picture', tmp_path / 'p.png')[0] in (0, 1)

@@ -5,8 +5,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, Optional, Sequence, Tuple
 
+from .units import FARTHEST_M
+
 Quaternion = Tuple[float, float, float, float]  # x, y, z, w
 _PI = math.pi
+_FAR = FARTHEST_M
 _TWO_PI = 2.0 * _PI
 _MIN_SQUARED_NORM = 1e-6
 _MAX_TILT = 1e-3
@@ -36,7 +39,7 @@ def share_along(begin: Tuple[float, float], end: Tuple[float, float], x: float, 
 class Pose2D:
     """A position [m] and a heading ``yaw`` [rad, (-pi, pi]] in a frame that the context names.
 
-    :raises ValueError: if a value is NaN or infinite.
+    :raises ValueError: if a value is NaN or infinite, or x or y is farther than 1e9 m.
     """
 
     __slots__ = ('x', 'y', 'yaw')
@@ -46,10 +49,12 @@ class Pose2D:
     yaw: float
 
     def __init__(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
-        if not math.isfinite(x + y + yaw):  # one of them is not finite, or finite ones are too large for their sum
+        if not (-_FAR <= x <= _FAR and -_FAR <= y <= _FAR and math.isfinite(yaw)):
             for name, value in (('x', x), ('y', y), ('yaw', yaw)):
                 if not math.isfinite(value):
                     raise ValueError('pose: {} must be finite, got {!r}'.format(name, value))
+                if name != 'yaw' and abs(value) > _FAR:
+                    raise ValueError('pose: {} must be within +-1e9 m, got {!r}'.format(name, value))
         _set_x(self, x)
         _set_y(self, y)
         _set_yaw(self, yaw if -_PI < yaw <= _PI and type(yaw) is float else normalize_angle(yaw))

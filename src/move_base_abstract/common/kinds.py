@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, Iterable, Mapping, Optional, Sequence, T
 
 from .errors import ConfigurationError
 from .shown import shown, shown_text
+from .units import FARTHEST_M
 
 Schema = Dict[str, Any]
 #: ((x, y), ...), ascending by x
@@ -160,6 +161,10 @@ def short(value: Any) -> str:
     return str(int(value) if is_whole else value)
 
 
+#: the kind of positions on an axis
+COORDINATE = number(-FARTHEST_M, FARTHEST_M, unit='m, global frame')
+
+
 def integer(low: float, high: float = math.inf, **others: Any) -> Kind:
     """Return the kind of whole numbers in ``low`` .. ``high``; ``others``: as for number()."""
     return number(low, high, whole=True, **others)
@@ -172,10 +177,8 @@ def one_of(*allowed: str) -> Kind:
         ', '.join(first), last))), {'enum': list(allowed)})
 
 
-def numbers(count: int, allowed: str = '') -> Kind:
-    """Return the kind of lists of ``count`` finite numbers, which the code gets as a tuple of floats."""
-    single = number()
-
+def numbers(count: int, allowed: str = '', single: Kind = number()) -> Kind:
+    """Return the kind of lists of ``count`` finite numbers of the kind ``single``, which the code gets as a tuple."""
     def made(value: Any) -> Tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or len(value) != count:
             raise ValueError

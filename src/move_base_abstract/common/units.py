@@ -6,6 +6,8 @@ import math
 NS_PER_S = 1_000_000_000
 #: the last instant of simulated time [ns], where the time master ends: the seconds of a ros::Duration are an int32
 LAST_NS = (2 ** 31 - 1) * NS_PER_S
+#: the farthest position on each axis [m]: beyond, a float no longer tells millimetres apart, and sums overflow
+FARTHEST_M = 1e9
 
 
 def seconds_to_ns(seconds: float) -> int:

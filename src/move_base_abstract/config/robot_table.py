@@ -1,7 +1,20 @@
 """The parameters of one robot. Reading, checks, pages and schemas all use this table."""
 from __future__ import annotations
 
-from ..common.kinds import BELOW_ROOT, FLAG, FRAME, PATH, TOPIC, bare_name, integer, number, numbers, one_of, string
+from ..common.kinds import (
+    BELOW_ROOT,
+    COORDINATE,
+    FLAG,
+    FRAME,
+    PATH,
+    TOPIC,
+    bare_name,
+    integer,
+    number,
+    numbers,
+    one_of,
+    string,
+)
 from ..common.parameter_table import Parameter
 from ..energy.battery import TABLE as BATTERY
 from ..faults.buggify import TABLE as BUGGIFY
@@ -31,8 +44,8 @@ YAW_TOLERANCE = Parameter('yaw_goal_tolerance', 0.0, number(low=0.0, unit='rad')
 TABLE = (
     Parameter('turn_rate', 0.0, number(low=0.0, unit='rad/s', note='0 = turning takes no time'),
               'Speed of turning in place.'),
-    Parameter('start_x', 0.0, number(unit='m, global frame'), 'Position at the start.'),
-    Parameter('start_y', 0.0, number(unit='m, global frame'), 'Position at the start.'),
+    Parameter('start_x', 0.0, COORDINATE, 'Position at the start.'),
+    Parameter('start_y', 0.0, COORDINATE, 'Position at the start.'),
     Parameter('start_yaw', 0.0, number(unit='rad, global frame'), 'Heading at the start.'),
     Parameter('global_frame', None, FRAME,
               'Frame of poses, plans and feedback. If it is not set, `global_costmap/global_frame` counts, '

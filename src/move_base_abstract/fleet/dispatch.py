@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple
 
 from ..common.arguments import check_function, check_kind, check_method
 from ..common.kinds import error
+from ..common.units import LAST_NS
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 from ..orders.dispatcher import Drive, GiveUp, PolicyError
 from ..orders.order import Order, fault_of
@@ -93,9 +94,7 @@ class Dispatch:
         return now_ns
 
     def _tell_undone(self, now_ns: int) -> None:
-        texts = ['{} with {}, {}'.format(robot.order.order.order_id, robot.name, self._what_holds(robot.name))
-                 for robot in self.core.robots if robot.order is not None]
-        texts += ['{} with nobody'.format(order) for order in self.core.open_orders]
+        texts = self.core.undone(self._what_holds)
         if texts:
             text = 'The run cannot go on: {} orders are not done: {}{}'.format(
                 len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
@@ -120,7 +119,7 @@ class Dispatch:
 
     def _expect(self) -> None:
         order = next(self._orders, None)
-        if order is not None:
+        if order is not None and self._begin_ns + order.arrival_ns <= LAST_NS:
             self.fleet.at(self._begin_ns + order.arrival_ns, lambda _: self._arrives(order))
 
     def _arrives(self, order: Order) -> None:

@@ -16,7 +16,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 from ..common.bounded_yaml import load_yaml_file
 from ..common.errors import ConfigurationError
-from ..common.kinds import FLAG, check_keys, error, integer, number, string, text
+from ..common.kinds import COORDINATE, FLAG, check_keys, error, integer, number, string, text
 from ..common.parameter_table import Parameter, kept_per_file, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..common.shown import shown
@@ -24,10 +24,9 @@ from ..motion.geometry import Pose2D
 from .topological_map import is_topological_map, plain_map
 
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
-_COORDINATE = number(-1e9, 1e9, unit='m, global frame')
 #: the name of a node, or of a place of a travel matrix
 NAME = Parameter('name', None, text(200))
-_NODE_TABLE = (NAME, Parameter('x', None, _COORDINATE), Parameter('y', None, _COORDINATE),
+_NODE_TABLE = (NAME, Parameter('x', None, COORDINATE), Parameter('y', None, COORDINATE),
                Parameter('yaw', 0.0, number(unit='rad')))
 _NODE_NAME = string('the name of a node')
 
@@ -35,7 +34,7 @@ _NODE_NAME = string('the name of a node')
 def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
     if not isinstance(value, (list, tuple)):
         raise ValueError
-    return tuple((_COORDINATE(x), _COORDINATE(y)) for x, y in value)
+    return tuple((COORDINATE(x), COORDINATE(y)) for x, y in value)
 
 
 #: also the key of a zone

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import check_keys, error, number, string
+from ..common.kinds import COORDINATE, check_keys, error, number, string
 from ..common.parameter_table import Parameter, kept_per_file, read_mapping
 from ..common.shown import shown
 from ..motion.geometry import share_along
@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 AT_PLACE = 0.1  # m; a robot as near as this to a place is there
 _ON_LINE = 0.01  # m; a robot as near as this to the straight line between two places is on it
 CSV_COLUMNS = ['from', 'from_x', 'from_y', 'to', 'to_x', 'to_y', 'seconds']
-_COORDINATE = number(-1e9, 1e9, unit='m, global frame')
-_PLACE_TABLE = (NAME, Parameter('x', None, _COORDINATE), Parameter('y', None, _COORDINATE))
+_PLACE_TABLE = (NAME, Parameter('x', None, COORDINATE), Parameter('y', None, COORDINATE))
 _PLACE_NAME = string('the name of a place')
 _TIME_TABLE = (Parameter('from', None, _PLACE_NAME), Parameter('to', None, _PLACE_NAME),
                Parameter('seconds', None, number(0.0, 1e9, unit='s, simulated')))

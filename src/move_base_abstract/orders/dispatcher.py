@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError, SimulatorError
-from ..common.shown import shown
+from ..common.shown import shown, shown_text
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task
 from ..tasks.places import Place
@@ -87,6 +87,7 @@ class Dispatcher:
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
         self._in_turn: Optional[List[OpenOrder]] = None  # the same by priority, then arrival; None: must be made again
         self._seen: Dict[str, int] = {}  # {id: number of times that the order was assigned to a robot}
+        self._refused: Dict[str, None] = {}  # the ids of orders that cannot be done
         self._commands: Dict[str, Command] = {}
         self._cancels: List[Command] = []
 
@@ -94,6 +95,16 @@ class Dispatcher:
     def open_orders(self) -> List[str]:
         """The ids of the orders that no robot does, in the order of their arrival."""
         return list(self._open)
+
+    def undone(self, what_holds: Callable[[str], str] = lambda robot: 'which waits') -> List[str]:
+        """Return a text for each order that is not done: its id, and where it is, or that it was refused.
+
+        ``what_holds(robot)`` says in words why a robot with an order does not go on.
+        """
+        texts = ['{} with {}, {}'.format(shown_text(robot.order.order.order_id), robot.name, what_holds(robot.name))
+                 for robot in self.robots if robot.order is not None]
+        texts += ['{} with nobody'.format(shown_text(order)) for order in self._open]
+        return texts + ['{} refused'.format(shown_text(order)) for order in self._refused]
 
     @property
     def waits_for_charge(self) -> bool:
@@ -116,8 +127,7 @@ class Dispatcher:
             fault = 'id: {} was given to an order before; each order needs an id of its own'.format(
                 shown(order.order_id))
         if fault is not None:
-            order_id = order.order_id if isinstance(order.order_id, str) else shown(order.order_id)
-            self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
+            self.refuse(order.order_id, fault)
             return
         self._seen[order.order_id] = 0
         deadline_ns = None if order.deadline_ns is None else now_ns + order.deadline_ns
@@ -125,6 +135,13 @@ class Dispatcher:
         self._open[order.order_id] = OpenOrder(order, now_ns, deadline_ns, 0, 0)
         stops = [value for stop in order.stops for value in (stop.place, stop.pose.x, stop.pose.y, stop.action)]
         self._tell(rows.DISPATCHER, 'order_arrived', order.order_id, order.priority, deadline_ns or 0, *stops)
+
+    def refuse(self, order_id: object, why: str) -> None:
+        """Refuse an order that cannot be done; ``why``: what is wrong with it, for the row."""
+        name = order_id if isinstance(order_id, str) else shown(order_id)
+        if name not in self._seen:  # otherwise it is another order that has this id
+            self._refused[name] = None
+        self._tell(rows.DISPATCHER, 'order_refused', name, why)
 
     def decide(self, now_ns: int) -> List[Command]:
         """Return the commands for ``now_ns`` [ns], by the robots' indices; cancellations come first.
@@ -242,8 +259,35 @@ class Dispatcher:
         question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
                             [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
                              and not robot.must_charge], now_ns, self._distance)
-        for robot, one in self._checked(question, free):
+        try:
+            chosen = self._checked(question, free)
+        except PolicyError:
+            left = self._without_faulty(question, free)
+            if not left:
+                raise
+            chosen = self._checked(question._replace(orders=left), free)
+        for robot, one in chosen:
             self._begin(robot, one, now_ns)
+
+    def _without_faulty(self, question: Question, free: Sequence[RobotState]) -> List[OpenOrder]:
+        """Refuse the orders with each of which alone the policy fails, and return the others.
+
+        Return none, and refuse none, if it fails with all of them or with none: then the fault is its own.
+        """
+        faults: Dict[str, str] = {}
+        for one in question.orders:
+            try:
+                self._checked(question._replace(orders=[one]), free)
+            except PolicyError as error:
+                faults[one.order.order_id] = str(error)
+        if not 0 < len(faults) < len(question.orders):
+            return []
+        for order_id, fault in faults.items():
+            del self._open[order_id]
+            self._refused[order_id] = None
+            self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
+        self._in_turn = None
+        return [one for one in question.orders if one.order.order_id not in faults]
 
     def _begin(self, robot: RobotState, one: OpenOrder, now_ns: int) -> None:
         del self._open[one.order.order_id]

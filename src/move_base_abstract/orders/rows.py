@@ -19,7 +19,8 @@ ROW_KINDS = (
             'order, priority, deadline [ns, an instant; 0: none], then for each stop: place (or empty), x, y [m], '
             'action',
             'of `/dispatcher`: an order has come'),
-    RowKind('order_refused', 'order, what is wrong with it', 'of `/dispatcher`: it cannot be done'),
+    RowKind('order_refused', 'order, what is wrong with it',
+            'of `/dispatcher`: it cannot be done, or the policy fails with it alone'),
     RowKind('policy_failed', 'what is wrong',
             'of `/dispatcher`: the policy failed, or chose what cannot be done; no robot got an order then'),
     RowKind('order_assigned', 'order, how many times it has been given so far (1: the first time)',

@@ -32,7 +32,7 @@ from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import error, integer, made_by, number, numbers, string
+from ..common.kinds import COORDINATE, error, integer, made_by, number, numbers, string
 from ..common.parameter_table import Parameter, checked, read_mapping
 from ..common.ros_names import robot_name
 from ..common.units import LAST_NS, seconds_to_ns
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 Source = TypeVar('Source')
 MAX_TASKS = 1_000_000  # in a file
 MAX_ENTRIES = 10_000
-_corners = numbers(4)
+_corners = numbers(4, single=COORDINATE)
 
 
 def _area(value: object) -> Tuple[float, ...]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import FLAG, error, integer, number, one_of
+from ..common.kinds import COORDINATE, FLAG, error, integer, number, one_of
 from ..common.parameter_table import Parameter, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..engine.factors import Constant, Gamma, Lognormal
@@ -36,8 +36,8 @@ WORK_TABLE = (
     Parameter('energy', 0.0, number(low=0.0, unit='J')),
 )
 POSE_TABLE = (
-    Parameter('x', 0.0, number(unit='m, global frame')),
-    Parameter('y', 0.0, number(unit='m, global frame')),
+    Parameter('x', 0.0, COORDINATE),
+    Parameter('y', 0.0, COORDINATE),
     Parameter('yaw', 0.0, number(unit='rad, global frame')),
 )
 PLACE_TABLE = (

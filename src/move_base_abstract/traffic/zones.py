@@ -13,14 +13,13 @@ import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import ANY, error, integer, number
+from ..common.kinds import ANY, COORDINATE, error, integer, number
 from ..common.parameter_table import Parameter, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..maps.lane_map import GROUP
 from .outline import BORDER, MAX_POINTS, Outline, rectangle
 
 MAX_ZONES = 10_000
-_NUMBER = number(-1e9, 1e9)
 _CURRENT = number(above=0.0, high=1e9)
 
 
@@ -133,9 +132,9 @@ def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:
     reason = ''
     try:
         if key == 'rectangle':
-            x_min, y_min, x_max, y_max = (_NUMBER(part) for part in value)
+            x_min, y_min, x_max, y_max = (COORDINATE(part) for part in value)
             return rectangle(x_min, y_min, x_max, y_max)
-        points = [(_NUMBER(x), _NUMBER(y)) for x, y in value]
+        points = [(COORDINATE(x), COORDINATE(y)) for x, y in value]
     except (TypeError, ValueError, OverflowError):
         pass
     else:

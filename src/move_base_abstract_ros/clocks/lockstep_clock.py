@@ -33,6 +33,7 @@ class LockstepClock:
         self._join = join
         self._has_onlookers = self._ever_had_onlookers = False
         self.hearers: Any = None
+        self._undone: Callable[[], str] = str
         self._has_causal_rows = False
 
     def start(self) -> bool:
@@ -47,6 +48,17 @@ class LockstepClock:
         self.participant.constant('/tf_static')
         self.participant.set_source(self)
         return True
+
+    def owe(self, undone: Callable[[], str]) -> None:
+        """Have a run in which nothing is left to happen be a deadlock, and not idle, if ``undone()`` is a text.
+
+        The text says what is not done, for the reason of the run's end.
+        """
+        self._undone = undone
+
+    def undone(self) -> str:
+        """Return what is not done, '': nothing. For the participant."""
+        return self._undone()
 
     def follow_restarts(self, _follower: Callable[[int, int], object]) -> None:
         """Do nothing: the clock of a run in lockstep never starts anew. See RosClock."""

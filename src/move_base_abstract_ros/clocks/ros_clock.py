@@ -80,6 +80,9 @@ class RosClock:
         """Do the same as :meth:`now_ns`."""
         return self.now_ns()
 
+    def owe(self, _undone: Callable[[], str]) -> None:
+        """Do nothing: the end of such a run does not depend on what is left to do. See LockstepClock."""
+
     def follow_restarts(self, follower: Callable[[int, int], object]) -> None:
         """Call ``follower(before_ns, now_ns)`` each time that ``/clock`` starts anew, in order and under the lock.
 

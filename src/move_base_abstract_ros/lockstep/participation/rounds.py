@@ -51,6 +51,7 @@ class Rounds:
         self._is_charged = type(charge) is not NoCharge
         self._foresight: Any = None
         self._source_is_background: Any = None
+        self._undone: Callable[[], str] = str
         self._has_mail = False
         self._told = ''
         self._delay = self._begin = None
@@ -80,6 +81,7 @@ class Rounds:
         """
         self.scheduler.set_source(source)
         self._source_is_background = getattr(source, 'is_background', None)
+        self._undone = getattr(source, 'undone', str)
         if not self._is_charged and hasattr(source, 'foresee') and foresees():
             self._foresight = Foresight(source)
 
@@ -185,8 +187,10 @@ class Rounds:
             is_background = is_background and self.window.first_arrival_ns == wire.NEVER
             next_ns = min(next_ns, self.window.first_arrival_ns)
         waits, told = self.scheduler.open_waits, ''
-        if waits and next_ns == wire.NEVER:
-            told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
+        undone = self._undone() if next_ns == wire.NEVER else ''
+        if (waits or undone) and next_ns == wire.NEVER:
+            told = ', '.join([*('{} waits for {}'.format(task.name, task.waits_for or 'another thread')
+                                for task in waits), *([undone] if undone else [])])
         if told != self._told:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
@@ -201,7 +205,7 @@ class Rounds:
         if self._delay is not None:
             self._delay()
         try:
-            self._connection.send(wire.report(self.number, False, next_ns, len(owed), self.take_items()))
+            self._connection.send(wire.report(self.number, False, next_ns, len(owed) + bool(undone), self.take_items()))
         except Closed as error:
             self._participant.lost(str(error))
 

@@ -17,7 +17,6 @@ from move_base_abstract.fleet.dispatch_world import Decisions, check_levels
 from move_base_abstract.msg import Order, PlaceTaskActionGoal, PlaceTaskGoal, RobotEvent
 from move_base_abstract.orders.dispatcher import Drive, GiveUp
 from move_base_abstract.orders.policies import make_policy
-from move_base_abstract.orders.rows import DISPATCHER
 from move_base_abstract.orders.settings import DISPATCHER_TABLE, DispatchSettings, settings_of
 
 from ...clocks.timing import make_timing
@@ -31,6 +30,7 @@ from ...robot.work_server import ACTION as WORK
 
 _CONNECT_SECONDS = 30.0  # for the clock's wait_until: wall time, or simulated time in lockstep
 _QUEUE_SIZE = 1000
+_MOST_TOLD = 3  # orders in the reason of a run's end
 
 
 def _topics(value):
@@ -95,8 +95,14 @@ class DispatcherNode:
                           rospy.get_name())
         self._order_topic = rospy.Subscriber(values['orders_topic'], Order, self._on_order, queue_size=_QUEUE_SIZE,
                                              tcp_nodelay=True)
+        clock.owe(self._undone)
         with clock.lock:
             self._decisions.soon(clock.now_ns())
+
+    def _undone(self):
+        texts = self._core.undone()
+        return 'waits for the end of orders: {}{}'.format(
+            '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '') if texts else ''
 
     def _on_order(self, message):
         with self._clock.lock:
@@ -104,7 +110,7 @@ class DispatcherNode:
             try:
                 order = orders.from_order(message, self._frame, self._places, now_ns)
             except ValueError as error:
-                self._tell((DISPATCHER, 'order_refused', message.id, str(error)))
+                self._core.refuse(message.id, str(error))
                 return
             self._core.arrived(order, now_ns)
             self._decisions.soon(now_ns)
