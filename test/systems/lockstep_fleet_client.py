@@ -39,12 +39,14 @@ class Robot:
         self._subscriber = rospy.Subscriber(prefix + 'result', MoveBaseActionResult,
                                             lambda result: on_end(name, result), queue_size=100)
 
-    def send(self, x, y=0.0, yaw=0.0, frame='map'):
-        """Send a goal (m, m, rad), whose id is the name of the robot and a number."""
+    def send(self, x, y=0.0, yaw=0.0, frame='map', ahead=None):
+        """Send a goal (m, m, rad), whose id is the name of the robot and a number, stamped ``ahead`` [s] of now."""
         self.count += 1
         goal = MoveBaseActionGoal(goal_id=GoalID(id='{}-{}'.format(self._name, self.count)))
         target = goal.goal.target_pose
         target.header.frame_id = frame
+        if ahead is not None:
+            target.header.stamp = rospy.Time.now() + rospy.Duration(ahead)
         target.pose.position.x, target.pose.position.y = x, y
         target.pose.orientation.z, target.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
         self._goal.publish(goal)
@@ -136,6 +138,14 @@ class Client:
         goal.pose.orientation.w = 1.0
         publisher.publish(goal)
         self.wait_for_ends(3)
+
+    def run_ahead(self):
+        """Send goals in another robot's frame of instants that are yet to come, and in a fixed frame of one far off."""
+        self.sleep_until(2.0)
+        for number, (frame, ahead) in enumerate((('robot_1/base_link', 0.0), ('robot_1/base_link', 0.02),
+                                                 ('robot_1/base_link', 0.3), ('dock', 1000.0)), 1):
+            self.robots['robot_0'].send(float(number), frame=frame, ahead=ahead)
+            self.wait_for_ends(number)
 
     def run_map(self):
         """Send a goal in a wall, and a free goal."""

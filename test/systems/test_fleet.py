@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from nav_msgs.msg import Odometry
-from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
+from robot_harness import GUARD, REACHED, RawClient, Record, active_since_ns, pose_stamped
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import Trigger
 
@@ -94,6 +94,14 @@ class FleetTrial(unittest.TestCase):
             self.assertAlmostEqual(found.transform.translation.x, spec.settings.start.x, places=9)
             self.assertAlmostEqual(found.transform.translation.y, spec.settings.start.y, places=9)
         listener.unregister()
+
+    def test_goals_in_another_robots_frame_stamped_now_or_ahead_wait_for_its_pose(self):
+        ends = []
+        for number, (ahead, name) in enumerate(itertools.product((0.0, 0.02, 2.0), NAMES[:5]), 1):
+            stamp = rospy.Time.now() + rospy.Duration(ahead)
+            pose = pose_stamped(0.1 * number, frame=NAMES[-1] + '/base_link', stamp=stamp)
+            ends.append(self.clients[name].ending(self.clients[name].send(pose)).status)
+        self.assertEqual({(end.status, end.text) for end in ends}, {REACHED})
 
     def test_reset_ends_goals_and_brings_robots_home_but_time_goes_on(self):
         client = self.clients['robot_3']

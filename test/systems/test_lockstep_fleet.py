@@ -241,6 +241,11 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual(times, [5 * NS_PER_S, 6 * NS_PER_S, 23 * NS_PER_S])
         self.assert_repeatable(run)
 
+    def test_goals_in_another_robots_frame_wait_for_its_pose_at_their_stamp(self):
+        run = Run('ahead', TWO, fleet(TWO), [[sys.executable, '-c', DOCK]], '/tf_static')
+        self.assertEqual([values[1:] for kind, values in run.of('robot_0') if kind == 'ended'], [REACHED] * 4)
+        self.assert_repeatable(run)
+
     def test_a_map_is_there_before_time_begins_though_its_server_starts_late(self):
         server = packages.find_node('move_base_abstract', 'map_server')[0]
         late = ['/bin/sh', '-c', 'sleep 1; exec {} {}'.format(server, BLOCKS)]

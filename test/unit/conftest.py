@@ -43,7 +43,7 @@ class NavigatorRig(NoClient):
 
     def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
                  feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT,
-                 recovery_policy=RecoveryPolicy()):
+                 recovery_policy=RecoveryPolicy(), patience=0.0):
         super().__init__('made-up')
         self.trace = []
         self.foreign = foreign or {}
@@ -52,7 +52,7 @@ class NavigatorRig(NoClient):
         stream = self._stream()
         self.ledger = GoalLedger(self.publish_status, lambda record, stamp_ns: stream.tell(Ended(
             stamp_ns, 'robot_0', record.goal_id, record.stamp_ns, record.state, record.text)), self.new_id)
-        frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup)
+        frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup, lambda: seconds_to_ns(patience))
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, stream, self,
                                    StraightLinePlanner(bounds), bad_frame_policy, recovery_policy)
         self.navigator.feedback.set_frequency(feedback_freq)

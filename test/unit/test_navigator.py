@@ -5,7 +5,6 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from move_base_abstract.common.errors import FrameError
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.goals.navigator import BadFramePolicy
 from move_base_abstract.goals.outcome import NODE_KILLED
@@ -282,29 +281,6 @@ def test_a_goal_of_the_future_can_be_cancelled_and_replaced_while_it_waits(rig):
     robot.send('b', 1.0, 0.0, frame='base_link', stamp=5.0)
     assert robot.send('c', 2.0, 0.0) == [*replaced('b', S), *begins(Pose2D(2.0, 0.0), S)[1:]]
     assert robot.advance(99.0) == reaches('c', Pose2D(2.0, 0.0), 2 * S)
-
-
-def test_a_goal_in_a_moving_foreign_frame_of_the_future_waits_for_its_stamp(rig):
-    robot = rig(foreign={'tractor': lambda stamp_ns: Pose2D(stamp_ns / S, 0.0)})
-    assert robot.send('g', 0.0, 1.0, frame='tractor', stamp=2.0) == []
-    assert robot.advance(2.0) == begins(Pose2D(2.0, 1.0), 2 * S)
-
-
-def test_a_goal_of_the_future_in_an_unknown_frame_does_not_wait(rig):
-    text = bad_frame('nowhere', "'nowhere' is not known to tf")
-    assert rig().send('g', 0.0, 1.0, frame='nowhere', stamp=9.0) == [('warn', text), *aborted('g', text, 0)]
-
-
-def test_a_frame_that_is_lost_before_the_stamp_ends_the_goal_then(rig):
-    robot = rig(foreign={'tractor': lambda _stamp_ns: Pose2D()})
-    robot.send('g', 0.0, 1.0, frame='tractor', stamp=2.0)
-
-    def lost(_stamp_ns):
-        raise FrameError('lost')
-
-    robot.foreign['tractor'] = lost
-    text = bad_frame('tractor', 'lost')
-    assert robot.advance(9.0) == [('warn', text), *aborted('g', text, 2 * S)]
 
 
 # ---- feedback

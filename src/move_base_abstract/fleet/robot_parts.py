@@ -46,19 +46,20 @@ class RobotParts(NamedTuple):
 def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation: Simulation, stream: Stream,
                      client: GoalClient, lookup: Callable[[str, int], Pose2D],
                      planner: Optional[StraightLinePlanner] = None, zones: Sequence[Zone] = (),
-                     remembered_legs: int = 64, encounters: Optional[Encounters] = None) -> RobotParts:
+                     remembered_legs: int = 64, encounters: Optional[Encounters] = None,
+                     patience_ns: Callable[[], int] = lambda: 0) -> RobotParts:
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``stream`` (Stream of :mod:`.events`) gets the robot's events, ``client`` (GoalClient) all other answers.
-    ``lookup(frame_id, stamp_ns)`` finds foreign frames, see RobotFrames. ``planner``: None: that of
-    :func:`make_planner` without a map. ``remembered_legs``: see Robot. ``encounters``: the Encounters in which the
+    ``lookup(frame_id, stamp_ns)`` finds foreign frames, ``patience_ns()``: see RobotFrames. ``planner``: None: that
+    of :func:`make_planner` without a map. ``remembered_legs``: see Robot. ``encounters``: the Encounters in which the
     robot takes part; None: it meets nobody. Feedback is not switched on: see Navigator.feedback.
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
                   CornerLaw(values['corners']), settings.phases, remembered_legs, settings.original)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
-                         settings.frame(values['robot_base_frame']), lookup)
+                         settings.frame(values['robot_base_frame']), lookup, patience_ns)
     ledger = _make_ledger(name, stream, client, seconds_to_ns(values['status_list_timeout']))
     planner = planner or make_planner(settings)
     durations = _durations(settings, name, planner, stream)

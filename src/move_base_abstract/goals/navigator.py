@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ['BadFramePolicy', 'GoalPose', 'Navigator']
 
-_RETRY_NS = NS_PER_S // 20  # after which an unknown frame is looked up again
+_RETRY_NS = NS_PER_S // 20  # after which a frame that was not found is looked up again
 _UNHEARD = 50  # goals and cancels kept for a silent robot; actionlib's default for the queue of a server
 
 
@@ -119,15 +119,15 @@ class Navigator:
     def _find_place(self, goal: GoalPose, now_ns: int) -> None:
         """Transform the goal to the global frame and go there if possible.
 
-        If the goal's stamp lies in the future and its frame moves, wait until then.
+        Where the goal's frame is at the goal's stamp may only be known later: wait for that instant, then for the pose.
         """
         planner = self.planner
         lacking = planner.lacking
         if lacking:
             self._bad_place(goal, lacking, now_ns)
             return
-        if goal.stamp_ns > now_ns and self._frames.moves(goal.frame_id, now_ns):
-            self._try_at(goal.stamp_ns, goal, now_ns)
+        if goal.stamp_ns and self._frames.is_yet_to_come(goal.frame_id, goal.stamp_ns, now_ns):
+            self._try_at(goal.stamp_ns if goal.stamp_ns > now_ns else now_ns + _RETRY_NS, goal, now_ns)
             return
         try:
             pose = self._frames.place(goal, now_ns)

@@ -15,17 +15,19 @@ class RobotFrames:
     """Finds frames in the global frame: those of one ``robot`` in closed form, all others by ``lookup``.
 
     ``lookup(frame_id, stamp_ns)`` returns the :class:`Pose2D` of a foreign frame in the global frame at ``stamp_ns``
-    [ns; 0 = latest] or raises :class:`FrameError`.
+    [ns; 0 = latest] or raises :class:`FrameError`. ``patience_ns()`` returns for how long after an instant [ns] the
+    pose of that instant is waited for.
     """
 
     def __init__(self, robot: Robot, global_frame: str, odom_frame: str, base_frame: str,
-                 lookup: Callable[[str, int], Pose2D]) -> None:
+                 lookup: Callable[[str, int], Pose2D], patience_ns: Callable[[], int] = lambda: 0) -> None:
         self.global_frame = global_frame
         self.odom_frame = odom_frame
         self.base_frame = base_frame
         self._fixed = global_frame, odom_frame
         self._robot = robot
         self._lookup = lookup
+        self._patience_ns = patience_ns
 
     def is_foreign(self, frame_id: str) -> bool:
         """Return whether only the look-up can find ``frame_id``, since it is no frame of the robot."""
@@ -51,12 +53,19 @@ class RobotFrames:
             raise FrameError("Failed to transform the goal pose from '{}' into the '{}' frame: {}".format(
                 frame_id, self.global_frame, error)) from None
 
-    def moves(self, frame_id: str, now_ns: int) -> bool:
-        """Return whether the frame is known and may have another pose later."""
+    def is_yet_to_come(self, frame_id: str, stamp_ns: int, now_ns: int) -> bool:
+        """Return whether the frame is known, but its pose at ``stamp_ns`` [ns] is not, and is worth waiting for."""
         if self.is_fixed(frame_id):
             return False
+        if frame_id == self.base_frame:
+            return stamp_ns > now_ns
+        if stamp_ns <= now_ns - self._patience_ns():
+            return False
+        return self._knows(frame_id, 0, now_ns) and not self._knows(frame_id, stamp_ns, now_ns)
+
+    def _knows(self, frame_id: str, stamp_ns: int, now_ns: int) -> bool:
         try:
-            self.locate(frame_id, 0, now_ns)
+            self.locate(frame_id, stamp_ns, now_ns)
         except FrameError:
             return False
         return True

@@ -8,6 +8,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
 
+from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep.task import TurnLost
 
@@ -87,6 +88,10 @@ class LockstepClock:
     def wall_to_ns(self, _seconds: float) -> int:
         """Return 0: in lockstep nothing waits for the wall clock."""
         return 0
+
+    def patience_ns(self, seconds: float) -> int:
+        """Return ``seconds`` of simulated time [ns]: what others send comes at its instant, however slow they are."""
+        return seconds_to_ns(seconds)
 
     def wait_until(self, condition: Callable[[], Any], seconds: float, what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of simulated time. The caller has the turn.

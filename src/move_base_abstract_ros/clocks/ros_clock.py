@@ -117,6 +117,10 @@ class RosClock:
         """
         return int(seconds * min(self._speeds) * NS_PER_S)
 
+    def patience_ns(self, seconds: float) -> int:
+        """Return how far simulated time [ns] moves in ``seconds`` of wall time, but at least as many of its own."""
+        return max(self.wall_to_ns(seconds), int(seconds * NS_PER_S))
+
     def _measure_speed(self, time_ns: int) -> None:
         wall = time.monotonic()
         mark_wall, mark_ns = self._speed_mark
