@@ -116,7 +116,10 @@ bool isFollowed(const void* caller) { return kindAt(caller) != kPythons; }
 bool isWorkerPool(const void* caller) { return kindAt(caller) == kPool; }
 
 const void* beyondWrappers(const void* caller) {
-  if (kindAt(caller) != kWrapper) {
+  const auto is_wrapper = [](const void* at) {
+    return kindAt(at) == kWrapper || kindAt(at) == kPool;
+  };
+  if (!is_wrapper(caller)) {
     return caller;
   }
   void* frames[32];
@@ -124,7 +127,7 @@ const void* beyondWrappers(const void* caller) {
   bool is_beyond = false;
   for (int k = 0; k < found; ++k) {
     is_beyond = is_beyond || frames[k] == caller;
-    if (is_beyond && kindAt(frames[k]) != kWrapper) {
+    if (is_beyond && !is_wrapper(frames[k])) {
       return frames[k];
     }
   }

@@ -15,8 +15,8 @@ bool isFollowed(const void* caller);
  * their own ways, and the time that they read decides nothing. */
 bool isWorkerPool(const void* caller);
 
-/** @return the code for which @p caller works: if that is the C++ library or Boost, the code that
- * called it. This may allocate. */
+/** @return the code for which @p caller works: if that is the C++ library, Boost or a pool
+ * of workers, the code that called it. This may allocate. */
 const void* beyondWrappers(const void* caller);
 
 /** @brief Write into @p path the path of the file in which an address lies, or "".

@@ -17,7 +17,8 @@ enum class What {
   kProcess,
   kNumber,
   kDevice,
-  kEntropy
+  kEntropy,
+  kWorkers
 };
 
 /** @brief Note once what the code at @p caller does. For any thread, at any time. */

@@ -39,6 +39,7 @@ void countRead() {
   if (turn().isActive() && Turn::self() != nullptr) {
     countLook(&Turn::self()->clock_reads, kClockReads);
   } else if (++reads % kClockReads == 0) {
+    tellPassage("a clock");
     slept += kStep;
   }
 }

@@ -38,6 +38,7 @@ const char* const kRandomLayout =
 enum class Following { kUnknown, kYes, kNo };
 
 std::atomic<Following> following{Following::kUnknown};
+std::atomic<int> without_turns{0};  // number of the program's threads that take none
 thread_local bool t_is_worker __attribute__((tls_model("initial-exec"))) = false;
 
 struct Noticed {
@@ -88,6 +89,21 @@ const void* beyondWrappers(const void* caller) {
     }
   }
   return caller;
+}
+
+/** @return the innermost code of the program's own in the calling thread; if there is none, the
+ * innermost that is not this library's. */
+const void* programsPlace() {
+  std::array<void*, 64> frames{};
+  const int count = ::backtrace(frames.data(), static_cast<int>(frames.size()));
+  const auto end = frames.begin() + count;
+  const auto is_own = [](const void* one) {
+    return !isIn(one, {"/libstdc++.so", "/libboost_"}) && isProgramsOwn(one);
+  };
+  const auto is_others = [](const void* one) { return !isIn(one, {"roscpp_shim"}); };
+  const auto own = std::find_if(frames.begin(), end, is_own);
+  const auto at = own == end ? std::find_if(frames.begin(), end, is_others) : own;
+  return at == end ? nullptr : *at;
 }
 
 /** @return the place of code, in the form that addr2line takes. */
@@ -196,7 +212,8 @@ void tell(const std::string& what, const void* caller) {
   if (!is_new) {
     return;
   }
-  at->second = what + " (" + placeOf(beyondWrappers(caller)) + ")";
+  const void* const place = caller == nullptr ? programsPlace() : beyondWrappers(caller);
+  at->second = what + " (" + placeOf(place) + ")";
   if (noticed().has_joined) {
     node().label(at->second);
   }
@@ -220,8 +237,10 @@ bool isWorkerPool(const void* caller) {
 bool isProgramsOwn(const void* caller) {
   Dl_info info{};
   const char* const file = fileOf(beyondWrappers(caller), &info);
-  if (std::strstr(file, "roscpp_shim") != nullptr) {
-    return false;
+  for (const char* part : {"roscpp_shim", "libtbb"}) {  // TBB looks at its process and its cores
+    if (std::strstr(file, part) != nullptr) {
+      return false;
+    }
   }
   for (const char* folder :
        {"/usr/lib/x86_64", "/usr/lib/aarch64", "/lib/", "/lib64/", "/opt/ros/"}) {
@@ -233,5 +252,17 @@ bool isProgramsOwn(const void* caller) {
 }
 
 void becomeWorker() { t_is_worker = true; }
+
+WithoutTurns::WithoutTurns() { ++without_turns; }
+WithoutTurns::~WithoutTurns() { --without_turns; }
+
+void tellPassage(const char* call) {
+  if (without_turns > 0) {
+    tell(std::string(call) +
+             " is called again and again while a thread works that takes no turns, of a library or "
+             "from before ROS: how often, and so when time goes on, depends on the machine",
+         nullptr);
+  }
+}
 
 }  // namespace move_base_abstract::shim

@@ -43,7 +43,8 @@ void stopFollowing();
 /** @brief Send the labels and files that were noticed before the program joined. */
 void tellWhatWasNoticed();
 
-/** @brief Label the run, once for each @p what, with the place in the code of @p caller. */
+/** @brief Label the run, once for each @p what, with the place in the code of @p caller. If that is
+ * null, the place is where the program's own code has called what leads here. */
 void tell(const std::string& what, const void* caller);
 
 /** @brief Report to the time master that the program has opened a file; @p path is its full path.
@@ -67,6 +68,24 @@ bool isProgramsOwn(const void* caller);
 
 /** @brief Mark the calling thread as one of a library of worker threads. */
 void becomeWorker();
+
+/** @brief Counts a thread of the program that takes no turns, from when it is started until it has
+ * ended. Any thread may construct it, and another one may destroy it. */
+class WithoutTurns {
+ public:
+  WithoutTurns();
+  ~WithoutTurns();
+  WithoutTurns(const WithoutTurns&) = delete;
+  WithoutTurns& operator=(const WithoutTurns&) = delete;
+};
+
+/**
+ * @brief Call it where @p call, which is made again and again, lets time go on, or other threads.
+ *
+ * What is polled may be the work of a thread without turns, if there is one. Then the number of
+ * polls is the machine's, and this labels the run.
+ */
+void tellPassage(const char* call);
 
 }  // namespace move_base_abstract::shim
 

@@ -76,6 +76,16 @@ std::string nodeName(const std::string& path, char** arguments) {
          value_of("__name:=", path.substr(path.rfind('/') + 1));
 }
 
+/** @brief Set what common.processes.for_one_thread gives other programs. */
+void useOneThread() {
+  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"}) {
+    ::setenv(name, "1", 0);
+  }
+  if (std::strcmp(std::getenv("OMP_NUM_THREADS"), "1") == 0) {
+    ::setenv("OMP_THREAD_LIMIT", "1", 0);
+  }
+}
+
 /** @brief Become this program anew, with the seed 0 and the same addresses in each run. */
 [[noreturn]] void startAgain(char** arguments) {
   std::error_code error;
@@ -84,6 +94,7 @@ std::string nodeName(const std::string& path, char** arguments) {
     ::personality(static_cast<unsigned long>(::personality(kAsk)) | ADDR_NO_RANDOMIZE);
   }
   ::setenv(kSleep, "wall", 1);
+  useOneThread();
   ::setenv(kChance, ("0 " + nodeName(path, arguments)).c_str(), 1);
   ::execv(path.c_str(), arguments);
   refuse("cannot start " + path + " again: " + std::strerror(errno));

@@ -10,6 +10,7 @@
 #include <ros/topic_manager.h>
 
 #include "delivery.h"
+#include "followed.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
@@ -168,6 +169,7 @@ void setStoringLoops(StoringLoops is_storing) { is_storing_loop = is_storing; }
 void countLook(unsigned* count, unsigned limit) {
   if (++*count >= limit) {
     *count = 0;
+    tellPassage("a clock, a queue or a lock");
     Wait wait;
     wait.until = node().now() + kPollPeriod;
     turn().wait(wait);

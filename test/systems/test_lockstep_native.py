@@ -116,6 +116,15 @@ class LabelledTest(unittest.TestCase):
         self.assertEqual([words[0] for words in said(self.run_, 'threads')], ['30'] * 2)
         self.assertEqual(self.run_.codes, {'native': 0})
 
+    def test_loops_of_a_library_have_one_thread_and_the_threads_of_one_that_is_told_to_have_more_are_labelled(self):
+        path = find_shim(os.environ, 'libtbb_stand_in.so')
+        run = run_programs({'pool': [[], 'pool.py', path, '0']}, until=30.0)
+        self.assertEqual((run.printed('pool'), list(run.state.not_repeatable_because)), (['threads: 1 2.0'], []))
+        run = run_programs({'pool': [[], 'pool.py', path, '2']}, until=30.0)
+        self.assertEqual(run.printed('pool'), ['threads: 2 2.0'])
+        self.assertEqual(len(run.state.not_repeatable_because), 1, run.state.not_repeatable_because)
+        self.assertIn("'/pool': a library starts threads for its sums or loops", run.state.not_repeatable_because[0])
+
     def test_a_program_without_the_library_is_labelled(self):
         with mock.patch.dict(os.environ, LD_PRELOAD='/nowhere/' + native_library.LIBRARY):
             run = run_native(BY_CTYPES, 'clocks')

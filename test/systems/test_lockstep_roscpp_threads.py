@@ -12,8 +12,11 @@ import rosgraph
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
 from warm import Loopback
 
+from move_base_abstract_ros.lockstep.programs.binary import find_shim
+
 RUNS = Runs()
 SECOND = 10 ** 9
+LOOPS = find_shim(os.environ, 'libtbb_stand_in.so')
 BROODER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', 'brooder.py')
 
 
@@ -191,6 +194,18 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual([line.split(' ', 3)[2] for line in run.printed(1)], ['sets', 'sees'])
         self.assertEqual(len(run.labels), 1, run.labels)
         self.assertIn("'/heap': a thread computes at one instant while others wait", run.labels[0])
+
+    def test_a_library_that_has_a_thread_for_each_core_has_one_and_time_stands_while_it_works(self):
+        told = self.told('', program='shim_pool', library=LOOPS)
+        self.assertEqual(told, [(k * SECOND, 'threads: 1') for k in (2, 3, 4)])
+
+    def test_a_program_that_wants_more_threads_of_a_library_keeps_them_and_is_labelled(self):
+        run = RUNS.run([Program('pool', own('shim_pool'), library=LOOPS, threads=2), recorder('/told')])
+        self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['threads: 2'] * 3)
+        place = r' \(shim_pool\+0x[0-9a-f]+\)$'
+        self.assertEqual(len(run.labels), 2, run.labels)
+        self.assertRegex(run.labels[0], r"'/pool': a library starts threads for its sums or loops .*" + place)
+        self.assertRegex(run.labels[1], r"'/pool': sched_yield\(\).* while a thread works .*" + place)
 
     def test_a_wait_that_cannot_be_followed_is_labelled_and_no_hang(self):
         run = RUNS.run([Program('threads', own('shim_threads'), what='hidden'), recorder('/told')])

@@ -32,6 +32,18 @@ _TASKS = '/proc/self/task'
 end_as_program = False
 #: set for all programs of a trial, because trials run side by side, and sums must not depend on the number of cores
 ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
+_THREAD_LIMIT = 'OMP_THREAD_LIMIT'
+
+
+def for_one_thread(environment: Mapping[str, str]) -> Dict[str, str]:
+    """Return the variables that an environment lacks by which OpenMP and libraries for sums use one thread.
+
+    Also programs that ask for more threads in their code get one, unless the environment has a number of threads.
+    """
+    added = {name: value for name, value in ONE_THREAD.items() if name not in environment}
+    if _THREAD_LIMIT not in environment and environment.get('OMP_NUM_THREADS', '1') == '1':
+        added[_THREAD_LIMIT] = '1'
+    return added
 
 
 def assert_one_thread() -> None:

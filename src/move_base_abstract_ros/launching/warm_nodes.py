@@ -68,7 +68,7 @@ def importing():
 
     roslaunch asks distutils, which setuptools replaces by its own, for one function. It works without setuptools.
     """
-    added = {name: value for name, value in processes.ONE_THREAD.items() if name not in os.environ}
+    added = processes.for_one_thread(os.environ)
     os.environ.update(added)
     hack = sys.modules.get('_distutils_hack') if sys.version_info < (3, 12) else None
     if hack is not None:
@@ -119,7 +119,7 @@ def start(words, environment, enter, cwd, launcher, is_warm=True):
         enter()
         os.chdir(cwd)
         if is_warm and is_fit(words, environment, launcher):
-            become(words, environment)
+            become(words, {**processes.for_one_thread(environment), **environment})
         else:
             processes.become(words, environment)
     return processes.fork(begin, new_session=True)

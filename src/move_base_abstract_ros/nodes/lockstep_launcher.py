@@ -14,6 +14,7 @@ import os
 import re
 import sys
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.wire import MAX_RANK
 
@@ -35,6 +36,7 @@ def main():
         return
     options, command = _parse(sys.argv[1:])
     try:
+        os.environ.update(processes.for_one_thread(os.environ))
         is_new_layout = address_layout.choose(os.environ)
         if not options.as_script and not _is_binary(command[0]):
             _start_again(sys.argv[:len(sys.argv) - len(command)], command, is_new_layout)

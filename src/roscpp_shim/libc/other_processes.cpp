@@ -14,8 +14,8 @@
 #include <optional>
 #include <string>
 
+#include "cores.h"
 #include "roscpp_shim/followed.h"
-#include "roscpp_shim/machine/cores.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/parameters.h"
 #include "roscpp_shim/turn.h"

@@ -28,6 +28,7 @@ Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 
 /** A thread that gives way again and again waits for something that may need time to go on. */
 void giveWay() {
+  tellPassage("sched_yield(), or a sleep of no length,");
   Task& me = *Turn::self();
   const unsigned yields = me.yields + 1;
   Wait wait;
@@ -57,6 +58,7 @@ void sleepWall(Nanoseconds duration) {
   me.slept = is_same ? me.slept + duration : duration;
   me.naps = is_same ? me.naps + 1 : 1;
   me.slept_at = node().now();
+  tellPassage("a sleep by the wall clock");
   {
     const Blocking blocking;
     const timespec request = toTimespec(duration);

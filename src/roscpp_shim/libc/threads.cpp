@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <cerrno>
+#include <memory>
 
 #include "libc/glibc_fields.h"
 #include "roscpp_shim/clocks.h"
@@ -55,8 +56,9 @@ int lockMutex(pthread_mutex_t* mutex) {
 /** @return 0 or ETIMEDOUT. @param lasts simulated. */
 int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts) {
   Task& me = *Turn::self();
-  if (lasts <= 0) {  // a look, not a wait; after many looks in vain, time goes on
-    lasts = ++me.empty_polls >= kVainWaits ? kPollPeriod : 0;
+  if (lasts <= 0 && ++me.empty_polls >= kVainWaits) {  // not a wait, but a look, as many before
+    tellPassage("a wait for a condition");
+    lasts = kPollPeriod;
   }
   Wait wait;
   wait.object = condition;
@@ -75,26 +77,45 @@ int waitOnUntil(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clo
   return waitOn(condition, mutex, remaining(clock, deadline));
 }
 
-/** @brief The function of a thread that takes no turns: one of roscpp's own, or a worker. */
+/** @brief The function of a thread that takes no turns. */
 struct OtherMain {
   void* (*main)(void*);
   void* argument;
-  void (*become)();
+  void (*become)();                      // called first
+  std::unique_ptr<WithoutTurns> counts;  // null for roscpp's own threads
 };
 
 void* runOther(void* argument) {
-  const OtherMain what = *static_cast<OtherMain*>(argument);
-  delete static_cast<OtherMain*>(argument);
-  what.become();
-  return what.main(what.argument);
+  const std::unique_ptr<OtherMain> what(static_cast<OtherMain*>(argument));
+  what->become();
+  return what->main(what->argument);
 }
 
-/** @return what a new thread calls first if it takes no turns; null: it takes turns. */
-void (*kindOfNew(const void* caller))() {
+/** @return the function of a new thread; null: it takes turns, or the program is not in lockstep.
+ */
+std::unique_ptr<OtherMain> otherMain(void* (*main)(void*), void* argument, const void* caller) {
+  const auto make = [&](void (*become)(), bool counts) {
+    return std::make_unique<OtherMain>(
+        OtherMain{main, argument, become, counts ? std::make_unique<WithoutTurns>() : nullptr});
+  };
   if (Turn::startsInternal()) {
-    return &Turn::becomeInternal;
+    return make(&Turn::becomeInternal, false);
   }
-  return isWorkerPool(caller) ? &becomeWorker : nullptr;
+  if (isWorkerPool(caller)) {
+    if (sees() != Sees::kMachine && !isIn(caller, {"libOpenCL", "libcuda"})) {
+      tell(
+          "a library starts threads for its sums or loops (TBB, OpenMP, BLAS), which take no turns",
+          nullptr);
+    }
+    return make(&becomeWorker, true);
+  }
+  if (ordered() || sees() == Sees::kMachine || isRoscpps(caller)) {
+    return nullptr;
+  }
+  if (isProgramsOwn(caller)) {
+    tell("a thread was started before ROS was", caller);
+  }
+  return make([] {}, true);
 }
 
 /** @return how long a wait until @p deadline lasts; any value without the turn. */
@@ -126,15 +147,14 @@ extern "C" {
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*main)(void*),
                    void* argument) {
   static auto* const function = shim::real(&::pthread_create, "pthread_create");
-  const void* const caller = MOVE_BASE_ABSTRACT_CALLER;
-  if (auto* const become = shim::kindOfNew(caller)) {
-    return function(thread, attributes, &shim::runOther,
-                    new shim::OtherMain{main, argument, become});
+  if (auto other = shim::otherMain(main, argument, MOVE_BASE_ABSTRACT_CALLER)) {
+    const int result = function(thread, attributes, &shim::runOther, other.get());
+    if (result == 0) {
+      other.release();  // the thread has it
+    }
+    return result;
   }
   if (!shim::ordered()) {
-    if (shim::sees() != shim::Sees::kMachine && shim::isProgramsOwn(caller)) {
-      shim::tell("a thread was started before ROS was", caller);
-    }
     return function(thread, attributes, main, argument);
   }
   shim::Turn::self()->has_acted = true;

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 #: numbers of the library, in the order of src/python_shim/run.h
 _NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _CELLS = range(11)
 _BEFORE, _AS_NODE = 1, 2  # epochs: before the program takes part, and from then on
-_STRAY_CLOCK, _STRAY_CHANCE, _COMPUTES, _TIMES, _USAGE, _LOAD, _SYSTEM, _WAKES, _PROCESS, _NUMBER, _DEVICE, _ENTROPY = \
-    range(12)
+_STRAY_CLOCK, _STRAY_CHANCE, _COMPUTES, _TIMES, _USAGE, _LOAD, _SYSTEM, _WAKES, _PROCESS, _NUMBER, _DEVICE, _ENTROPY, \
+    _WORKERS = range(13)
 #: the texts of the library's notices, in the order of src/python_shim/notices.h
 WORDS = (
     'a library reads a clock in a thread that lockstep does not order',
@@ -45,7 +45,8 @@ WORDS = (
     'a library starts a process that is not a participant: its answers depend on the machine',
     'getpid() is another number in another run',
     'a library opens a device, or a file in which the system describes itself: what it reads differs from run to run',
-    "random bytes of a device cannot be replaced, and are the machine's")
+    "random bytes of a device cannot be replaced, and are the machine's",
+    'a library starts threads for its sums or loops (TBB, OpenMP, BLAS), which take no turns')
 #: notices that count only for the program's own libraries: others name files by the pid, and look at the computer
 _OF_OWN = (_NUMBER, _DEVICE)
 _SYSTEMS = ('/usr/lib/', '/lib/', '/lib64/', '/opt/ros/')

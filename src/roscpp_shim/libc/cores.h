@@ -1,7 +1,7 @@
 // The cores that this process may use by itself. While it takes part, the time master may keep it
 // on one core.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_CORES_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_CORES_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H
 
 #include <sched.h>
 
@@ -24,4 +24,4 @@ class OwnCores {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_CORES_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H

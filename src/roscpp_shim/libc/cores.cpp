@@ -5,7 +5,9 @@
 #include <atomic>
 #include <cstddef>
 
-#include "real.h"
+#include "libc/affinity.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/real.h"
 
 namespace move_base_abstract::shim {
 namespace {
@@ -35,10 +37,13 @@ bool isBound(const cpu_set_t& cores) {
   return is_known && CPU_COUNT(&cores) == 1 && CPU_COUNT(&both) == 1;
 }
 
-/** @brief Show the process's own cores instead of the one core of the run. */
-void show(std::size_t size, cpu_set_t* cores) {
+/** @brief Show the process's own cores instead of the one core of the run; TBB sees one of them. */
+void show(std::size_t size, cpu_set_t* cores, const void* caller) {
   if (size >= sizeof own && isBound(*cores)) {
     *cores = own;
+  }
+  if (isTbb(caller) && sees() != Sees::kMachine) {
+    keepFirst(size, cores);
   }
 }
 
@@ -65,7 +70,7 @@ extern "C" {
 int sched_getaffinity(pid_t thread, size_t size, cpu_set_t* cores) {
   const int result = shim::kernelGet(thread, size, cores);
   if (result == 0) {
-    shim::show(size, cores);
+    shim::show(size, cores, MOVE_BASE_ABSTRACT_CALLER);
   }
   return result;
 }
@@ -74,7 +79,7 @@ int pthread_getaffinity_np(pthread_t thread, size_t size, cpu_set_t* cores) {
   static auto* const function = shim::real(&::pthread_getaffinity_np, "pthread_getaffinity_np");
   const int result = function(thread, size, cores);
   if (result == 0) {
-    shim::show(size, cores);
+    shim::show(size, cores, MOVE_BASE_ABSTRACT_CALLER);
   }
   return result;
 }
