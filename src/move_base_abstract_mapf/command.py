@@ -16,7 +16,8 @@ from typing import Any, Optional, Sequence
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.options import POSITIVE
+from move_base_abstract.common.kinds import integer
+from move_base_abstract.common.options import POSITIVE, word_of
 
 _FORMAT = '{"format": "move_base_abstract mapf 1",\n'
 _NEAR = 0.7  # cells; two robots that follow each other around a corner come as near as 0.707
@@ -42,7 +43,7 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
         'Make a scenario, and a map for map_server, of a MovingAI map and the first problems of a file.'))
     make.add_argument('map', metavar='FILE.map', help='the map')
     make.add_argument('problems', metavar='FILE.scen', help='starts and goals')
-    make.add_argument('--agents', type=int, required=True, metavar='N',
+    make.add_argument('--agents', type=word_of(integer(1)), required=True, metavar='N',
                       help='number of problems that are used, one robot each')
     make.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
                       'command made; nothing else is replaced')
@@ -58,7 +59,7 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
     run.add_argument('--goals', metavar='FILE.scen', help='check that paths end at the goals of this file')
     run.add_argument('--near', type=POSITIVE, default=None, metavar='M',
                      help='count robots that come nearer than this [m] (default: {} of a cell)'.format(_NEAR))
-    run.add_argument('--seed', type=int, default=None, help="replaces the scenario's seed")
+    run.add_argument('--seed', type=word_of(integer(0)), default=None, help="replaces the scenario's seed")
     run.add_argument('--log', metavar='RUN.jsonl', help='write the run as an event log, for replay')
     run.add_argument('--json', metavar='OUT.json', help='write the figures as JSON')
     run.set_defaults(run=_run)
@@ -68,10 +69,16 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
 def _import(options: Any) -> int:
     from .layout import Grid, write_folder  # numpy takes a while to import
     from .movingai import read_map, read_problems
-    grid, problems = Grid(read_map(options.map), options.cell), read_problems(options.problems)
+    grid = Grid(read_map(options.map), options.cell)
+    problems = read_problems(options.problems, grid.blocked)
     if not 1 <= options.agents <= len(problems):
         raise ConfigurationError('--agents: got {}; allowed: 1..{}, as many as {} has'.format(
             options.agents, len(problems), options.problems))
+    starts = [problem.start for problem in problems[:options.agents]]
+    for number, start in enumerate(starts):
+        if start in starts[:number]:
+            raise ConfigurationError('problem {}: start: got column {}, row {}, as problem {}; allowed: a cell of its '
+                                     'own for each robot'.format(number, *start, starts.index(start)))
     write_folder(options.out, grid, problems[:options.agents], options.step, 'mapf import {} {} --agents {}'.format(
         os.path.basename(options.map), os.path.basename(options.problems), options.agents))
     print('{}: {} robots on {} x {} cells'.format(
@@ -86,7 +93,7 @@ def _run(options: Any) -> int:
     site = read_folder(options.folder, options.seed)
     plan = read_plan(options.plan, site.grid.blocked)
     if options.goals is not None:
-        _check_goals(plan, options.goals)
+        _check_goals(plan, options.goals, site.grid.blocked)
     if options.json is not None:
         own_files.check_file(options.json, lambda line: line == _FORMAT.encode())
     done = drive(site, plan, options.policy)
@@ -100,9 +107,9 @@ def _run(options: Any) -> int:
     return 0 if found.arrived == found.agents else 1
 
 
-def _check_goals(plan: Any, path: str) -> None:
+def _check_goals(plan: Any, path: str, blocked: Any) -> None:
     from .movingai import read_problems
-    for number, (one, problem) in enumerate(zip(plan.paths, read_problems(path))):
+    for number, (one, problem) in enumerate(zip(plan.paths, read_problems(path, blocked))):
         if one[-1] != problem.goal:
             raise ConfigurationError('agent {}: its path ends at column {}, row {}, but its goal is column {}, row '
                                      '{}'.format(number, *one[-1], *problem.goal))

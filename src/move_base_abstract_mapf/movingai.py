@@ -43,9 +43,15 @@ def read_map(path: str) -> Any:
             break
         if len(words) != 2 or words[0] not in ('type', 'height', 'width'):
             raise _error(path, number, line, "'type octile', 'height N', 'width N', then 'map'")
+        if words[0] in head or words[0] == 'type' and words[1] != 'octile':
+            raise _error(path, number, line, "'type octile', 'height N' and 'width N', each once")
         head[words[0]] = words[1]
     rows, columns = (_side(path, head, key) for key in ('height', 'width'))
-    cells = lines[len(head) + 1:len(head) + 1 + rows]
+    if 'type' not in head:
+        raise ConfigurationError("{}: got no line 'type octile'; allowed: one".format(path))
+    cells = lines[len(head) + 1:]
+    while len(cells) > rows and not cells[-1].strip():
+        cells.pop()
     for number, line in enumerate(cells, len(head) + 2):
         if len(line) != columns or line.strip(_FREE + _BLOCKED):
             raise _error(path, number, line, '{} letters of {}{}'.format(columns, _FREE, _BLOCKED))
@@ -54,8 +60,8 @@ def read_map(path: str) -> Any:
     return np.array([[letter in _BLOCKED for letter in line] for line in cells])
 
 
-def read_problems(path: str) -> List[Problem]:
-    """Return the problems of a ``.scen`` file, in its order.
+def read_problems(path: str, blocked: Any = None) -> List[Problem]:
+    """Return the problems of a ``.scen`` file, in its order; ``blocked``: the map that it must be for, None: any.
 
     :raises ConfigurationError: naming file and line.
     """
@@ -66,11 +72,13 @@ def read_problems(path: str) -> List[Problem]:
             if not words or (number == 1 and words[0] == 'version'):
                 continue
             columns = line.rstrip('\n').split('\t') if '\t' in line else words
-            numbers = columns[4:8]
-            if len(columns) != _COLUMNS or not all(text.isdecimal() and len(text) < 8 for text in numbers):
+            if len(columns) != _COLUMNS or not all(
+                    text.isascii() and text.isdecimal() and len(text) < 8 for text in columns[2:8]):
                 raise _error(path, number, line, 'bucket, map, width, height, start column and row, goal column and '
                                                  'row, length')
-            x, y, goal_x, goal_y = map(int, numbers)
+            width, height, x, y, goal_x, goal_y = map(int, columns[2:8])
+            if blocked is not None and (height, width) != blocked.shape:
+                raise _error(path, number, line, 'width {} and height {}, as the map has'.format(*blocked.shape[::-1]))
             problems.append(Problem((x, y), (goal_x, goal_y)))
     return problems
 
@@ -83,7 +91,7 @@ def is_free(blocked: Any, cell: Cell) -> bool:
 
 def _side(path: str, head: Dict[str, str], key: str) -> int:
     text = head.get(key, '')
-    if not text.isdecimal() or not 1 <= int(text[:9]) <= _MOST_CELLS:
+    if not (text.isascii() and text.isdecimal()) or not 1 <= int(text[:9]) <= _MOST_CELLS:
         raise ConfigurationError('{}: {}: got {}; allowed: a whole number in 1..{}'.format(
             path, key, shown(text), _MOST_CELLS))
     return int(text)

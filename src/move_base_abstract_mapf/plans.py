@@ -20,10 +20,10 @@ from .movingai import Cell, is_free
 _MOST_BYTES = 64 * 1024 * 1024
 _BOUNDS = Bounds(_MOST_BYTES, 10_000_000, 128 * 1024 * 1024)
 _MOST_STEPS = 1_000_000  # the largest number of a step
-_LINE = re.compile(r'\s*Agent (\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:->\s*)?)+)')
-_STEP = re.compile(r'\s*(\d{1,7}):\s*((?:\(\d{1,6},\s*\d{1,6}\)\s*(?:,\s*)?)+)')
+_LINE = re.compile(r'\s*Agent ([0-9]{1,7}):\s*((?:\([0-9]{1,6},\s*[0-9]{1,6}\)\s*(?:->\s*)?)+)')
+_STEP = re.compile(r'\s*([0-9]{1,7}):\s*((?:\([0-9]{1,6},\s*[0-9]{1,6}\)\s*(?:,\s*)?)+)')
 _HEAD = re.compile(r'agents=|solver=|map_file=')  # the first lines of LaCAM's files
-_PLACE = re.compile(r'\((\d{1,6}),\s*(\d{1,6})\)')
+_PLACE = re.compile(r'\(([0-9]{1,6}),\s*([0-9]{1,6})\)')
 
 
 class Plan(NamedTuple):

@@ -7,6 +7,7 @@ where. Maps, scenarios, missions and services use this module, so that all of th
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Any, Dict, Hashable, NamedTuple, Optional, Tuple, Union
 
 import yaml
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 MAX_DEPTH = 32  # the deepest nesting of lists and mappings
 MAX_DIGITS = 100  # the most characters of a number
 _MERGE_TAG = 'tag:yaml.org,2002:merge'
+_ODD_NUMBER = re.compile(r'.*[_:]|[-+]?0[0-9]', re.ASCII)
 _NUMBER_TAGS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
 #: the errors that SafeLoader does not catch if a value does not fit its tag: !!int x, 2001-13-40
 _CONSTRUCTION_ERRORS = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
@@ -120,10 +122,13 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def compose_scalar_node(self, anchor: Any) -> ScalarNode:
-        """Refuse numbers that take long to read."""
+        """Refuse numbers that take long to read, and forms that only YAML 1.1 takes for numbers: 1_0, 1:30, 010."""
         node = super().compose_scalar_node(anchor)
         if node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
             raise _error(node, 'a number of {} characters; allowed: at most {}'.format(len(node.value), MAX_DIGITS))
+        if node.tag in _NUMBER_TAGS and _ODD_NUMBER.match(node.value):
+            raise _error(node, 'got {}; allowed: a number in digits, as 10, or a text in quotes'.format(
+                shown_text(node.value)))
         return node
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:

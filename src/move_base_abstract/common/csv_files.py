@@ -12,6 +12,7 @@ from typing import IO, TYPE_CHECKING, Dict, Iterable, Iterator, List, Mapping, O
 
 from .errors import ConfigurationError
 from .input_files import open_input
+from .kinds import as_number
 from .shown import shown, shown_text
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def number_in(row: Mapping[str, str], name: str, where: str) -> float:
     :raises ConfigurationError: if it is not a finite number.
     """
     try:
-        value = float(row[name])
+        value = as_number(row[name])
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -18,8 +18,12 @@ from .units import FARTHEST_M
 Schema = Dict[str, Any]
 #: ((x, y), ...), ascending by x
 Pairs = Tuple[Tuple[float, float], ...]
+_DECIMAL = re.compile(r'\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*\Z', re.ASCII)
+_WHOLE = re.compile(r'\s*[-+]?[0-9]{1,100}\s*\Z', re.ASCII)
 _PRINTABLE = r'^[^\x00-\x1f\x7f-\x9f]*$'
 _LONGEST_TEXT = 4096
+_LONGEST_NAME = 200  # of topics and frames
+_TOPIC = f'(?=.{{1,{_LONGEST_NAME}}}$)[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z0-9_]+)*/?'
 _LARGEST_WHOLE = 10**18
 
 
@@ -75,6 +79,23 @@ def check_keys(raw: Mapping[str, Any], known: Sequence[str], where: str, prefix:
         if key not in known:
             hint = similar(key, known, '; allowed: ' + ', '.join(known[:12]))
             raise ConfigurationError(f'{where}: {prefix}{shown_text(key)}: unknown key{hint}')
+
+
+def as_number(word: str) -> float:
+    """Return the number that a text is: ASCII digits, perhaps with a sign, a point and an exponent; not 1_0, not inf.
+
+    Files, options and arguments take numbers in this one form. :raises ValueError: if it is none.
+    """
+    if not _DECIMAL.match(word):
+        raise ValueError('{} is no number'.format(shown(word)))
+    return float(word)
+
+
+def as_whole(word: str) -> int:
+    """Return the whole number that a text is, in ASCII digits, perhaps with a sign. :raises ValueError: if not."""
+    if not _WHOLE.match(word):
+        raise ValueError('{} is no whole number'.format(shown(word)))
+    return int(word)
 
 
 def made_by(made: Callable[[Any], Any], allowed: str, schema: Optional[Schema] = None, **others: Any) -> Kind:
@@ -138,7 +159,7 @@ def number(low: float = -math.inf, high: float = math.inf, whole: bool = False, 
         **({} if above is None else {'exclusiveMinimum': above})}
     others = [{'type': 'number', 'enum': [0]}] * or_zero + [{'enum': [or_word]}] * bool(or_word)
     return made_by(made, words, {'anyOf': [*others, schema]} if others else schema, to_word=short,
-                   of_word=lambda word: word if or_word and word == or_word else int(word) if whole else float(word))
+                   of_word=lambda word: word if word == or_word else (as_whole if whole else as_number)(word))
 
 
 def _range(low: float, high: float, above: Optional[float], what: str) -> str:
@@ -161,8 +182,12 @@ def short(value: Any) -> str:
     return str(int(value) if is_whole else value)
 
 
-#: the kind of positions on an axis
-COORDINATE = number(-FARTHEST_M, FARTHEST_M, unit='m, global frame')
+def position(unit: str = 'm, global frame', **others: Any) -> Kind:
+    """Return the kind of positions on an axis; ``others``: as for number()."""
+    return number(-FARTHEST_M, FARTHEST_M, unit=unit, **others)
+
+
+COORDINATE = position()
 
 
 def integer(low: float, high: float = math.inf, **others: Any) -> Kind:
@@ -216,19 +241,20 @@ def bare_name(allowed: str) -> Kind:
 
 
 def _bare(value: Any) -> str:
-    if not isinstance(value, str) or not value.strip('/'):
+    bare = value.lstrip('/') if isinstance(value, str) else ''
+    if not 0 < len(bare) <= _LONGEST_NAME or ' ' in bare or not bare.isprintable() or not bare.strip('/'):
         raise ValueError
-    return value.lstrip('/')
+    return bare
 
 
 #: the kind of all values, which something else checks
 ANY = Kind(lambda _where, value: value, {})
 FLAG = _kept(lambda value: isinstance(value, bool), 'true or false', {'type': 'boolean'})
 FRAME = bare_name('a frame name')
-BELOW_ROOT = bare_name('a topic name')
+BELOW_ROOT = pattern(f'/*{_TOPIC}', 'a topic name', lambda name: name.lstrip('/'))
 PATH = string('the path of a file')
 #: the name of a topic, with its leading slash
-TOPIC = _kept(lambda value: isinstance(value, str) and bool(value.strip('/')), 'a topic name', {'type': 'string'})
+TOPIC = pattern(f'[~/]?{_TOPIC}', 'a topic name')
 #: the kind of values that can be in a table
 SCALAR = _kept(_scalar, 'a text, a number, true or false', {
     'type': ['string', 'number', 'boolean'], 'maxLength': _LONGEST_TEXT, 'pattern': _PRINTABLE})

@@ -17,7 +17,7 @@ from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
 from .geometry import Pose2D
 from .input_files import open_input
-from .kinds import error, similar
+from .kinds import as_number, error, similar
 from .map_images import ImageRule, MapMode
 from .pnm_files import BYTES_MAX, is_pnm, read_pnm
 from .shown import shown_text
@@ -78,7 +78,7 @@ def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, un
     try:
         if isinstance(raw, bool):
             raise ValueError
-        value = float(raw)
+        value = as_number(raw) if isinstance(raw, str) else float(raw)
         if not math.isfinite(value) or (above is not None and not value > above):
             raise ValueError
     except (TypeError, ValueError, OverflowError):

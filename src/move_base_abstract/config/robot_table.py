@@ -13,6 +13,7 @@ from ..common.kinds import (
     number,
     numbers,
     one_of,
+    position,
     string,
 )
 from ..common.parameter_table import Parameter
@@ -79,9 +80,9 @@ TABLE = (
               'Topic of the markers for RViz, below `/`; robots of one process with the same topic share a message.'),
     Parameter('marker_size', 1.0, number(above=0.0, unit='m', note="the length of a robot's arrow"),
               'Size of the robot in RViz.'),
-    Parameter('stage_offset_x', 0.0, number(unit='m', note="the global frame's origin in Stage's world"),
+    Parameter('stage_offset_x', 0.0, position('m', note="the global frame's origin in Stage's world"),
               'With `stage_ros`: where the global frame lies.'),
-    Parameter('stage_offset_y', 0.0, number(unit='m', note="the global frame's origin in Stage's world"),
+    Parameter('stage_offset_y', 0.0, position('m', note="the global frame's origin in Stage's world"),
               'With `stage_ros`: where the global frame lies.'),
     Parameter('stage_offset_yaw', 0.0, number(unit='rad', note="the global frame's x axis in Stage's world"),
               'With `stage_ros`: how the global frame is turned.'),
@@ -90,7 +91,7 @@ TABLE = (
               "The robot's model in Gazebo. If it is not set, the model has the robot's name."),
     Parameter('gazebo_reference_frame', 'world', bare_name("the name of a frame of Gazebo's"),
               'The frame or model in which poses are given to Gazebo.'),
-    Parameter('gazebo_z', 0.0, number(unit='m', note="height of the model's origin"),
+    Parameter('gazebo_z', 0.0, position('m', note="height of the model's origin"),
               'Height at which Gazebo places the robot.'),
     Parameter('log_motion', False, FLAG,
               'In lockstep, the event log has the start and the limits of motion of the robot; a namespace above '

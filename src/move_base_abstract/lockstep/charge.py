@@ -11,6 +11,7 @@ from typing import IO, Any, Callable, List, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.input_files import open_text_input
+from ..common.kinds import as_number
 from ..common.own_files import PART, OutputError, check_file, create_file
 from ..common.shown import shown, shown_text
 from ..common.units import seconds_to_ns
@@ -111,7 +112,7 @@ def make_charge(text: Optional[Union[float, str]], wall_ns: Callable[..., Any], 
     if kind == 'none':
         return NoCharge()
     if kind == 'fixed':
-        return FixedCharge(seconds_to_ns(float(detail)))
+        return FixedCharge(seconds_to_ns(as_number(detail)))
     if kind == 'replay':
         return ReplayCharge(detail)
     return MeasuredCharge(detail, wall_ns if kind == 'measured' else cpu_ns)
@@ -132,7 +133,7 @@ def check_charge(text: Optional[Union[float, str]]) -> Tuple[str, str]:
 
 def _is_time(text: str) -> bool:
     try:
-        return 0.0 <= float(text) < 1e9
+        return 0.0 <= as_number(text) < 1e9
     except ValueError:
         return False
 

@@ -12,7 +12,20 @@ from typing import Any, Dict, Tuple, Union
 
 from ..common.bounded_yaml import REQUEST, load_yaml_text, yaml_line
 from ..common.errors import ConfigurationError
-from ..common.kinds import FLAG, Kind, error, list_of, map_of, number, one_of, pattern, short, text
+from ..common.kinds import (
+    COORDINATE,
+    FLAG,
+    Kind,
+    as_number,
+    error,
+    list_of,
+    map_of,
+    number,
+    one_of,
+    pattern,
+    short,
+    text,
+)
 from ..common.options import option
 from ..common.shown import shown
 from ..runs import built_in
@@ -41,12 +54,14 @@ STORED_TOPIC = pattern(f'{_TOPIC}(={_TOPIC})?', 'TOPIC or NODE=TOPIC, such as /p
                        lambda entry: '='.join('/' + part.lstrip('/') for part in entry.split('=')))
 
 
+_YAW = number()
+
+
 def _pose(where: str, value: Any) -> Tuple[float, float, float]:
     parts = value.split(',') if isinstance(value, str) else value
     try:
-        x, y, yaw = (float(part) for part in parts if not isinstance(part, bool))
-        if all(map(math.isfinite, (x, y, yaw))):
-            return x, y, yaw
+        x, y, yaw = (as_number(part) if isinstance(part, str) else part for part in parts)
+        return COORDINATE(x), COORDINATE(y), _YAW(yaw)
     except (TypeError, ValueError, OverflowError):
         pass
     raise error(where, value, 'X,Y,YAW [m, m, rad], such as 5,0,1.57')

@@ -10,8 +10,9 @@ from __future__ import annotations
 from typing import Any, Dict, List, Mapping
 
 from ..common.errors import ConfigurationError
+from ..common.kinds import as_number
 from ..common.shown import shown
-from ..motion.geometry import Pose2D, yaw_of_quaternion
+from ..motion.geometry import Pose2D, quaternion_fault, yaw_of_quaternion
 
 #: the names of parameters for the top speed of a local planner
 _SPEEDS = ('max_vel_x', 'max_vel_trans', 'max_trans_vel')
@@ -51,14 +52,22 @@ def _origin(raw: Mapping[str, Any], node: Any) -> Pose2D:
 
 
 def _pose(position: Dict[str, float], orientation: Dict[str, float]) -> Pose2D:
-    quaternion = [float(orientation[axis]) for axis in 'xyzw']
-    return Pose2D(float(position['x']), float(position['y']), yaw_of_quaternion(quaternion))
+    x, y, z, w = (_number(orientation[axis]) for axis in 'xyzw')
+    quaternion = x, y, z, w
+    fault = quaternion_fault(quaternion)
+    if fault:
+        raise ValueError(fault)
+    return Pose2D(_number(position['x']), _number(position['y']), yaw_of_quaternion(quaternion))
+
+
+def _number(value: Any) -> float:
+    return as_number(value) if isinstance(value, str) else float(value)
 
 
 def _edges(node: Dict[str, Any]) -> List[Dict[str, Any]]:
     edges: Dict[Any, Any] = {}
     for edge in node.get('edges') or ():
-        speeds = [float(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
+        speeds = [_number(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
         speed = {'speed': min(speeds)} if speeds else {}
         edges.setdefault(edge['node'], {'from': node['name'], 'to': edge['node'], 'one_way': True, **speed})
     return list(edges.values())

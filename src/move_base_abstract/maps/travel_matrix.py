@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import COORDINATE, check_keys, error, number, string
+from ..common.kinds import COORDINATE, as_number, check_keys, error, number, string
 from ..common.parameter_table import Parameter, kept_per_file, read_mapping
 from ..common.shown import shown
 from ..motion.geometry import share_along
@@ -112,7 +112,7 @@ def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
             if list(row) != CSV_COLUMNS:
                 raise error(f'{path}: columns', list(row), ','.join(CSV_COLUMNS))
             try:
-                numbers = [float(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
+                numbers = [as_number(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
             except (TypeError, ValueError):
                 raise error(where, dict(row), 'numbers, except for the names') from None
             for name, place in ((row['from'], tuple(numbers[:2])), (row['to'], tuple(numbers[2:4]))):

@@ -156,7 +156,7 @@ def _check(where: str, value: Any) -> str:
         raise kinds.error(where, value, ', '.join((ALL, *_forms(), ALWAYS, NEVER_AGAIN)))
     if takes is not None and (equals or not (asked and asked.is_usual)):
         try:
-            given = float(number)
+            given = kinds.as_number(number)
         except ValueError:
             raise kinds.error(where, value, f'{name}=NUMBER') from None
         takes.check(f'{where}: {name}', given)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _MOST_BEAMS = 10_000
 _FARTHEST = 1e6  # m
+_ON_ROBOT = number(-1000.0, 1000.0, unit='m, base frame')
 _ANGLES = number(-6.3, 6.3, unit='rad, laser frame')
 
 TABLE = (
@@ -30,8 +31,8 @@ TABLE = (
               'Standard deviation of each range.'),
     Parameter('scan_frame', 'base_laser_link', FRAME, "Frame of the scan; it gets the robot's `tf_prefix`."),
     Parameter('scan_topic', 'scan', TOPIC, "Topic of the scan, in the robot's namespace."),
-    Parameter('scan_x', 0.0, number(unit='m, base frame'), 'Position of the laser on the robot.'),
-    Parameter('scan_y', 0.0, number(unit='m, base frame'), 'Position of the laser on the robot.'),
+    Parameter('scan_x', 0.0, _ON_ROBOT, 'Position of the laser on the robot.'),
+    Parameter('scan_y', 0.0, _ON_ROBOT, 'Position of the laser on the robot.'),
     Parameter('scan_yaw', 0.0, number(unit='rad, base frame'), 'Heading of the laser on the robot.'),
 )
 

@@ -32,7 +32,7 @@ from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
 from ..common.errors import ConfigurationError
-from ..common.kinds import COORDINATE, error, integer, made_by, number, numbers, string
+from ..common.kinds import COORDINATE, as_number, error, integer, made_by, number, numbers, string
 from ..common.parameter_table import Parameter, checked, read_mapping
 from ..common.ros_names import robot_name
 from ..common.units import LAST_NS, seconds_to_ns
@@ -304,7 +304,7 @@ def rows_in(path: str, key: str, where: str, value_of: Callable[[str, str], Any]
 def as_value(cell: str) -> Union[float, str]:
     """Return the number that a cell of a CSV file is, or, if it is none, its text."""
     try:
-        return float(cell)
+        return as_number(cell)
     except ValueError:
         return cell
 

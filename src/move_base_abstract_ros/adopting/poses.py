@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from rosgraph.names import ns_join
 
+from move_base_abstract.common.kinds import as_number
+
 from . import kinds, worlds
 
 LOCALIZER, STAGE, SPAWNED, FRAME = 'localizer', 'Stage', 'spawned', 'frame'
@@ -209,7 +211,7 @@ def _number(value):
     if isinstance(value, bool):
         return None
     try:
-        found = float(value)
+        found = as_number(value) if isinstance(value, str) else float(value)
     except (TypeError, ValueError, OverflowError):
         return None
     return found if math.isfinite(found) else None

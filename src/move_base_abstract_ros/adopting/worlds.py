@@ -4,6 +4,8 @@ import os
 import re
 from typing import NamedTuple
 
+from move_base_abstract.common.kinds import as_number
+
 _TOKEN = re.compile(r'#[^\n]*|"([^"\n]*)"|([()\[\]])|([^\s()\[\]"#]+)')
 _LARGEST = 1 << 22  # characters
 _MOST_INCLUDED = 50
@@ -169,7 +171,7 @@ def _first(values, key):
 
 def _numbers(words):
     try:
-        found = [float(word) for word in words]
+        found = [as_number(word) for word in words]
     except ValueError:
         found = [math.nan]
     if not all(map(math.isfinite, found)):

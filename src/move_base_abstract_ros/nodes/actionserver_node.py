@@ -4,6 +4,7 @@ import sys
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import as_number
 from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract_ros.backends import STAGE
@@ -17,8 +18,8 @@ def _namespace(text):
     return text
 
 
-_ARGUMENTS = (('robot_name', _namespace), ('backend', str), ('max_speed', float), ('start_x', float),
-              ('start_y', float), ('pose_update_freq', float), ('acceleration', float))
+_ARGUMENTS = (('robot_name', _namespace), ('backend', str), ('max_speed', as_number), ('start_x', as_number),
+              ('start_y', as_number), ('pose_update_freq', as_number), ('acceleration', as_number))
 #: parameters that say where the global frame lies in Stage's world; one of them is enough
 STAGE_PLACE = ('stage_offset_x', 'stage_offset_y', 'stage_offset_yaw', 'stage_world_frame')
 ORIGINAL_OFFSET = (-162.0, -110.0)  # m, as written in the source of the original
@@ -73,5 +74,5 @@ def read_arguments(arguments):
             values[name] = convert(argument)
         except ValueError:
             raise ConfigurationError("argument {}: got '{}'; allowed: {}. {}".format(
-                name, shown_text(argument), 'a number' if convert is float else NAMESPACE_RULE, _USAGE)) from None
+                name, shown_text(argument), 'a number' if convert is as_number else NAMESPACE_RULE, _USAGE)) from None
     return values

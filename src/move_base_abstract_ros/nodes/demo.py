@@ -18,7 +18,7 @@ import rospy
 
 from move_base_abstract import mission
 from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract.common.kinds import number
+from move_base_abstract.common.kinds import integer, number
 from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.orders.policies import POLICIES
 from move_base_abstract_experiments.trials.metrics import summarise
@@ -191,7 +191,7 @@ def _parse(words):
     parser.add_argument('--robots', type=_COUNT, metavar='N',
                         help='number of robots (default: 5, or all of the mission; with --world 50)')
     parser.add_argument('--goals', type=_COUNT, metavar='K', help='goals of each robot, only with --csv (default: 6)')
-    parser.add_argument('--seed', type=int, metavar='S',
+    parser.add_argument('--seed', type=word_of(integer(0)), metavar='S',
                         help='seed of the choice of points or of the orders, only with --csv or --world (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
     parser.add_argument('--routes', action='store_true', help='drive around obstacles of the map, not straight')

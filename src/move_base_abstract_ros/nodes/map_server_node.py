@@ -16,7 +16,7 @@ from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import number
+from move_base_abstract.common.kinds import as_number, number
 from move_base_abstract.common.map_images import ImageRule
 from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.common.shown import shown_text
@@ -92,7 +92,7 @@ def _describe_old_form(arguments, raw, where):
     image, resolution = arguments
     values = read_table(raw, MAP_OLD_FORM, where)
     try:
-        resolution = number(above=0.0)(float(resolution))
+        resolution = number(above=0.0)(as_number(resolution))
     except ValueError:
         raise ConfigurationError("argument RESOLUTION: got '{}'; allowed: a finite number > 0 [m]\n{}".format(
             resolution, _USAGE)) from None
